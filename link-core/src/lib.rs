@@ -1,3 +1,89 @@
 #![no_std]
 #![forbid(unsafe_code)]
-//! Under construction.
+#![cfg_attr(test, allow(clippy::arithmetic_side_effects, clippy::as_conversions))]
+#![cfg_attr(docsrs, feature(doc_cfg))]
+//! What every sans-IO protocol core and every CAN transport share.
+//!
+//! A protocol core is a [`Machine`]: it takes frames, link events and ticks as [`Input`], and hands out
+//! [`Action`]s. It owns no socket, no clock, no queue of frames and no memory but its own fields. A transport is
+//! a [`Port`]: it sends what it is told to send, says when that was *on the bus*, and waits until the machine's
+//! deadline. [`drive`](drive()) joins the two, and is the only run loop.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`time`] | [`Instant`], a count of nanoseconds; with feature `std` a [`Clock`](time::Clock) |
+//! | [`timers`] | [`Timers`], the one place where a machine stores instants |
+//! | [`frame`] | [`Frame`], classic CAN with 11 or 29 bit identifiers |
+//! | [`wire`] | the same frame as bits: stuffing, CRC-15, exact length |
+//! | [`filter`] | acceptance filters |
+//! | [`link`] | what happens below the frame: bus-off, error-passive, bit rate, mode |
+//! | [`machine`] | the contract |
+//! | [`drive`](mod@drive) | the run loop and [`Port`] |
+//! | `embedded` | feature `embedded-can`: a [`Port`] on an `embedded_can` driver |
+//!
+//! # A machine, driven by hand
+//! ```
+//! use core::time::Duration;
+//! use link_core::{Action, Deadline, Frame, Input, Instant, Machine, StandardId, Timers, TxToken, timers::TimerKey};
+//!
+//! /// Sends an empty frame every 100 ms.
+//! struct Beacon {
+//!     timers: Timers<Beat, 1>,
+//!     on_the_bus: bool,
+//! }
+//!
+//! #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash)]
+//! struct Beat;
+//! impl TimerKey<1> for Beat {
+//!     const ALL: [Self; 1] = [Beat];
+//!     fn index(self) -> usize { 0 }
+//!     fn why(self) -> &'static str { "beacon interval" }
+//! }
+//!
+//! impl Machine for Beacon {
+//!     type Event = ();
+//!     fn input(&mut self, now: Instant, input: Input) {
+//!         let now = self.timers.advance(now);
+//!         if let Input::TxDone(..) = input {
+//!             self.on_the_bus = false;
+//!             self.timers.set(Beat, now + Duration::from_millis(100));
+//!         }
+//!     }
+//!     fn poll(&mut self, now: Instant) -> Option<Action<()>> {
+//!         self.timers.take_expired(now)?;
+//!         self.on_the_bus = true;
+//!         Some(Action::Transmit(TxToken(0), Frame::new(StandardId::ZERO, &[])?))
+//!     }
+//!     fn deadline(&self) -> Option<Deadline> { self.timers.next() }
+//!     fn max_in_flight(&self) -> usize { 1 }
+//! }
+//!
+//! let start = Instant::ZERO;
+//! let mut beacon = Beacon { timers: Timers::new(), on_the_bus: false };
+//! beacon.timers.set(Beat, start);
+//! assert!(matches!(beacon.handle(start, Input::Tick).next(), Some(Action::Transmit(..))));
+//! assert_eq!(beacon.deadline(), None, "it waits for the frame to be sent");
+//! ```
+
+#[cfg(feature = "std")]
+extern crate std;
+
+pub mod drive;
+#[cfg(feature = "embedded-can")]
+pub mod embedded;
+pub mod filter;
+pub mod frame;
+pub mod link;
+pub mod machine;
+pub mod time;
+pub mod timers;
+pub mod wire;
+
+pub use drive::{Port, drive};
+pub use embedded_can_types::{ExtendedId, Id, StandardId};
+pub use filter::{Filter, FilterSet};
+pub use frame::Frame;
+pub use link::{BitRate, BusErrorKind, LinkCommand, LinkEvent, Mode};
+pub use machine::{Action, Actions, Deadline, Input, Machine, TxOutcome, TxToken};
+pub use time::Instant;
+pub use timers::Timers;

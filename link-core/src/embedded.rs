@@ -1,0 +1,1 @@
+//! A [`Port`](crate::Port) on an `embedded_can` driver.

@@ -1,0 +1,269 @@
+//! The classic CAN frame.
+
+use core::fmt;
+
+use embedded_can_types::{ExtendedId, Id, StandardId};
+
+/// A classic CAN data or remote frame with an 11 or 29 bit identifier.
+///
+/// | part | values |
+/// |---|---|
+/// | identifier | [`Id::Standard`] 0 to 0x7FF, [`Id::Extended`] 0 to 0x1FFF_FFFF |
+/// | remote | a remote frame has a DLC, and no data |
+/// | DLC | 0 to 15; 9 to 15 mean 8 bytes (ISO 11898-1), and are kept because they are on the wire |
+/// | data | 0 to 8 bytes |
+///
+/// Two frames are equal when they are the same bits on the wire.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Frame {
+    id: Id,
+    remote: bool,
+    dlc: u8,
+    data: [u8; Frame::MAX_DATA],
+}
+
+impl Frame {
+    /// The most data bytes of a classic frame.
+    pub const MAX_DATA: usize = 8;
+    /// The greatest data length code.
+    pub const MAX_DLC: u8 = 15;
+
+    /// A data frame; `None` for more than eight bytes.
+    #[must_use]
+    pub fn new(id: impl Into<Id>, bytes: &[u8]) -> Option<Self> {
+        let mut data = [0; Self::MAX_DATA];
+        data.get_mut(..bytes.len())?.copy_from_slice(bytes);
+        Some(Self { id: id.into(), remote: false, dlc: u8::try_from(bytes.len()).ok()?, data })
+    }
+
+    /// A remote frame that asks for `dlc` bytes; `None` above [`MAX_DLC`](Self::MAX_DLC).
+    #[must_use]
+    pub fn remote(id: impl Into<Id>, dlc: u8) -> Option<Self> {
+        (dlc <= Self::MAX_DLC).then(|| Self { id: id.into(), remote: true, dlc, data: [0; Self::MAX_DATA] })
+    }
+
+    /// An eight-byte data frame whose data length code is 8 to 15; `None` for another code.
+    #[must_use]
+    pub fn with_dlc(id: impl Into<Id>, dlc: u8, data: [u8; Self::MAX_DATA]) -> Option<Self> {
+        (8..=Self::MAX_DLC).contains(&dlc).then(|| Self { id: id.into(), remote: false, dlc, data })
+    }
+
+    /// The identifier.
+    #[must_use]
+    pub const fn id(&self) -> Id {
+        self.id
+    }
+
+    /// The bits of the identifier, 11 or 29 of them.
+    #[must_use]
+    pub fn raw_id(&self) -> u32 {
+        match self.id {
+            Id::Standard(id) => u32::from(id.as_raw()),
+            Id::Extended(id) => id.as_raw(),
+        }
+    }
+
+    /// The 11-bit identifier of a data frame: `None` for a remote frame or 29 bits, which DeviceNet never uses.
+    #[must_use]
+    pub fn standard_data_id(&self) -> Option<StandardId> {
+        match self.id {
+            Id::Standard(id) if !self.remote => Some(id),
+            Id::Standard(_) | Id::Extended(_) => None,
+        }
+    }
+
+    /// Whether the identifier has 29 bits.
+    #[must_use]
+    pub const fn is_extended(&self) -> bool {
+        matches!(self.id, Id::Extended(_))
+    }
+
+    /// Whether it is a remote frame.
+    #[must_use]
+    pub const fn is_remote(&self) -> bool {
+        self.remote
+    }
+
+    /// The data length code as it is on the wire, 0 to 15.
+    #[must_use]
+    pub const fn dlc(&self) -> u8 {
+        self.dlc
+    }
+
+    /// The data: at most eight bytes, none in a remote frame.
+    #[must_use]
+    pub fn data(&self) -> &[u8] {
+        let len = if self.remote { 0 } else { usize::from(self.dlc).min(Self::MAX_DATA) };
+        self.data.get(..len).unwrap_or_default()
+    }
+
+    /// The order in which frames win arbitration: the smaller key wins.
+    ///
+    /// It is the arbitration field as sent, 32 bits: base identifier, RTR or SRR, IDE, identifier extension, RTR. So
+    /// at equal 11 bits a standard data frame beats a standard remote frame, which beats an extended frame.
+    #[must_use]
+    pub fn arbitration_key(&self) -> u32 {
+        let remote = u32::from(self.remote);
+        match self.id {
+            Id::Standard(id) => u32::from(id.as_raw()) << 21 | remote << 20,
+            Id::Extended(id) => {
+                let (base, extension) = (id.as_raw() >> 18, id.as_raw() & 0x3_FFFF);
+                base << 21 | 1 << 20 | 1 << 19 | extension << 1 | remote
+            }
+        }
+    }
+
+    /// The exact number of bits on the wire, stuff bits included, from start of frame to the end of frame. The three
+    /// bits of intermission that separate it from the next frame are not counted.
+    #[must_use]
+    pub fn bit_len(&self) -> u32 {
+        crate::wire::bit_len(self)
+    }
+
+    /// Converts from any frame that implements the `embedded_can` trait; `None` if its data are longer than eight
+    /// bytes.
+    #[must_use]
+    pub fn from_can(frame: &impl embedded_can_types::Frame) -> Option<Self> {
+        let dlc = frame.dlc();
+        if frame.is_remote_frame() {
+            return Self::remote(frame.id(), u8::try_from(dlc).ok()?);
+        }
+        Self::new(frame.id(), frame.data().get(..dlc.min(Self::MAX_DATA))?)
+    }
+
+    /// Converts to any frame that implements the `embedded_can` trait; `None` if that type refuses it.
+    #[must_use]
+    pub fn to_can<F: embedded_can_types::Frame>(&self) -> Option<F> {
+        if self.remote { F::new_remote(self.id, usize::from(self.dlc)) } else { F::new(self.id, self.data()) }
+    }
+}
+
+impl embedded_can_types::Frame for Frame {
+    fn new(id: impl Into<Id>, data: &[u8]) -> Option<Self> {
+        Self::new(id, data)
+    }
+
+    fn new_remote(id: impl Into<Id>, dlc: usize) -> Option<Self> {
+        Self::remote(id, u8::try_from(dlc).ok()?)
+    }
+
+    fn is_extended(&self) -> bool {
+        self.is_extended()
+    }
+
+    fn is_remote_frame(&self) -> bool {
+        self.is_remote()
+    }
+
+    fn id(&self) -> Id {
+        self.id
+    }
+
+    fn dlc(&self) -> usize {
+        usize::from(self.dlc).min(Self::MAX_DATA)
+    }
+
+    fn data(&self) -> &[u8] {
+        self.data()
+    }
+}
+
+/// `52F [7] 00 34 12 45 23 00 00`, `1FFE4433 [8] remote`: identifier, data length code and data, as candump shows them.
+impl fmt::Display for Frame {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.id {
+            Id::Standard(id) => write!(f, "{:03X} [{}]", id.as_raw(), self.dlc)?,
+            Id::Extended(id) => write!(f, "{:08X} [{}]", id.as_raw(), self.dlc)?,
+        }
+        if self.remote {
+            return f.write_str(" remote");
+        }
+        self.data().iter().try_for_each(|byte| write!(f, " {byte:02X}"))
+    }
+}
+
+impl fmt::Debug for Frame {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Frame({self})")
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl defmt::Format for Frame {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "{:X} [{}] {=[u8]:02X}", self.raw_id(), self.dlc, self.data());
+    }
+}
+
+/// Builds an identifier from a number that the caller knows to be in range, such as a constant of a layout; a number
+/// out of range is cut to 11 bits.
+#[must_use]
+pub const fn standard_id(raw: u16) -> StandardId {
+    match StandardId::new(raw & 0x7FF) {
+        Some(id) => id,
+        None => StandardId::MAX,
+    }
+}
+
+/// The same for 29 bits.
+#[must_use]
+pub const fn extended_id(raw: u32) -> ExtendedId {
+    match ExtendedId::new(raw & 0x1FFF_FFFF) {
+        Some(id) => id,
+        None => ExtendedId::MAX,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    extern crate std;
+    use std::{format, vec::Vec};
+
+    #[test]
+    fn refuses_what_does_not_fit() {
+        assert_eq!(Frame::new(StandardId::ZERO, &[0; 9]), None);
+        assert_eq!(Frame::remote(StandardId::ZERO, 16), None);
+        assert_eq!(Frame::with_dlc(StandardId::ZERO, 7, [0; 8]), None);
+    }
+
+    #[test]
+    fn a_dlc_above_eight_means_eight_bytes() {
+        let frame = Frame::with_dlc(StandardId::ZERO, 15, [1; 8]).unwrap();
+        assert_eq!((frame.dlc(), frame.data().len()), (15, 8));
+        assert_ne!(frame, Frame::new(StandardId::ZERO, &[1; 8]).unwrap());
+    }
+
+    #[test]
+    fn arbitration_order_at_equal_eleven_bits() {
+        let base = standard_id(0x123);
+        let same = extended_id(0x123 << 18);
+        let order = [
+            Frame::new(base, &[]).unwrap(),
+            Frame::remote(base, 0).unwrap(),
+            Frame::new(same, &[]).unwrap(),
+            Frame::remote(same, 0).unwrap(),
+            Frame::new(standard_id(0x124), &[]).unwrap(),
+        ];
+        let keys: Vec<u32> = order.iter().map(Frame::arbitration_key).collect();
+        assert!(keys.is_sorted_by(|a, b| a < b), "{keys:x?}");
+    }
+
+    #[test]
+    fn converts_to_and_from_other_frames() {
+        for frame in [
+            Frame::new(standard_id(0x52F), &[0, 0x34, 0x12]).unwrap(),
+            Frame::remote(extended_id(0x1FFE_4433), 8).unwrap(),
+        ] {
+            assert_eq!(Frame::from_can(&frame), Some(frame));
+            assert_eq!(frame.to_can::<Frame>(), Some(frame));
+        }
+    }
+
+    #[test]
+    fn shows_itself_as_candump_does() {
+        let frame = Frame::new(standard_id(0x52F), &[0, 0x34, 0xAB]).unwrap();
+        assert_eq!(format!("{frame}"), "52F [3] 00 34 AB");
+        assert_eq!(format!("{}", Frame::remote(extended_id(0x123), 8).unwrap()), "00000123 [8] remote");
+    }
+}

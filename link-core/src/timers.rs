@@ -1,0 +1,185 @@
+//! Absolute deadlines with a name.
+
+use core::marker::PhantomData;
+
+use core::time::Duration;
+
+use crate::machine::Deadline;
+use crate::time::Instant;
+
+/// The timers that a machine has, as an enumeration: each an index and a name.
+pub trait TimerKey<const N: usize>: Copy + 'static {
+    /// All of them, in the order in which they are served when several expire at once.
+    const ALL: [Self; N];
+    /// The place in [`ALL`](Self::ALL).
+    fn index(self) -> usize;
+    /// What is being waited for, in words ("duplicate MAC ID wait").
+    fn why(self) -> &'static str;
+}
+
+/// Every instant that a machine stores.
+///
+/// It also keeps the latest `now` that the machine was told, because time may not run backwards
+/// ([`advance`](Self::advance)). That all instants live here makes [`shift`](Self::shift) possible, by which a model
+/// checker tells apart states that differ in more than the time of day.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Timers<K, const N: usize> {
+    now: Instant,
+    at: [Option<Instant>; N],
+    key: PhantomData<K>,
+}
+
+impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
+    /// No timer runs, and the time is zero.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { now: Instant::ZERO, at: [None; N], key: PhantomData }
+    }
+
+    /// Takes note of the present moment, and returns it; a `now` before the last one is the last one.
+    pub fn advance(&mut self, now: Instant) -> Instant {
+        self.now = self.now.max(now);
+        self.now
+    }
+
+    /// The latest moment that was noted.
+    #[must_use]
+    pub const fn now(&self) -> Instant {
+        self.now
+    }
+
+    /// Starts or restarts a timer.
+    pub fn set(&mut self, key: K, at: Instant) {
+        if let Some(slot) = self.at.get_mut(key.index()) {
+            *slot = Some(at);
+        }
+    }
+
+    /// Starts or restarts a timer that expires `span` from the latest moment that was noted.
+    pub fn set_after(&mut self, key: K, span: Duration) {
+        self.set(key, self.now.saturating_add(span));
+    }
+
+    /// Stops a timer.
+    pub fn clear(&mut self, key: K) {
+        if let Some(slot) = self.at.get_mut(key.index()) {
+            *slot = None;
+        }
+    }
+
+    /// Stops all timers.
+    pub fn clear_all(&mut self) {
+        self.at = [None; N];
+    }
+
+    /// When a timer expires; `None` if it does not run.
+    #[must_use]
+    pub fn at(&self, key: K) -> Option<Instant> {
+        self.at.get(key.index()).copied().flatten()
+    }
+
+    /// Stops and returns the timer that expired first by `now`; of several at the same moment, the first in
+    /// [`TimerKey::ALL`].
+    pub fn take_expired(&mut self, now: Instant) -> Option<K> {
+        let (at, key) = self.earliest()?;
+        if at > now {
+            return None;
+        }
+        self.clear(key);
+        Some(key)
+    }
+
+    /// The next deadline.
+    #[must_use]
+    pub fn next(&self) -> Option<Deadline> {
+        self.earliest().map(|(at, key)| Deadline { at, why: key.why() })
+    }
+
+    /// Moves every stored instant, the noted present included, `span` towards zero.
+    pub fn shift(&mut self, span: Duration) {
+        self.now = self.now.saturating_sub(span);
+        for at in self.at.iter_mut().flatten() {
+            *at = at.saturating_sub(span);
+        }
+    }
+
+    fn earliest(&self) -> Option<(Instant, K)> {
+        // `min_by_key` keeps the first of equals.
+        K::ALL.into_iter().filter_map(|key| Some((self.at(key)?, key))).min_by_key(|(at, _)| *at)
+    }
+}
+
+impl<K: TimerKey<N>, const N: usize> Default for Timers<K, N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Clone, Copy, PartialEq, Eq, Debug)]
+    enum Key {
+        A,
+        B,
+    }
+
+    impl TimerKey<2> for Key {
+        const ALL: [Self; 2] = [Key::A, Key::B];
+        fn index(self) -> usize {
+            self as usize
+        }
+        fn why(self) -> &'static str {
+            match self {
+                Key::A => "a",
+                Key::B => "b",
+            }
+        }
+    }
+
+    const fn ms(millis: u64) -> Instant {
+        Instant::from_millis(millis)
+    }
+
+    #[test]
+    fn the_earliest_expires_first_and_only_once() {
+        let mut timers = Timers::<Key, 2>::new();
+        timers.set(Key::A, ms(5));
+        timers.set(Key::B, ms(3));
+        assert_eq!(timers.next(), Some(Deadline { at: ms(3), why: "b" }));
+        assert_eq!(timers.take_expired(ms(2)), None);
+        assert_eq!(timers.take_expired(ms(9)), Some(Key::B));
+        assert_eq!(timers.take_expired(ms(9)), Some(Key::A));
+        assert_eq!(timers.take_expired(ms(9)), None);
+    }
+
+    #[test]
+    fn equal_deadlines_are_served_in_the_order_of_the_keys() {
+        let mut timers = Timers::<Key, 2>::new();
+        timers.set(Key::B, ms(3));
+        timers.set(Key::A, ms(3));
+        assert_eq!(timers.take_expired(ms(3)), Some(Key::A));
+    }
+
+    #[test]
+    fn time_never_runs_backwards() {
+        let mut timers = Timers::<Key, 2>::new();
+        assert_eq!(timers.advance(ms(7)), ms(7));
+        assert_eq!(timers.advance(ms(4)), ms(7));
+    }
+
+    #[test]
+    fn shifting_makes_histories_of_equal_shape_equal() {
+        let mut early = Timers::<Key, 2>::new();
+        early.advance(ms(10));
+        early.set_after(Key::A, Duration::from_millis(5));
+        let mut late = Timers::<Key, 2>::new();
+        late.advance(ms(110));
+        late.set_after(Key::A, Duration::from_millis(5));
+        assert_ne!(early, late);
+        late.shift(Duration::from_millis(100));
+        assert_eq!(early, late);
+    }
+}

@@ -1,0 +1,377 @@
+//! A frame as the bits on the wire: fields, bit stuffing, CRC-15, exact length.
+//!
+//! | field | 11-bit identifier | 29-bit identifier |
+//! |---|---|---|
+//! | start of frame | 1, dominant | 1, dominant |
+//! | arbitration | identifier 11, RTR 1 | base identifier 11, SRR 1 (1), IDE 1 (1), extension 18, RTR 1 |
+//! | control | IDE 1 (0), r0 1 (0), DLC 4 | r1 1 (0), r0 1 (0), DLC 4 |
+//! | data | 8 times 0 to 8 | the same |
+//! | CRC | 15, delimiter 1 (1) | the same |
+//! | acknowledge | slot 1, delimiter 1 (1) | the same |
+//! | end of frame | 7 (1) | the same |
+//!
+//! So 44 + 8n or 64 + 8n bits for n data bytes before stuffing; three bits of intermission follow. From start of frame
+//! to the last CRC bit, five equal bits are followed by a stuff bit of the other polarity. A dominant bit is 0.
+//! Source: Bosch CAN Specification 2.0 (1991), parts A 3.1 and B 3.1; ISO 11898-1.
+
+use embedded_can_types::Id;
+
+use crate::frame::Frame;
+
+/// Bits from the CRC delimiter to the end of frame, which are not stuffed: delimiter, ACK slot, ACK delimiter, EOF 7.
+pub const TRAILER_BITS: u32 = 10;
+
+/// Recessive bits between a frame and whatever follows.
+pub const INTERMISSION_BITS: u32 = 3;
+
+/// The field that a bit belongs to.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Field {
+    /// Start of frame.
+    StartOfFrame,
+    /// Identifier, SRR, IDE of an extended frame, RTR: here a sender that sees dominant for recessive has lost, and
+    /// nothing is wrong. The IDE bit of a standard frame counts too: it decides against an extended frame.
+    Arbitration,
+    /// Reserved bits and data length code.
+    Control,
+    /// Data.
+    Data,
+    /// The 15 bits of the CRC.
+    Crc,
+    /// CRC delimiter.
+    CrcDelimiter,
+    /// ACK slot: sent recessive, and pulled dominant by every receiver without an error.
+    AckSlot,
+    /// ACK delimiter.
+    AckDelimiter,
+    /// End of frame.
+    EndOfFrame,
+}
+
+/// One bit of a frame as its sender puts it on the wire.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Bit {
+    /// `true` is recessive (1), `false` dominant (0).
+    pub recessive: bool,
+    /// Inserted by bit stuffing; it belongs to the field of the bit before it.
+    pub stuff: bool,
+    /// Where it belongs.
+    pub field: Field,
+}
+
+/// The bits of a frame, from start of frame to the end of frame, stuff bits included.
+#[derive(Clone, Debug)]
+pub struct Bits {
+    header: Header,
+    /// The next unstuffed bit.
+    next: u32,
+    run: u32,
+    last: bool,
+}
+
+/// The bits of `frame` in the order of sending.
+#[must_use]
+pub fn bits(frame: &Frame) -> Bits {
+    Bits { header: Header::of(frame), next: 0, run: 0, last: true }
+}
+
+/// The exact length from start of frame to the end of frame, stuff bits included.
+#[must_use]
+pub fn bit_len(frame: &Frame) -> u32 {
+    let header = Header::of(frame);
+    header.len.wrapping_add(header.stuff_bits()).wrapping_add(TRAILER_BITS)
+}
+
+/// CRC-15 of the low `len` bits of `value`, most significant first: polynomial 0x4599, initial value 0.
+#[must_use]
+pub fn crc15(value: u128, len: u32) -> u16 {
+    // With a zero initial value, leading zeros do not change the CRC, so the bits are taken as whole bytes.
+    let bytes = value.to_be_bytes();
+    let used = usize::try_from(len.div_ceil(8)).unwrap_or(bytes.len()).min(bytes.len());
+    let (_, message) = bytes.split_at(bytes.len().saturating_sub(used));
+    message.iter().fold(0_u16, |crc, &byte| {
+        let [high, _] = (crc << 1).to_be_bytes();
+        let entry = CRC_TABLE.get(usize::from(high ^ byte)).copied().unwrap_or_default();
+        (crc << 8 ^ entry) & 0x7FFF
+    })
+}
+
+impl Iterator for Bits {
+    type Item = Bit;
+
+    fn next(&mut self) -> Option<Bit> {
+        if self.run == STUFF_RUN && self.next <= self.header.len {
+            self.last = !self.last;
+            self.run = 1;
+            let field = self.header.field(self.next.saturating_sub(1));
+            return Some(Bit { recessive: self.last, stuff: true, field });
+        }
+        if self.next >= self.header.len.saturating_add(TRAILER_BITS) {
+            return None;
+        }
+        let recessive = self.header.bit(self.next);
+        let field = self.header.field(self.next);
+        self.next = self.next.saturating_add(1);
+        self.run = if self.next > self.header.len {
+            0
+        } else if recessive == self.last && self.run > 0 {
+            self.run.saturating_add(1)
+        } else {
+            1
+        };
+        self.last = recessive;
+        Some(Bit { recessive, stuff: false, field })
+    }
+}
+
+/// The bits that are stuffed, start of frame to CRC, before stuffing, right-aligned: at most 118.
+#[derive(Clone, Debug)]
+struct Header {
+    bits: u128,
+    len: u32,
+    arbitration_end: u32,
+    data_start: u32,
+    crc_start: u32,
+}
+
+impl Header {
+    fn of(frame: &Frame) -> Self {
+        // The arbitration key is the field as sent, left-aligned in 32 bits; a standard frame's ends with IDE.
+        let key = u128::from(frame.arbitration_key());
+        // The dominant start of frame is the zero above it. The extended frame's first reserved bit comes along.
+        let (mut bits, mut len, arbitration_end) = match frame.id() {
+            Id::Standard(_) => (key >> 19, 14_u32, 14),
+            Id::Extended(_) => (key << 1, 34, 33),
+        };
+        // r0 and the DLC are five bits.
+        bits = bits << 5 | u128::from(frame.dlc());
+        len = len.wrapping_add(5);
+        let data_start = len;
+        for &byte in frame.data() {
+            bits = bits << 8 | u128::from(byte);
+            len = len.wrapping_add(8);
+        }
+        let crc_start = len;
+        bits = bits << 15 | u128::from(crc15(bits, len));
+        Self { bits, len: len.wrapping_add(15), arbitration_end, data_start, crc_start }
+    }
+
+    fn bit(&self, index: u32) -> bool {
+        match self.len.checked_sub(index.saturating_add(1)) {
+            Some(shift) => self.bits >> shift & 1 == 1,
+            None => true,
+        }
+    }
+
+    fn field(&self, index: u32) -> Field {
+        if index == 0 {
+            return Field::StartOfFrame;
+        }
+        if index < self.arbitration_end {
+            return Field::Arbitration;
+        }
+        if index < self.data_start {
+            return Field::Control;
+        }
+        if index < self.crc_start {
+            return Field::Data;
+        }
+        match index.checked_sub(self.len) {
+            None => Field::Crc,
+            Some(0) => Field::CrcDelimiter,
+            Some(1) => Field::AckSlot,
+            Some(2) => Field::AckDelimiter,
+            Some(_) => Field::EndOfFrame,
+        }
+    }
+
+    /// Counts the stuff bits, four bits at a step.
+    fn stuff_bits(&self) -> u32 {
+        // Pad on the left to whole nibbles with alternating bits, which need no stuffing themselves and end in a
+        // recessive bit, so that the dominant start of frame begins a new run.
+        let padding = self.len.next_multiple_of(4).wrapping_sub(self.len);
+        let padded = self.bits | u128::from(PADDING & ((1_u8 << padding).wrapping_sub(1))) << self.len;
+        let mut left = self.len.wrapping_add(padding);
+        // The state before the first bit: one recessive bit was seen.
+        let mut state = 5_usize;
+        let mut stuffed = 0_u32;
+        while left > 0 {
+            left = left.wrapping_sub(4);
+            let [nibble, ..] = (padded >> left).to_le_bytes();
+            let index = state << 4 | usize::from(nibble & 0xF);
+            let step = STUFF_TABLE.get(index).copied().unwrap_or_default();
+            stuffed = stuffed.wrapping_add(u32::from(step >> 4));
+            state = usize::from(step & 0xF);
+        }
+        stuffed
+    }
+}
+
+const STUFF_RUN: u32 = 5;
+const PADDING: u8 = 0b0101;
+const CRC_POLYNOMIAL: u16 = 0x4599;
+const CRC_TABLE: [u16; 256] = crc_table();
+/// Indexed by state and nibble: the number of stuff bits inserted (high nibble) and the next state (low nibble). State
+/// 0 to 4 is a run of 1 to 5 dominant bits, 5 to 9 one of recessive bits.
+const STUFF_TABLE: [u8; 160] = stuff_table();
+
+const fn crc_table() -> [u16; 256] {
+    let mut table = [0; 256];
+    let mut rest: &mut [u16] = &mut table;
+    let mut byte: u16 = 0;
+    while let Some((entry, tail)) = rest.split_first_mut() {
+        // The register holds 15 bits: the byte goes to its upper end.
+        let mut crc = byte << 7;
+        let mut bit = 0_u8;
+        while bit < 8 {
+            crc = if crc & 0x4000 != 0 { (crc << 1 ^ CRC_POLYNOMIAL) & 0x7FFF } else { crc << 1 };
+            bit = bit.wrapping_add(1);
+        }
+        *entry = crc;
+        byte = byte.wrapping_add(1);
+        rest = tail;
+    }
+    table
+}
+
+const fn stuff_table() -> [u8; 160] {
+    let mut table = [0; 160];
+    let mut rest: &mut [u8] = &mut table;
+    let mut index: u8 = 0;
+    while let Some((entry, tail)) = rest.split_first_mut() {
+        let (mut state, nibble) = (index >> 4, index & 0xF);
+        let mut stuffed = 0_u8;
+        let mut mask = 8_u8;
+        while mask > 0 {
+            let first_of_polarity = if nibble & mask != 0 { 5 } else { 0 };
+            let same_polarity = (state >= 5) == (nibble & mask != 0);
+            state = if same_polarity { state.wrapping_add(1) } else { first_of_polarity };
+            if state == 4 || state == 9 {
+                // Five equal bits: the stuff bit begins a run of the other polarity.
+                stuffed = stuffed.wrapping_add(1);
+                state = if state == 4 { 5 } else { 0 };
+            }
+            mask >>= 1;
+        }
+        *entry = stuffed << 4 | state;
+        index = index.wrapping_add(1);
+        rest = tail;
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::{extended_id, standard_id};
+    use proptest::prelude::*;
+    extern crate std;
+    use std::vec::Vec;
+
+    /// The textbook bit-by-bit register of the Bosch specification, 3.1.1.
+    fn slow_crc(bits: &[bool]) -> u16 {
+        bits.iter().fold(0, |crc: u16, &bit| {
+            let next = bit != (crc & 0x4000 != 0);
+            let shifted = crc << 1 & 0x7FFF;
+            if next { shifted ^ 0x4599 } else { shifted }
+        })
+    }
+
+    fn any_frame() -> impl Strategy<Value = Frame> {
+        let id = prop_oneof![
+            (0_u16..=0x7FF).prop_map(|raw| Id::from(standard_id(raw))),
+            (0_u32..=0x1FFF_FFFF).prop_map(|raw| Id::from(extended_id(raw))),
+        ];
+        // Bytes of long runs, so that stuffing happens.
+        let byte = prop_oneof![Just(0x00), Just(0xFF), Just(0x0F), any::<u8>()];
+        prop_oneof![
+            (id.clone(), prop::collection::vec(byte, 0..=8))
+                .prop_map(|(id, data)| Frame::new(id, &data).unwrap()),
+            (id.clone(), 0_u8..=15).prop_map(|(id, dlc)| Frame::remote(id, dlc).unwrap()),
+            (id, 8_u8..=15, any::<[u8; 8]>())
+                .prop_map(|(id, dlc, data)| Frame::with_dlc(id, dlc, data).unwrap()),
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn the_length_is_the_number_of_bits(frame in any_frame()) {
+            prop_assert_eq!(usize::try_from(bit_len(&frame)).unwrap(), bits(&frame).count());
+        }
+
+        #[test]
+        fn never_six_equal_bits_where_bits_are_stuffed(frame in any_frame()) {
+            let stuffed: Vec<bool> =
+                bits(&frame).take_while(|bit| bit.field <= Field::Crc).map(|bit| bit.recessive).collect();
+            prop_assert!(stuffed.windows(6).all(|six| six.iter().any(|&bit| bit != six[0])));
+        }
+
+        #[test]
+        fn the_crc_of_message_and_crc_is_zero(frame in any_frame()) {
+            let unstuffed: Vec<bool> = bits(&frame)
+                .filter(|bit| !bit.stuff && bit.field <= Field::Crc)
+                .map(|bit| bit.recessive)
+                .collect();
+            prop_assert_eq!(slow_crc(&unstuffed), 0);
+        }
+    }
+
+    /// Networking with DeviceNet (Circuit Cellar 98, 1998): "a frame can range from 44 to 108 bits".
+    #[test]
+    fn a_standard_frame_has_44_to_108_bits_before_stuffing() {
+        for (len, expected) in [(0, 44), (8, 108)] {
+            let frame = Frame::new(standard_id(0x555), &[0x55; 8][..len]).unwrap();
+            assert_eq!(bits(&frame).filter(|bit| !bit.stuff).count(), expected);
+        }
+    }
+
+    #[test]
+    fn an_extended_frame_has_20_bits_more() {
+        let frame = Frame::new(extended_id(0x1555_5555), &[0x55; 8]).unwrap();
+        assert_eq!(bits(&frame).filter(|bit| !bit.stuff).count(), 128);
+    }
+
+    #[test]
+    fn the_worst_case_of_stuffing_is_not_exceeded() {
+        for len in 0..=8_usize {
+            let worst = (0..=0x7FF_u16)
+                .flat_map(|id| [0x00, 0xFF, 0x0F, 0xF0, 0x1F, 0x3C, 0x78].map(|byte| (id, byte)))
+                .map(|(id, byte)| bit_len(&Frame::new(standard_id(id), &[byte; 8][..len]).unwrap()))
+                .max()
+                .unwrap();
+            let n = u32::try_from(len).unwrap();
+            assert!(worst <= 44 + 8 * n + (34 + 8 * n - 1) / 4, "{worst} bits with {len} bytes");
+        }
+    }
+
+    /// All dominant up to the CRC, so the stuffing can be counted by hand: identifier 0, DLC 0 is 19 zero bits, and the
+    /// CRC of zeros is 0: 34 dominant bits, and after every fifth of them a recessive stuff bit: 6.
+    #[test]
+    fn a_frame_of_zeros_counted_by_hand() {
+        assert_eq!(bit_len(&Frame::new(standard_id(0), &[]).unwrap()), 44 + 6);
+    }
+
+    #[test]
+    fn fields_come_in_order_and_in_full() {
+        let frame = Frame::new(standard_id(0x52F), &[1, 2]).unwrap();
+        let count = |field| bits(&frame).filter(|bit| !bit.stuff && bit.field == field).count();
+        assert!(bits(&frame).is_sorted_by_key(|bit| bit.field));
+        assert_eq!(
+            [
+                Field::StartOfFrame,
+                Field::Arbitration,
+                Field::Control,
+                Field::Data,
+                Field::Crc,
+                Field::CrcDelimiter,
+                Field::AckSlot,
+                Field::AckDelimiter,
+                Field::EndOfFrame
+            ]
+            .map(count),
+            [1, 13, 5, 16, 15, 1, 1, 1, 7]
+        );
+    }
+}
