@@ -105,13 +105,14 @@ impl fmt::Display for Instant {
 /// Joins [`Instant`] to the standard library's clock: an epoch, and the way there and back.
 ///
 /// ```
-/// # use core::time::Duration;
+/// use core::time::Duration;
 /// use link_core::time::Clock;
 /// let clock = Clock::start();
-/// let now = clock.now();
-/// // Sleep until a deadline:
-/// std::thread::sleep(clock.until(now + Duration::from_micros(1)));
-/// assert!(clock.now() > now);
+/// let deadline = clock.now() + Duration::from_millis(75);
+/// // What a run loop gives to its poll or sleep:
+/// let wait = clock.until(deadline);
+/// assert!(wait <= Duration::from_millis(75));
+/// assert_eq!(clock.to_std(deadline).map(|at| clock.instant(at)), Some(deadline));
 /// ```
 #[cfg(feature = "std")]
 #[derive(Clone, Copy, Debug)]
@@ -136,7 +137,7 @@ impl Clock {
     /// A moment of the standard library as ours; one before the epoch is zero.
     #[must_use]
     pub fn instant(&self, at: std::time::Instant) -> Instant {
-        Instant::ZERO + at.saturating_duration_since(self.epoch)
+        Instant::ZERO.saturating_add(at.saturating_duration_since(self.epoch))
     }
 
     /// Our moment as one of the standard library; `None` where the platform cannot express it.
