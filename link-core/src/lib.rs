@@ -1,7 +1,6 @@
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(test, allow(clippy::arithmetic_side_effects, clippy::as_conversions))]
-#![cfg_attr(docsrs, feature(doc_cfg))]
 //! What every sans-IO protocol core and every CAN transport share.
 //!
 //! A protocol core is a [`Machine`]: it takes frames, link events and ticks as [`Input`], and hands out

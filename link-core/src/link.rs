@@ -90,7 +90,6 @@ impl LinkCommand {
 /// What a controller tells its machine.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
 pub enum LinkEvent {
     /// The controller takes part in the bus: after power-up, after a cable or an interface came back, and after
     /// [`LinkCommand::Reset`] once the bus-off recovery sequence was seen.
