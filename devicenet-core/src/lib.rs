@@ -1,3 +1,11 @@
+//! DeviceNet
 #![no_std]
 #![forbid(unsafe_code)]
-//! Under construction.
+#![cfg_attr(test, allow(clippy::arithmetic_side_effects, clippy::as_conversions))]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod id;
+
+pub use id::{Identifier, MacId};
