@@ -1,3 +1,50 @@
+//! CIP (Common Industrial Protocol) without a network: what every object, client, server and decoder of a CIP network
+//! on CAN needs to read and write, and nothing that sends or waits.
+//!
+//! | Module | Content |
+//! |---|---|
+//! | [`codec`] | bounded reading and writing of bytes, the [`Wire`](codec::Wire) trait |
+//! | [`code`] | service codes, general statuses, class, instance and attribute IDs, vendors, device types, data types |
+//! | [`epath`] | paths to objects, attributes and devices |
+//! | [`message`] | explicit request and response bodies in the five body formats, and the bodies of the services |
+//! | [`fragment`] | cutting and reassembly of messages longer than a CAN frame |
+//! | [`text`] | formatting without allocation |
+//!
+//! Everything is `no_std` without `alloc`. Bytes from the bus can be wrong in any way: they yield a typed error that
+//! names the field, never a panic. Codes are open: a value without a name survives a round trip and prints as a number.
+//!
+//! # A request, decoded
+//!
+//! ```
+//! use cip_core::code::{AttributeId, ClassId, InstanceId, ServiceCode};
+//! use cip_core::message::{BodyFormat, Request};
+//!
+//! // Get_Attribute_Single, Identity object, instance 1, attribute 7 (product name), in the 8/8 format.
+//! let body = [0x0E, 0x01, 0x01, 0x07];
+//! let request = Request::parse(BodyFormat::Class8Instance8, &body)?;
+//! assert_eq!(request.service, ServiceCode::GET_ATTRIBUTE_SINGLE);
+//! assert_eq!(request.target.class(), Some(ClassId::IDENTITY));
+//! assert_eq!(request.target.instance(), Some(InstanceId(1)));
+//! let access = request.attribute_access()?;
+//! assert_eq!(access.attribute, AttributeId(7));
+//! assert_eq!(request.to_string(), "Get_Attribute_Single Identity instance 1, data 07");
+//! # Ok::<(), cip_core::codec::ParseError>(())
+//! ```
+//!
+//! # Features
+//!
+//! All are additive. `serde` derives serialisation, `defmt` the formatting of embedded loggers, `std` passes itself on
+//! to the dependencies.
+
 #![no_std]
 #![forbid(unsafe_code)]
-//! Under construction.
+
+#[cfg(test)]
+extern crate std;
+
+pub mod code;
+pub mod codec;
+pub mod epath;
+pub mod fragment;
+pub mod message;
+pub mod text;

@@ -1,0 +1,212 @@
+//! Lists: attribute IDs, instances, statuses, values.
+
+use core::fmt;
+
+use crate::code::{AttributeId, GeneralStatus, InstanceId};
+use crate::codec::{Full, ParseError, Reader, Tail, Wire, Writer};
+use crate::text::write_decimal;
+
+/// A 16-bit count and as many 16-bit numbers: the request of Get_Attribute_List, and attributes such as the object
+/// list of the Message Router.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct UintList<'a> {
+    items: &'a [u8],
+}
+
+impl<'a> UintList<'a> {
+    /// The numbers.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = u16> + use<'a> {
+        self.items.as_chunks::<2>().0.iter().map(|&bytes| u16::from_le_bytes(bytes))
+    }
+
+    /// The numbers as attributes.
+    pub fn attributes(&self) -> impl ExactSizeIterator<Item = AttributeId> + use<'a> {
+        self.iter().map(AttributeId)
+    }
+
+    /// Writes a list of `numbers`.
+    pub fn emit_numbers(numbers: &[u16], out: &mut Writer<'_>) -> Result<(), Full> {
+        out.u16(u16::try_from(numbers.len()).map_err(|_| Full)?)?;
+        numbers.iter().try_for_each(|&number| out.u16(number))
+    }
+}
+
+impl<'a> Wire<'a> for UintList<'a> {
+    const NAME: &'static str = "list of UINT";
+
+    fn read(reader: &mut Reader<'a>) -> Result<Self, ParseError> {
+        let count = usize::from(reader.u16("count")?);
+        Ok(Self { items: reader.bytes(count.saturating_mul(2), "list")? })
+    }
+
+    fn emit(&self, out: &mut Writer<'_>) -> Result<(), Full> {
+        out.u16(u16::try_from(self.items.len() / 2).map_err(|_| Full)?)?;
+        out.bytes(self.items)
+    }
+
+    fn wire_len(&self) -> usize {
+        self.items.len().saturating_add(2)
+    }
+}
+
+impl fmt::Display for UintList<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("[")?;
+        for (index, number) in self.iter().enumerate() {
+            if index != 0 {
+                f.write_str(", ")?;
+            }
+            write_decimal(f, number.into())?;
+        }
+        f.write_str("]")
+    }
+}
+
+/// The response of Find_Next_Object_Instance: an 8-bit count and as many 16-bit instances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct InstanceList<'a> {
+    items: &'a [u8],
+}
+
+impl<'a> InstanceList<'a> {
+    /// The instances.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = InstanceId> + use<'a> {
+        self.items.as_chunks::<2>().0.iter().map(|&bytes| InstanceId(u16::from_le_bytes(bytes)))
+    }
+}
+
+impl<'a> Wire<'a> for InstanceList<'a> {
+    const NAME: &'static str = "Find_Next_Object_Instance response";
+
+    fn read(reader: &mut Reader<'a>) -> Result<Self, ParseError> {
+        let count = usize::from(reader.u8("count")?);
+        Ok(Self { items: reader.bytes(count.saturating_mul(2), "instances")? })
+    }
+
+    fn emit(&self, out: &mut Writer<'_>) -> Result<(), Full> {
+        out.u8(u8::try_from(self.items.len() / 2).map_err(|_| Full)?)?;
+        out.bytes(self.items)
+    }
+
+    fn wire_len(&self) -> usize {
+        self.items.len().saturating_add(1)
+    }
+}
+
+/// The response of Set_Attribute_List: a 16-bit count, then for each attribute its 16-bit ID and a 16-bit status.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct AttributeStatusList<'a> {
+    items: &'a [u8],
+}
+
+impl<'a> AttributeStatusList<'a> {
+    /// The attributes and their statuses; the high byte of a status is 0.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = (AttributeId, u16)> + use<'a> {
+        self.items.as_chunks::<4>().0.iter().map(|&[id_low, id_high, low, high]| {
+            (AttributeId(u16::from_le_bytes([id_low, id_high])), u16::from_le_bytes([low, high]))
+        })
+    }
+}
+
+impl<'a> Wire<'a> for AttributeStatusList<'a> {
+    const NAME: &'static str = "Set_Attribute_List response";
+
+    fn read(reader: &mut Reader<'a>) -> Result<Self, ParseError> {
+        let count = usize::from(reader.u16("count")?);
+        Ok(Self { items: reader.bytes(count.saturating_mul(4), "statuses")? })
+    }
+
+    fn emit(&self, out: &mut Writer<'_>) -> Result<(), Full> {
+        out.u16(u16::try_from(self.items.len() / 4).map_err(|_| Full)?)?;
+        out.bytes(self.items)
+    }
+
+    fn wire_len(&self) -> usize {
+        self.items.len().saturating_add(2)
+    }
+}
+
+/// The response of Get_Attribute_List: a 16-bit count, then for each attribute its 16-bit ID, a 16-bit status and, if
+/// that is 0, the value. The bytes do not tell how long a value is: the reader must know the attributes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct AttributeReplies<'a> {
+    count: u16,
+    items: &'a [u8],
+}
+
+/// One attribute in the response of Get_Attribute_List.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct AttributeReply<'a> {
+    /// The attribute.
+    pub attribute: AttributeId,
+    /// The value, or why there is none.
+    pub value: Result<&'a [u8], GeneralStatus>,
+}
+
+impl<'a> AttributeReplies<'a> {
+    /// The number of attributes.
+    pub const fn count(&self) -> u16 {
+        self.count
+    }
+
+    /// The attributes in their order. `len` tells how many bytes the value of an attribute takes, given the bytes that
+    /// start with it; `None` ends the list with an error.
+    pub fn iter(
+        &self,
+        len: impl Fn(AttributeId, &'a [u8]) -> Option<usize>,
+    ) -> impl Iterator<Item = Result<AttributeReply<'a>, ParseError>> {
+        let mut reader = Reader::new(self.items);
+        let mut left = self.count;
+        core::iter::from_fn(move || {
+            left = left.checked_sub(1)?;
+            let reply = read_reply(&mut reader, &len);
+            if reply.is_err() {
+                left = 0;
+            }
+            Some(reply)
+        })
+    }
+}
+
+impl<'a> Wire<'a> for AttributeReplies<'a> {
+    const NAME: &'static str = "Get_Attribute_List response";
+    const TAIL: Tail = Tail::Open;
+
+    fn read(reader: &mut Reader<'a>) -> Result<Self, ParseError> {
+        Ok(Self { count: reader.u16("count")?, items: reader.rest() })
+    }
+
+    fn emit(&self, out: &mut Writer<'_>) -> Result<(), Full> {
+        out.u16(self.count)?;
+        out.bytes(self.items)
+    }
+
+    fn wire_len(&self) -> usize {
+        self.items.len().saturating_add(2)
+    }
+}
+
+fn read_reply<'a>(
+    reader: &mut Reader<'a>,
+    len: &impl Fn(AttributeId, &'a [u8]) -> Option<usize>,
+) -> Result<AttributeReply<'a>, ParseError> {
+    let attribute = AttributeId(reader.u16("attribute")?);
+    let [status, _] = reader.array("status")?;
+    if status != 0 {
+        return Ok(AttributeReply { attribute, value: Err(GeneralStatus(status)) });
+    }
+    let offset = reader.offset();
+    let len = len(attribute, reader.peek());
+    let len = len.ok_or(ParseError::value("attribute of unknown length", offset, attribute.0.into()))?;
+    Ok(AttributeReply { attribute, value: Ok(reader.bytes(len, "value")?) })
+}

@@ -1,0 +1,259 @@
+use super::*;
+use crate::code::{AdditionalCode, AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode};
+use crate::codec::{Full, ParseErrorKind, Tail, Wire, Writer, laws};
+use crate::epath::Epath;
+use proptest::{collection::vec, prelude::*};
+use std::string::ToString;
+use std::vec::Vec;
+
+const FORMAT_8_8: BodyFormat = BodyFormat::Class8Instance8;
+const FORMAT_16_16: BodyFormat = BodyFormat::Class16Instance16;
+
+/// Emits `request` and checks every law on the way.
+#[track_caller]
+fn emitted(request: &Request<'_>, format: BodyFormat) -> Vec<u8> {
+    let mut buffer = [0; 80];
+    let mut out = Writer::new(&mut buffer);
+    request.emit(format, &mut out).unwrap();
+    assert_eq!(out.len(), request.wire_len(format));
+    out.written().to_vec()
+}
+
+/// Parses `body`, which is printed in a manual or stands in a capture, and checks that it is emitted again.
+#[track_caller]
+fn golden(format: BodyFormat, body: &[u8]) -> Request<'_> {
+    let request = Request::parse(format, body).unwrap();
+    assert_eq!(emitted(&request, format), body);
+    request
+}
+
+/// ICP DAS CAN-8124/8224/8424 User Manual v2.0, p. 112: explicit, poll and bit-strobe for master 10.
+#[test]
+fn allocate_as_printed_by_icp_das() {
+    let request = golden(FORMAT_8_8, &[0x4B, 0x03, 0x01, 0x07, 0x0A]);
+    assert_eq!(
+        request,
+        Request::new(ServiceCode::ALLOCATE, ClassId::DEVICENET, InstanceId(1), &[0x07, 0x0A])
+    );
+    let allocate = AllocateRequest::parse(request.data).unwrap();
+    let choice = AllocationChoice::EXPLICIT | AllocationChoice::POLL | AllocationChoice::BIT_STROBE;
+    assert_eq!(allocate, AllocateRequest { choice, allocator: 10 });
+    assert_eq!(allocate.choice.to_string(), "explicit + poll + bit-strobe");
+}
+
+/// ICP DAS I-7242D User Manual v1.1, p. 83: EPR of instance 4 to 3594 ms.
+#[test]
+fn set_epr_as_printed_by_icp_das() {
+    let request = golden(FORMAT_8_8, &[0x10, 0x05, 0x04, 0x09, 0x0A, 0x0E]);
+    assert_eq!(request.target.class(), Some(ClassId::CONNECTION));
+    let access = request.attribute_access().unwrap();
+    assert_eq!(access, AttributeAccess { attribute: AttributeId(9), value: &3594_u16.to_le_bytes() });
+}
+
+/// ICP DAS CAN-8124/8224/8424 User Manual v2.0, p. 113: the value used is 3600 ms.
+#[test]
+fn set_epr_response_carries_the_value_used() {
+    let response = Response::parse(&[0x90, 0x10, 0x0E]).unwrap();
+    let data = &3600_u16.to_le_bytes();
+    assert_eq!(response, Response::Success { service: ServiceCode::SET_ATTRIBUTE_SINGLE, data });
+}
+
+/// BEI Ideacod / POSITAL UME-OCD-D2, p. 10: a Release with bit 6, which is reserved there.
+#[test]
+fn release_with_bit_6_is_kept() {
+    let request = golden(FORMAT_8_8, &[0x4C, 0x03, 0x01, 0x51]);
+    let release = ReleaseRequest::parse(request.data).unwrap();
+    assert_eq!(release.choice.bits(), 0x51);
+    assert_eq!(release.choice.to_string(), "explicit + change of state + acknowledge suppression");
+}
+
+/// Capture of an IAI controller: Get Vendor ID with 16-bit class and instance.
+#[test]
+fn sixteen_bit_addressing_of_an_iai_controller() {
+    let request = golden(FORMAT_16_16, &[0x0E, 0x01, 0x00, 0x01, 0x00, 0x01]);
+    assert_eq!(request.target, Target::Object { class: ClassId::IDENTITY, instance: InstanceId(1) });
+    assert_eq!(request.attribute_access().unwrap().attribute, AttributeId(1));
+    assert_eq!(AllocateResponse::parse(&[2]).unwrap().body_format, FORMAT_16_16.code());
+}
+
+/// Test fixture of AnlangA/devicenet-identifier-analyzer: an invalid service on the unconnected port.
+#[test]
+fn error_on_the_unconnected_port() {
+    let response = Response::parse(&[0x94, 0x02, 0x03]).unwrap();
+    let status = GeneralStatus::RESOURCE_UNAVAILABLE;
+    assert_eq!(response, Response::Error { status, additional: AdditionalCode::INVALID_UNCONNECTED_SERVICE });
+    assert_eq!(response.to_string(), "error 0x02 Resource unavailable, additional 0x03");
+}
+
+#[test]
+fn an_error_response_has_exactly_three_bytes() {
+    assert!(Response::parse(&[0x94]).unwrap_err().is_short());
+    assert!(Response::parse(&[0x94, 0x08]).unwrap_err().is_short());
+    let error = Response::parse(&[0x94, 0x08, 0xFF, 0x00]).unwrap_err();
+    assert_eq!(error.kind, ParseErrorKind::Trailing { found: 1 });
+}
+
+#[test]
+fn direction_is_part_of_the_service_byte() {
+    assert_eq!(Request::parse(FORMAT_8_8, &[0x8E, 1, 1]).unwrap_err().field, "service");
+    assert_eq!(Response::parse(&[0x0E]).unwrap_err().field, "service");
+}
+
+#[test]
+fn the_path_of_format_4_may_name_the_attribute() {
+    let with = golden(BodyFormat::CipPath, &[0x0E, 0x03, 0x20, 0x04, 0x24, 0x65, 0x30, 0x03]);
+    assert_eq!(with.attribute_access(), Ok(AttributeAccess { attribute: AttributeId(3), value: &[] }));
+    assert_eq!(with.target.instance(), Some(InstanceId(101)));
+    assert_eq!(with.to_string(), "Get_Attribute_Single class 4 instance 101 attribute 3");
+
+    let without = golden(BodyFormat::CipPath, &[0x10, 0x02, 0x20, 0x04, 0x24, 0x65, 0x03, 0x07]);
+    assert_eq!(without.attribute_access(), Ok(AttributeAccess { attribute: AttributeId(3), value: &[7] }));
+}
+
+#[test]
+fn requests_that_a_format_cannot_address() {
+    let wide = Request::new(ServiceCode::RESET, ClassId(0x300), InstanceId(0x101), &[]);
+    let mut buffer = [0; 16];
+    for format in BodyFormat::ALL {
+        let mut out = Writer::new(&mut buffer);
+        let expected = if format.can_address(ClassId(0x300), InstanceId(0x101)) {
+            Ok(())
+        } else {
+            Err(EmitError::NotAddressable(format))
+        };
+        assert_eq!(wide.emit(format, &mut out), expected, "{format}");
+        assert_eq!(out.is_empty(), expected.is_err());
+    }
+    let path = Target::Path(Epath::packed(&[0x20, 0x01, 0x24]));
+    let odd = Request { service: ServiceCode::RESET, target: path, data: &[] };
+    let error = odd.emit(BodyFormat::CipPath, &mut Writer::new(&mut buffer));
+    assert_eq!(error, Err(EmitError::NotAddressable(BodyFormat::CipPath)));
+}
+
+#[test]
+fn an_attribute_request_puts_the_attribute_where_the_format_wants_it() {
+    let request = AttributeRequest::set(ClassId(0x300), InstanceId(5), AttributeId(3), &[0xAA]);
+    let mut buffer = [0; 16];
+    let mut out = Writer::new(&mut buffer);
+    request.emit(BodyFormat::CipPath, &mut out).unwrap();
+    let read = Request::parse(BodyFormat::CipPath, out.written()).unwrap();
+    assert_eq!(read.target.class(), Some(ClassId(0x300)));
+    assert_eq!(read.attribute_access(), Ok(AttributeAccess { attribute: AttributeId(3), value: &[0xAA] }));
+
+    let wide = AttributeRequest { attribute: AttributeId(256), ..request };
+    let error = wide.emit(FORMAT_16_16, &mut Writer::new(&mut [0; 16]));
+    assert_eq!(error, Err(EmitError::NotAddressable(FORMAT_16_16)));
+    assert_eq!(request.emit(FORMAT_16_16, &mut Writer::new(&mut [0; 6])), Err(EmitError::Full(Full)));
+}
+
+#[test]
+fn unknown_bits_of_a_choice_survive() {
+    for bits in 0..=u8::MAX {
+        let choice = AllocationChoice::from_bits_retain(bits);
+        assert_eq!(choice.bits(), bits);
+        laws::round_trip(&AllocateRequest { choice, allocator: bits }, &mut [0; 3]);
+        laws::round_trip(&ReleaseRequest { choice }, &mut [0; 2]);
+    }
+    assert_eq!(AllocationChoice::from_bits_retain(0x81).to_string(), "explicit + reserved 0x80");
+    assert_eq!(AllocationChoice::empty().to_string(), "nothing");
+}
+
+#[test]
+fn reset_types() {
+    laws::round_trip(&ResetRequest { kind: None }, &mut [0; 2]);
+    laws::round_trip(&ResetRequest { kind: Some(ResetType::OUT_OF_BOX) }, &mut [0; 2]);
+    assert!(ResetRequest::parse(&[0, 0]).is_err());
+    assert!(ResetType(100).is_vendor_specific() && !ResetType(99).is_vendor_specific());
+}
+
+#[test]
+fn replies_of_get_attribute_list() {
+    let bytes = [3, 0, 1, 0, 0, 0, 0x2F, 0x00, 9, 0, 0x14, 0, 7, 0, 0, 0, 2, b'D', b'N'];
+    let replies = AttributeReplies::parse(&bytes).unwrap();
+    let len = |id: AttributeId, data: &[u8]| match id.0 {
+        1 => Some(2),
+        7 => Some(usize::from(*data.first()?) + 1),
+        _ => None,
+    };
+    let found: Vec<_> = replies.iter(len).map(|reply| reply.unwrap().value).collect();
+    assert_eq!(found, [Ok(&[0x2F, 0x00][..]), Err(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED), Ok(b"\x02DN")]);
+    assert_eq!(replies.iter(|_, _| None).count(), 1);
+}
+
+#[test]
+fn multiple_service_packets_survive() {
+    let services: [&[u8]; 3] = [&[0x0E, 1, 1, 1], &[], &[0x05, 1, 1]];
+    let mut buffer = [0; 40];
+    let mut out = Writer::new(&mut buffer);
+    emit_packets(&services, &mut out).unwrap();
+    let packet = MultipleServicePacket::parse(out.written()).unwrap();
+    assert!(packet.services().eq(services));
+
+    for bad in [&[1, 0, 3, 0][..], &[1, 0, 5, 0, 0], &[2, 0, 6, 0, 5, 0], &[2, 0, 6, 0, 7, 0], &[0, 0, 1]] {
+        assert!(MultipleServicePacket::parse(bad).is_err(), "{bad:02X?}");
+    }
+    assert_eq!(MultipleServicePacket::parse(&[0, 0]).unwrap().services().count(), 0);
+}
+
+fn formats() -> impl Strategy<Value = BodyFormat> {
+    prop::sample::select(&BodyFormat::ALL[..])
+}
+
+proptest! {
+    #[test]
+    fn requests_survive(format in formats(), service in 0..0x80_u8, class: u16, instance: u16, data in vec(any::<u8>(), 0..40)) {
+        prop_assume!(format.can_address(ClassId(class), InstanceId(instance)));
+        let request = Request::new(ServiceCode(service), ClassId(class), InstanceId(instance), &data);
+        let body = emitted(&request, format);
+        let read = Request::parse(format, &body).unwrap();
+        prop_assert_eq!((read.service, read.data), (request.service, request.data));
+        prop_assert_eq!((read.target.class(), read.target.instance()), (Some(ClassId(class)), Some(InstanceId(instance))));
+        let mut buffer = [0; 64];
+        laws::round_trip_by(
+            &read,
+            Tail::Open,
+            &mut buffer,
+            |bytes| Request::parse(format, bytes),
+            |request, out| request.emit(format, out),
+            |request| request.wire_len(format),
+        );
+    }
+
+    #[test]
+    fn accepted_requests_are_emitted_again(format in formats(), body in vec(any::<u8>(), 0..40)) {
+        if let Ok(request) = Request::parse(format, &body) {
+            let _ = request.to_string();
+            let _ = request.attribute_access();
+            prop_assert_eq!(emitted(&request, format), body);
+        }
+    }
+
+    #[test]
+    fn accepted_bodies_are_emitted_again(bytes in vec(any::<u8>(), 0..40)) {
+        let mut buffer = [0; 64];
+        laws::accepted_bytes_survive::<Response<'_>>(&bytes, &mut buffer);
+        laws::accepted_bytes_survive::<AllocateRequest>(&bytes, &mut buffer);
+        laws::accepted_bytes_survive::<AllocateResponse>(&bytes, &mut buffer);
+        laws::accepted_bytes_survive::<ReleaseRequest>(&bytes, &mut buffer);
+        laws::accepted_bytes_survive::<ResetRequest>(&bytes, &mut buffer);
+        laws::accepted_bytes_survive::<FindNextRequest>(&bytes, &mut buffer);
+        laws::accepted_bytes_survive::<CreateResponse<'_>>(&bytes, &mut buffer);
+        laws::accepted_bytes_survive::<MemberRequest<'_>>(&bytes, &mut buffer);
+        laws::accepted_bytes_survive::<MemberId>(&bytes, &mut buffer);
+        laws::accepted_bytes_survive::<UintList<'_>>(&bytes, &mut buffer);
+        laws::accepted_bytes_survive::<InstanceList<'_>>(&bytes, &mut buffer);
+        laws::accepted_bytes_survive::<AttributeStatusList<'_>>(&bytes, &mut buffer);
+        laws::accepted_bytes_survive::<AttributeReplies<'_>>(&bytes, &mut buffer);
+        laws::accepted_bytes_survive::<MultipleServicePacket<'_>>(&bytes, &mut buffer);
+    }
+
+    #[test]
+    fn lists_keep_the_laws(numbers in vec(any::<u16>(), 0..20)) {
+        let mut buffer = [0; 64];
+        let mut out = Writer::new(&mut buffer);
+        UintList::emit_numbers(&numbers, &mut out).unwrap();
+        let list = UintList::parse(out.written()).unwrap();
+        prop_assert!(list.iter().eq(numbers.iter().copied()));
+        laws::round_trip(&list, &mut [0; 64]);
+    }
+}
