@@ -8,6 +8,8 @@
 //! | [`epath`] | paths to objects, attributes and devices |
 //! | [`message`] | explicit request and response bodies in the five body formats, and the bodies of the services |
 //! | [`fragment`] | cutting and reassembly of messages longer than a CAN frame |
+//! | [`identity`] | who a device is, its status and state |
+//! | [`connection`] | the values of connection attributes, defaults of the predefined connection set |
 //! | [`text`] | formatting without allocation |
 //!
 //! Everything is `no_std` without `alloc`. Bytes from the bus can be wrong in any way: they yield a typed error that
@@ -44,7 +46,9 @@ extern crate std;
 
 pub mod code;
 pub mod codec;
+pub mod connection;
 pub mod epath;
 pub mod fragment;
+pub mod identity;
 pub mod message;
 pub mod text;
