@@ -7,5 +7,6 @@
 extern crate std;
 
 pub mod id;
+pub mod message;
 
 pub use id::{Identifier, MacId};
