@@ -1,1 +1,36 @@
-//! Under construction.
+#![allow(
+    clippy::arithmetic_side_effects,
+    clippy::as_conversions,
+    clippy::indexing_slicing,
+    reason = "runs on a host, over files: counters of 64 bits, and indices that the line before has checked"
+)]
+//! What the `devicenet` command is made of.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`args`] | the command line |
+//! | [`decode`] | `devicenet decode` |
+//! | [`recording`] | readers and writers of recordings of a CAN bus, streaming, the format found in the content |
+//! | [`trace`] | the one text form of bus traffic |
+//! | [`output`], [`exit`] | standard output, messages, exit codes |
+
+pub mod args;
+pub mod decode;
+pub mod exit;
+pub mod output;
+pub mod recording;
+mod text;
+pub mod trace;
+
+use args::{Cli, Command};
+use exit::{Exit, Failure};
+
+/// Runs the command.
+///
+/// # Errors
+/// [`Failure`], whose message is for the user and whose [exit code](Failure::exit) is for the shell.
+pub fn run(cli: &Cli) -> Result<Exit, Failure> {
+    match &cli.command {
+        Command::Decode(args) => decode::run(args, cli.json),
+    }
+}

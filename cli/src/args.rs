@@ -1,0 +1,130 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// DeviceNet (CIP on CAN) on the command line
+#[derive(Parser, Clone, Debug)]
+#[command(
+    name = "devicenet",
+    version,
+    after_help = "\
+Exit codes:
+  0  done, all is well
+  1  done, something was found
+  2  wrong usage or bad input file
+  3  the bus or the interface failed
+  4  refused to transmit
+
+Example:
+  devicenet decode recording.log"
+)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Print one JSON object a line instead of text
+    #[arg(long, global = true)]
+    pub json: bool,
+}
+
+/// The subcommands.
+#[derive(Subcommand, Clone, Debug)]
+pub enum Command {
+    /// Decode a recording: one line a frame
+    Decode(DecodeArgs),
+}
+
+/// `devicenet decode`.
+#[derive(Args, Clone, Debug)]
+#[command(
+    long_about = "\
+Decode a recording: one line a frame.
+
+Reads candump logs (`candump -L`) and candump screen output, pcap and pcapng of a SocketCAN interface, and Vector ASC; the \
+format is found in the content. What a frame means is learned from those before it: allocations, connections, fragments, the \
+request that a response answers. Every channel of the recording is a bus of its own.",
+    after_long_help = "\
+Exit codes:
+  0  every line was read, and no frame shown has a problem
+  1  some frame shown has a problem, or some line could not be read
+  2  wrong usage, not a recording, cut off or damaged; with --strict also a line that could not be read
+
+Examples:
+  devicenet decode recording.log
+  devicenet decode --mac 10 --kind explicit_request --kind explicit_response recording.pcapng
+  devicenet decode --summary --bit-rate 500k recording.log
+  devicenet decode --json recording.log | jq -r 'select(.problem) | [.n, .text] | @tsv'
+  devicenet decode --mac 10 --record only-10.pcapng recording.log
+  candump -L can0 | devicenet decode -"
+)]
+pub struct DecodeArgs {
+    /// The recording; `-` is standard input
+    pub file: PathBuf,
+    /// Which protocol the frames belong to
+    #[arg(long, value_enum, default_value_t = Protocol::Auto)]
+    pub protocol: Protocol,
+    /// Only frames to or from this node (MAC ID 0 to 63)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=63))]
+    pub mac: Option<u8>,
+    /// Only frames of this kind, named as in the JSON output; may be given more than once
+    #[arg(long, value_name = "KIND")]
+    pub kind: Vec<String>,
+    /// Instead of the frames, a summary for each node and connection
+    #[arg(long)]
+    pub summary: bool,
+    /// The bit rate of the bus, from which the summary computes the bus load
+    #[arg(long, value_name = "RATE", default_value = "125k", value_parser = parse_bit_rate)]
+    pub bit_rate: u32,
+    /// Stop at the first line that cannot be read, instead of warning and going on
+    #[arg(long)]
+    pub strict: bool,
+    /// Write the frames shown into a recording as well: pcapng for a name that ends so, else a candump log
+    #[arg(long, short = 'o', value_name = "FILE")]
+    pub record: Option<PathBuf>,
+}
+
+/// The protocols that `decode` knows.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Protocol {
+    /// Find out from the frame
+    Auto,
+    /// DeviceNet: a frame that cannot be is a problem
+    Devicenet,
+}
+
+/// `125k`, `125000`, `125_000`, `1M`.
+fn parse_bit_rate(text: &str) -> Result<u32, String> {
+    let plain = text.replace('_', "");
+    let (digits, scale) = match plain.as_bytes().last() {
+        Some(b'k' | b'K') => (&plain[..plain.len() - 1], 1_000),
+        Some(b'M') => (&plain[..plain.len() - 1], 1_000_000),
+        _ => (&plain[..], 1),
+    };
+    let rate = digits.parse::<u32>().ok().and_then(|number| number.checked_mul(scale));
+    rate.filter(|rate| (1_000..=1_000_000).contains(rate))
+        .ok_or_else(|| "a bit rate between 1k and 1M expected, such as 125k, 250k or 500k".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_definition_is_consistent() {
+        use clap::CommandFactory as _;
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn bit_rates_as_people_write_them() {
+        for text in ["125k", "125000", "125_000"] {
+            assert_eq!(parse_bit_rate(text), Ok(125_000));
+        }
+        assert_eq!(parse_bit_rate("1M"), Ok(1_000_000));
+        for text in ["", "k", "0", "2M", "99999999999", "125 kbit/s"] {
+            assert!(parse_bit_rate(text).is_err(), "{text}");
+        }
+    }
+}

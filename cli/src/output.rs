@@ -1,0 +1,77 @@
+//! Standard output and standard error, as every subcommand uses them.
+
+use std::io::{self, IsTerminal, StdoutLock, Write};
+
+use anstream::ColorChoice;
+use anstyle::{AnsiColor, Style};
+
+/// Standard output behind a buffer that lines are built in.
+pub struct Output {
+    stdout: StdoutLock<'static>,
+    /// What is still to be written; append to it, then call [`line_done`](Self::line_done).
+    pub buffer: Vec<u8>,
+}
+
+impl Output {
+    /// Takes standard output for the rest of the program.
+    #[must_use]
+    pub fn new() -> Self {
+        Self { stdout: io::stdout().lock(), buffer: Vec::with_capacity(BUFFER + 4096) }
+    }
+
+    /// Whether to use colours: on a terminal, unless `NO_COLOR` and its kind say otherwise.
+    #[must_use]
+    pub fn is_coloured(&self) -> bool {
+        !matches!(anstream::AutoStream::choice(&self.stdout), ColorChoice::Never)
+    }
+
+    /// Whether a person is looking on.
+    #[must_use]
+    pub fn is_terminal(&self) -> bool {
+        self.stdout.is_terminal()
+    }
+
+    /// Writes the buffer out when it is full.
+    ///
+    /// # Errors
+    /// When standard output fails.
+    #[inline]
+    pub fn line_done(&mut self) -> io::Result<()> {
+        if self.buffer.len() < BUFFER { Ok(()) } else { self.flush() }
+    }
+
+    /// Writes everything out.
+    ///
+    /// # Errors
+    /// When standard output fails.
+    #[cold]
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.stdout.write_all(&self.buffer)?;
+        self.buffer.clear();
+        self.stdout.flush()
+    }
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Prints `warning: ...` on standard error.
+pub fn warn(message: impl core::fmt::Display) {
+    say(AnsiColor::Yellow, "warning", message);
+}
+
+/// Prints `error: ...` on standard error.
+pub fn error(message: impl core::fmt::Display) {
+    say(AnsiColor::Red, "error", message);
+}
+
+fn say(colour: AnsiColor, word: &str, message: impl core::fmt::Display) {
+    let style: Style = colour.on_default().bold();
+    // When even this fails there is nobody left to tell.
+    let _ = writeln!(anstream::stderr().lock(), "{style}{word}{style:#}: {message}");
+}
+
+const BUFFER: usize = 64 * 1024;

@@ -1,0 +1,99 @@
+//! Which format a recording has, from its first bytes.
+
+use core::fmt;
+
+use super::asc::Asc;
+use super::candump;
+use super::error::RecordingError;
+use super::frame::Channels;
+use super::screen::Screen;
+
+/// The formats that are read.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Format {
+    /// The log of `candump -l` or `-L`.
+    CandumpLog,
+    /// What candump shows on the screen.
+    CandumpScreen,
+    /// Vector ASC.
+    Asc,
+    /// pcap, of either byte order, in microseconds or nanoseconds.
+    Pcap,
+    /// pcapng.
+    PcapNg,
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::CandumpLog => "candump log",
+            Self::CandumpScreen => "candump screen output",
+            Self::Asc => "Vector ASC",
+            Self::Pcap => "pcap",
+            Self::PcapNg => "pcapng",
+        })
+    }
+}
+
+impl Format {
+    /// Recognises a format by a binary signature, or by the first line that one of the text formats can read.
+    pub(super) fn detect(beginning: &[u8]) -> Result<Self, RecordingError> {
+        match beginning {
+            [0xA1, 0xB2, 0xC3, 0xD4, ..] | [0xD4, 0xC3, 0xB2, 0xA1, ..] => return Ok(Self::Pcap),
+            [0xA1, 0xB2, 0x3C, 0x4D, ..] | [0x4D, 0x3C, 0xB2, 0xA1, ..] => return Ok(Self::Pcap),
+            [0x0A, 0x0D, 0x0D, 0x0A, ..] => return Ok(Self::PcapNg),
+            [0x1F, 0x8B, ..] => {
+                return Err(RecordingError::UnknownFormat("gzip, which must be unpacked first"));
+            }
+            [0x28, 0xB5, 0x2F, 0xFD, ..] => {
+                return Err(RecordingError::UnknownFormat("zstd, which must be unpacked first"));
+            }
+            _ if beginning.iter().take(512).any(|byte| *byte == 0) => {
+                return Err(RecordingError::UnknownFormat("binary data"));
+            }
+            _ => {}
+        }
+        let mut channels = Channels::default();
+        for line in beginning.split(|byte| *byte == b'\n') {
+            if candump::parse(line.trim_ascii_end(), &mut channels).is_ok() {
+                return Ok(Self::CandumpLog);
+            }
+            if Asc::is_header(line) {
+                return Ok(Self::Asc);
+            }
+            if let Ok(Some(_)) = Screen::default().parse(line, &mut channels) {
+                return Ok(Self::CandumpScreen);
+            }
+            if let Ok(Some(_)) = Asc::default().parse(line.trim_ascii_end(), &mut channels) {
+                return Ok(Self::Asc);
+            }
+        }
+        match beginning.trim_ascii() {
+            // A log into which nothing was written.
+            [] => Ok(Self::CandumpLog),
+            _ => Err(RecordingError::UnknownFormat("text of another kind")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_the_first_line_that_can_be_read() {
+        assert_eq!(Format::detect(b"noise\n(1.0) can0 123#\r\n").unwrap(), Format::CandumpLog);
+        assert_eq!(Format::detect(b"interrupted\n  can0  123   [0]\n").unwrap(), Format::CandumpScreen);
+        assert_eq!(Format::detect(b"date Mon Sep 30 15:06:13.191 2019\n").unwrap(), Format::Asc);
+        assert_eq!(Format::detect(b"   0.5 1  123  Rx   d 0\n").unwrap(), Format::Asc);
+        assert_eq!(Format::detect(b"").unwrap(), Format::CandumpLog);
+    }
+
+    #[test]
+    fn says_what_else_it_seems_to_be() {
+        let found = |bytes| Format::detect(bytes).unwrap_err().to_string();
+        assert!(found(b"\x1F\x8B\x08").ends_with("gzip, which must be unpacked first found"));
+        assert!(found(b"\x7FELF\x00").ends_with("binary data found"));
+        assert!(found(b"[package]\nname = 1\n").ends_with("text of another kind found"));
+    }
+}

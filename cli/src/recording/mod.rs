@@ -1,0 +1,208 @@
+//! Recordings of a CAN bus, read and written as a stream: memory does not grow with the file.
+//!
+//! | format | read | written |
+//! |---|---|---|
+//! | candump log (`-l`, `-L`) | yes | yes |
+//! | candump screen output | yes | |
+//! | pcap, pcapng with `LINKTYPE_CAN_SOCKETCAN` | yes | pcapng |
+//! | Vector ASC | yes | |
+//!
+//! The format is found in the content. A line that cannot be read is an error that says where and what was expected;
+//! reading goes on after it.
+//!
+//! ```
+//! use devicenet_cli::recording::{Content, Recording};
+//! let log = b"(1700000000.000000) can0 456#014B03010301\n(1700000000.000100) can0 45";
+//! let mut recording = Recording::from_reader(&log[..])?;
+//! let first = recording.next().expect("one frame")?;
+//! assert!(matches!(first.content, Content::Classic(frame) if frame.raw_id() == 0x456));
+//! let bad = recording.next().expect("one bad line").unwrap_err();
+//! assert_eq!(bad.to_string(), "2:28: \"#\" after the identifier expected, nothing found");
+//! # Ok::<(), devicenet_cli::recording::RecordingError>(())
+//! ```
+
+mod asc;
+mod candump;
+mod detect;
+mod error;
+mod frame;
+mod lines;
+mod packets;
+mod scan;
+mod screen;
+mod socketcan;
+mod write;
+
+pub use detect::Format;
+pub use error::{Bad, Place, RecordingError};
+pub use frame::{ChannelId, Channels, Content, ErrorFrame, FdFrame, RecordedFrame};
+pub use write::{WriteFormat, Writer};
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+use link_core::Instant;
+
+use asc::Asc;
+use error::Fault;
+use lines::{Line, Lines};
+use packets::{Pcap, PcapNg};
+use screen::Screen;
+
+/// A recording being read: an iterator over its frames.
+pub struct Recording {
+    reader: Reader,
+    channels: Channels,
+    format: Format,
+    frames: u64,
+    /// A fatal error was given out.
+    ended: bool,
+}
+
+enum Reader {
+    Candump(Lines<Source>),
+    Screen(Lines<Source>, Screen),
+    Asc(Lines<Source>, Asc),
+    Pcap(Pcap),
+    PcapNg(PcapNg),
+}
+
+type Source = Box<dyn Read>;
+
+/// A frame that does not know its number yet.
+#[derive(Clone, PartialEq, Eq, Debug)]
+struct Parsed {
+    at: Instant,
+    digits: u8,
+    channel: Option<ChannelId>,
+    content: Content,
+}
+
+impl Recording {
+    /// Opens a file; `-` is standard input.
+    ///
+    /// # Errors
+    /// [`RecordingError`] when it cannot be opened, or is not a recording.
+    pub fn open(path: &Path) -> Result<Self, RecordingError> {
+        match path.as_os_str() == "-" {
+            true => Self::from_reader(io::stdin().lock()),
+            false => Self::from_reader(File::open(path)?),
+        }
+    }
+
+    /// Reads from any source, which need not be buffered.
+    ///
+    /// # Errors
+    /// [`RecordingError`] when the beginning cannot be read, or is not that of a recording.
+    pub fn from_reader(source: impl Read + 'static) -> Result<Self, RecordingError> {
+        let mut lines = Lines::new(Box::new(source) as Source);
+        // A pipe may give the beginning in pieces, and must not be waited for longer than necessary.
+        let format = loop {
+            lines.read_ahead()?;
+            let nothing_yet = lines.ahead().trim_ascii().is_empty();
+            match Format::detect(lines.ahead()) {
+                Ok(_) if nothing_yet && lines.can_read_ahead() => {}
+                Err(_) if lines.can_read_ahead() => {}
+                result => break result?,
+            }
+        };
+        let screen = Screen::detect(lines.ahead());
+        let reader = match format {
+            Format::CandumpLog => Reader::Candump(lines),
+            Format::CandumpScreen => Reader::Screen(lines, screen),
+            Format::Asc => Reader::Asc(lines, Asc::default()),
+            Format::Pcap => Reader::Pcap(Pcap::new(Box::new(lines.into_reader()))?),
+            Format::PcapNg => Reader::PcapNg(PcapNg::new(Box::new(lines.into_reader()))?),
+        };
+        Ok(Self { reader, channels: Channels::default(), format, frames: 0, ended: false })
+    }
+
+    /// Its format.
+    #[must_use]
+    pub fn format(&self) -> Format {
+        self.format
+    }
+
+    /// The channels that have appeared so far.
+    #[must_use]
+    pub fn channels(&self) -> &Channels {
+        &self.channels
+    }
+
+    /// Whether the next line is already in memory: if not, reading a pipe may wait for its writer.
+    #[must_use]
+    pub fn is_next_line_here(&self) -> bool {
+        match &self.reader {
+            Reader::Candump(lines) | Reader::Screen(lines, _) | Reader::Asc(lines, _) => {
+                memchr::memchr(b'\n', lines.ahead()).is_some()
+            }
+            Reader::Pcap(_) | Reader::PcapNg(_) => false,
+        }
+    }
+
+    #[inline]
+    fn read(&mut self) -> Option<Result<Parsed, RecordingError>> {
+        let channels = &mut self.channels;
+        match &mut self.reader {
+            Reader::Candump(lines) => next_in_lines(lines, |line| match line {
+                [] => Ok(None),
+                line => candump::parse(line, channels).map(Some),
+            }),
+            Reader::Screen(lines, screen) => next_in_lines(lines, |line| match line.trim_ascii() {
+                [] => Ok(None),
+                _ => screen.parse(line, channels),
+            }),
+            Reader::Asc(lines, asc) => next_in_lines(lines, |line| asc.parse(line, channels)),
+            Reader::Pcap(pcap) => pcap.next(self.frames),
+            Reader::PcapNg(pcapng) => pcapng.next(self.frames, channels),
+        }
+    }
+}
+
+/// The next line that holds a frame.
+#[inline]
+fn next_in_lines(
+    lines: &mut Lines<Source>,
+    mut parse: impl FnMut(&[u8]) -> Result<Option<Parsed>, Fault>,
+) -> Option<Result<Parsed, RecordingError>> {
+    loop {
+        let number = lines.number() + 1;
+        let (line, parsed) = match lines.next() {
+            Ok(None) => return None,
+            Ok(Some(Line::Text(line))) => (line, parse(line)),
+            Ok(Some(Line::TooLong(line))) => {
+                (line, Err(Fault { at: 0, expected: "a line of at most 256 KiB" }))
+            }
+            Err(error) => return Some(Err(error.into())),
+        };
+        match parsed {
+            Ok(Some(parsed)) => return Some(Ok(parsed)),
+            Ok(None) => {}
+            Err(fault) => return Some(Err(fault.in_line(number, line))),
+        }
+    }
+}
+
+impl Iterator for Recording {
+    type Item = Result<RecordedFrame, RecordingError>;
+
+    /// The next frame, or what is wrong with the next line. After an error that
+    /// [is fatal](RecordingError::is_fatal) comes nothing more.
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.ended {
+            return None;
+        }
+        match self.read()? {
+            Ok(Parsed { at, digits, channel, content }) => {
+                self.frames += 1;
+                Some(Ok(RecordedFrame { n: self.frames, at, digits, channel, content }))
+            }
+            Err(error) => {
+                self.ended = error.is_fatal();
+                Some(Err(error))
+            }
+        }
+    }
+}

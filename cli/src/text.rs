@@ -1,0 +1,56 @@
+//! Numbers as text, without the machinery of `fmt`.
+
+use link_core::Instant;
+
+/// Two digits a byte.
+#[inline]
+pub(crate) fn push_hex(out: &mut Vec<u8>, bytes: &[u8], digits: &[u8; 16]) {
+    for byte in bytes {
+        out.extend_from_slice(&[digits[usize::from(byte >> 4)], digits[usize::from(byte & 0xF)]]);
+    }
+}
+
+/// Seconds with that many decimals, at most nine; further ones are cut off.
+#[inline]
+pub(crate) fn push_seconds(out: &mut Vec<u8>, at: Instant, decimals: u8) {
+    let nanos = at.as_nanos();
+    out.extend_from_slice(itoa::Buffer::new().format(nanos / 1_000_000_000).as_bytes());
+    if decimals == 0 {
+        return;
+    }
+    let mut fraction = (nanos % 1_000_000_000) as u32;
+    let mut text = *b".000000000";
+    for digit in text[1..].iter_mut().rev() {
+        *digit = b'0' + (fraction % 10) as u8;
+        fraction /= 10;
+    }
+    out.extend_from_slice(&text[..=usize::from(decimals.min(9))]);
+}
+
+/// A number in decimal.
+#[inline]
+pub(crate) fn push_number(out: &mut Vec<u8>, number: impl itoa::Integer) {
+    out.extend_from_slice(itoa::Buffer::new().format(number).as_bytes());
+}
+
+/// Digits of lower and upper case.
+pub(crate) const LOWER: &[u8; 16] = b"0123456789abcdef";
+pub(crate) const UPPER: &[u8; 16] = b"0123456789ABCDEF";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seconds_keep_their_decimals() {
+        let text = |nanos, decimals| {
+            let mut out = Vec::new();
+            push_seconds(&mut out, Instant::from_nanos(nanos), decimals);
+            String::from_utf8(out).unwrap()
+        };
+        assert_eq!(text(1_700_000_000_000_250_999, 6), "1700000000.000250");
+        assert_eq!(text(1_700_000_000_000_250_999, 9), "1700000000.000250999");
+        assert_eq!(text(5_000_000_000, 0), "5");
+        assert_eq!(text(1, 9), "0.000000001");
+    }
+}
