@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`codec`] | bounded reading and writing of bytes, the [`Wire`](codec::Wire) trait |
 //! | [`code`] | service codes, general statuses, class, instance and attribute IDs, vendors, device types, data types |
+//! | [`data_type`] | elementary data types and their values |
 //! | [`epath`] | paths to objects, attributes and devices |
 //! | [`message`] | explicit request and response bodies in the five body formats, and the bodies of the services |
 //! | [`fragment`] | cutting and reassembly of messages longer than a CAN frame |
@@ -47,6 +48,7 @@ extern crate std;
 pub mod code;
 pub mod codec;
 pub mod connection;
+pub mod data_type;
 pub mod epath;
 pub mod fragment;
 pub mod identity;
