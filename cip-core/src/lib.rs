@@ -11,6 +11,8 @@
 //! | [`fragment`] | cutting and reassembly of messages longer than a CAN frame |
 //! | [`identity`] | who a device is, its status and state |
 //! | [`connection`] | the values of connection attributes, defaults of the predefined connection set |
+//! | [`names`] | attributes and services of the object classes, with their types |
+//! | [`value`] | attribute values in words |
 //! | [`text`] | formatting without allocation |
 //!
 //! Everything is `no_std` without `alloc`. Bytes from the bus can be wrong in any way: they yield a typed error that
@@ -53,4 +55,6 @@ pub mod epath;
 pub mod fragment;
 pub mod identity;
 pub mod message;
+pub mod names;
 pub mod text;
+pub mod value;

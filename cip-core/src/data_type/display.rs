@@ -36,6 +36,7 @@ impl fmt::Display for Value<'_> {
             Self::Lword(bits) => write_bits(f, &bits.to_be_bytes()),
             Self::String2(bytes) | Self::StringN { width: 2, bytes } => write_utf16(f, bytes),
             Self::StringN { width: 1, bytes } => fmt::Display::fmt(&Quoted(bytes), f),
+            Self::StringN { bytes: &[], .. } | Self::StringI(&[]) => f.write_str("\"\""),
             Self::StringN { bytes, .. } | Self::StringI(bytes) => fmt::Display::fmt(&Hex(bytes), f),
             Self::Ftime(microseconds) => write_with_unit(f, microseconds.into(), " us"),
             Self::Ltime(microseconds) => write_with_unit(f, microseconds, " us"),

@@ -1,0 +1,248 @@
+//! What the numbers of an object mean: its attributes, its services, its additional codes.
+//!
+//! One table serves the decoder, which prints names and typed values, and the objects of a device, which need to know
+//! what may be read and written.
+//!
+//! ```
+//! use cip_core::code::{AttributeId, ClassId, InstanceId, ServiceCode};
+//! use cip_core::names;
+//!
+//! let name = names::attribute_name(ClassId::CONNECTION, InstanceId(2), AttributeId(9));
+//! assert_eq!(name, Some("expected_packet_rate"));
+//! let name = names::service_name(ClassId::DEVICENET, ServiceCode(0x4B));
+//! assert_eq!(name, Some("Allocate_Master/Slave_Connection_Set"));
+//! ```
+
+mod application;
+mod infrastructure;
+
+use crate::code::{AdditionalCode, AttributeId, ClassId, InstanceId, ServiceCode};
+use crate::data_type::DataType;
+
+/// One attribute of a class or of its instances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct AttributeInfo {
+    /// The number.
+    pub id: AttributeId,
+    /// The name, as the specification and the manuals spell it.
+    pub name: &'static str,
+    /// What the bytes mean.
+    pub shape: Shape,
+    /// What may be done with it at most; a device may allow less.
+    pub access: Access,
+}
+
+/// What may be done with an attribute.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Access {
+    /// Read.
+    Get,
+    /// Read and written.
+    GetSet,
+}
+
+/// What the bytes of an attribute mean: an elementary type, or one with a meaning that is printed in words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Shape {
+    /// A plain value.
+    Data(DataType),
+    /// USINT, 0-63.
+    MacId,
+    /// USINT: 0 125 kbit/s, 1 250 kbit/s, 2 500 kbit/s.
+    BaudRate,
+    /// UINT, ms.
+    Milliseconds,
+    /// USINT, s.
+    Seconds,
+    /// UINT.
+    VendorId,
+    /// UINT.
+    DeviceType,
+    /// Two USINT.
+    Revision,
+    /// WORD.
+    IdentityStatus,
+    /// USINT.
+    DeviceState,
+    /// USINT.
+    ConnectionState,
+    /// USINT.
+    InstanceType,
+    /// BYTE.
+    TransportClassTrigger,
+    /// BYTE.
+    CommCharacteristics,
+    /// UINT, a CAN identifier; 0xFFFF: none.
+    ConnectionId,
+    /// USINT.
+    WatchdogAction,
+    /// USINT.
+    TimeoutMultiplier,
+    /// BYTE allocation choice, USINT MAC ID of the master; 255: not allocated.
+    AllocationInformation,
+    /// WORD descriptor, then 16 UINT.
+    DiagnosticCounters,
+    /// LWORD, one bit for each MAC ID.
+    ActiveNodes,
+    /// USINT, the code of an elementary type.
+    DataTypeCode,
+    /// UINT count, then as many UINT.
+    UintList,
+    /// Bytes whose meaning is not fixed by the class.
+    Bytes,
+}
+
+impl Shape {
+    /// The elementary type underneath, if it is one.
+    pub const fn data_type(self) -> Option<DataType> {
+        Some(match self {
+            Self::Data(ty) => ty,
+            Self::MacId | Self::BaudRate | Self::Seconds | Self::DeviceState | Self::ConnectionState => {
+                DataType::Usint
+            }
+            Self::InstanceType | Self::WatchdogAction | Self::TimeoutMultiplier | Self::DataTypeCode => {
+                DataType::Usint
+            }
+            Self::Milliseconds | Self::VendorId | Self::DeviceType | Self::ConnectionId => DataType::Uint,
+            Self::TransportClassTrigger | Self::CommCharacteristics => DataType::Byte,
+            Self::IdentityStatus => DataType::Word,
+            Self::ActiveNodes => DataType::Lword,
+            Self::Revision | Self::AllocationInformation | Self::DiagnosticCounters => return None,
+            Self::UintList | Self::Bytes => return None,
+        })
+    }
+
+    /// The number of bytes, if all values have the same.
+    pub const fn size(self) -> Option<usize> {
+        if let Some(ty) = self.data_type() {
+            return ty.size();
+        }
+        if matches!(self, Self::Revision | Self::AllocationInformation) {
+            return Some(2);
+        }
+        if matches!(self, Self::DiagnosticCounters) { Some(34) } else { None }
+    }
+}
+
+/// The known attributes of a class (instance 0, without the common ones) or of its instances, in ascending order.
+pub const fn attributes(class: ClassId, instance: InstanceId) -> &'static [AttributeInfo] {
+    let (of_class, of_instance) = infrastructure::tables(class);
+    match (instance.is_class(), of_instance.is_empty()) {
+        (true, _) => of_class,
+        (false, true) => application::instance_table(class),
+        (false, false) => of_instance,
+    }
+}
+
+/// The attributes 1-7 that every class can have in its instance 0.
+pub const fn common_class_attributes() -> &'static [AttributeInfo] {
+    &infrastructure::COMMON_CLASS
+}
+
+/// What is known of an attribute.
+pub fn attribute_info(
+    class: ClassId,
+    instance: InstanceId,
+    attribute: AttributeId,
+) -> Option<&'static AttributeInfo> {
+    let common = if instance.is_class() { common_class_attributes() } else { &[] };
+    attributes(class, instance).iter().chain(common).find(|info| info.id == attribute)
+}
+
+/// The name of an attribute.
+pub fn attribute_name(class: ClassId, instance: InstanceId, attribute: AttributeId) -> Option<&'static str> {
+    attribute_info(class, instance, attribute).map(|info| info.name)
+}
+
+/// The name of a service: of the class if it has one of its own, else the common one.
+pub const fn service_name(class: ClassId, service: ServiceCode) -> Option<&'static str> {
+    match (class, service.0) {
+        (ClassId::DEVICENET, 0x4B) => Some("Allocate_Master/Slave_Connection_Set"),
+        (ClassId::DEVICENET, 0x4C) => Some("Release_Master/Slave_Connection_Set"),
+        (ClassId::CONNECTION, 0x4B) => Some("Connection_Bind"),
+        (ClassId::CONNECTION, 0x4C) => Some("Producing_Application_Lookup"),
+        (ClassId::PARAMETER, 0x4B) => Some("Get_Enum_String"),
+        (ClassId::ACKNOWLEDGE_HANDLER, 0x4B) => Some("Add_AckData_Path"),
+        (ClassId::ACKNOWLEDGE_HANDLER, 0x4C) => Some("Remove_AckData_Path"),
+        _ => service.name(),
+    }
+}
+
+/// The meaning of an additional code in an error response of a class.
+pub const fn additional_code_name(class: ClassId, code: AdditionalCode) -> Option<&'static str> {
+    match (class, code) {
+        (ClassId::DEVICENET, AdditionalCode::ALLOCATION_CONFLICT) => {
+            Some("another master owns the connection set")
+        }
+        (ClassId::DEVICENET, AdditionalCode::INVALID_CHOICE) => Some("invalid allocation/release choice"),
+        (ClassId::DEVICENET, AdditionalCode::INVALID_UNCONNECTED_SERVICE) => {
+            Some("invalid service on the Group 2 Only unconnected port")
+        }
+        (ClassId::DEVICENET, AdditionalCode::RESOURCE_UNAVAILABLE) => {
+            Some("a resource of the predefined connection set is unavailable")
+        }
+        _ => code.name(),
+    }
+}
+
+const fn get(id: u16, name: &'static str, shape: Shape) -> AttributeInfo {
+    AttributeInfo { id: AttributeId(id), name, shape, access: Access::Get }
+}
+
+const fn get_set(id: u16, name: &'static str, shape: Shape) -> AttributeInfo {
+    AttributeInfo { id: AttributeId(id), name, shape, access: Access::GetSet }
+}
+
+const BOOL: Shape = Shape::Data(DataType::Bool);
+const BYTE: Shape = Shape::Data(DataType::Byte);
+const EPATH: Shape = Shape::Data(DataType::Epath);
+const INT: Shape = Shape::Data(DataType::Int);
+const SHORT_STRING: Shape = Shape::Data(DataType::ShortString);
+const STRINGI: Shape = Shape::Data(DataType::StringI);
+const UDINT: Shape = Shape::Data(DataType::Udint);
+const UINT: Shape = Shape::Data(DataType::Uint);
+const USINT: Shape = Shape::Data(DataType::Usint);
+const WORD: Shape = Shape::Data(DataType::Word);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_ascend() {
+        for &class in ClassId::NAMED {
+            for instance in [InstanceId::CLASS, InstanceId(1)] {
+                let table = attributes(class, instance);
+                assert!(table.is_sorted_by(|a, b| a.id < b.id), "{class} {instance}");
+            }
+        }
+        assert!(common_class_attributes().is_sorted_by(|a, b| a.id < b.id));
+    }
+
+    #[test]
+    fn instance_0_has_the_attributes_of_the_class() {
+        let revision = attribute_name(ClassId::CONNECTION, InstanceId(0), AttributeId(1));
+        assert_eq!(revision, Some("Revision"));
+        let state = attribute_name(ClassId::CONNECTION, InstanceId(1), AttributeId(1));
+        assert_eq!(state, Some("state"));
+        let assembly = attribute_name(ClassId::PARAMETER, InstanceId(0), AttributeId(9));
+        assert_eq!(assembly, Some("Configuration assembly instance"));
+        assert_eq!(attribute_name(ClassId(0x64), InstanceId(1), AttributeId(1)), None);
+    }
+
+    #[test]
+    fn services_of_a_class_come_before_the_common_ones() {
+        assert_eq!(service_name(ClassId::CONNECTION, ServiceCode(0x4B)), Some("Connection_Bind"));
+        assert_eq!(service_name(ClassId::CONNECTION, ServiceCode::RESET), Some("Reset"));
+        assert_eq!(service_name(ClassId::ASSEMBLY, ServiceCode(0x4B)), None);
+        let name = additional_code_name(ClassId::DEVICENET, AdditionalCode(2));
+        assert_eq!(name, Some("invalid allocation/release choice"));
+        assert_eq!(additional_code_name(ClassId::ASSEMBLY, AdditionalCode(2)), None);
+    }
+}
