@@ -32,7 +32,7 @@
 //! assert_eq!(request.target.instance(), Some(InstanceId(1)));
 //! let access = request.attribute_access()?;
 //! assert_eq!(access.attribute, AttributeId(7));
-//! assert_eq!(request.to_string(), "Get_Attribute_Single Identity instance 1, data 07");
+//! assert_eq!(request.to_string(), "Get_Attribute_Single Identity instance 1, Product name");
 //! # Ok::<(), cip_core::codec::ParseError>(())
 //! ```
 //!

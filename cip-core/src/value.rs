@@ -10,7 +10,7 @@ use crate::connection::{
 };
 use crate::identity::{DeviceState, IdentityStatus, Revision};
 use crate::message::{AllocationChoice, UintList};
-use crate::names::{Shape, attribute_info};
+use crate::names::{AttributeInfo, Shape, attribute_info};
 use crate::text::{Hex, write_decimal, write_hex16};
 
 /// The value of an attribute with what is needed to print it in words. With `#` the name of the attribute stands in
@@ -46,18 +46,33 @@ pub struct AttributeValue<'a> {
     pub data: &'a [u8],
 }
 
+impl AttributeValue<'_> {
+    /// Writes the name of the attribute, or its number.
+    pub(crate) fn write_name(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.info() {
+            Some(info) => f.write_str(info.name),
+            None => fmt::Display::fmt(&self.attribute, f),
+        }
+    }
+
+    /// Writes the value alone.
+    pub(crate) fn write_value(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let shape = self.info().map_or(Shape::Bytes, |info| info.shape);
+        fmt::Display::fmt(&ShapedValue { shape, data: self.data }, f)
+    }
+
+    fn info(&self) -> Option<&'static AttributeInfo> {
+        attribute_info(self.class, self.instance, self.attribute)
+    }
+}
+
 impl fmt::Display for AttributeValue<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let info = attribute_info(self.class, self.instance, self.attribute);
         if f.alternate() {
-            match info {
-                Some(info) => f.write_str(info.name)?,
-                None => fmt::Display::fmt(&self.attribute, f)?,
-            }
+            self.write_name(f)?;
             f.write_str(" ")?;
         }
-        let shape = info.map_or(Shape::Bytes, |info| info.shape);
-        fmt::Display::fmt(&ShapedValue { shape, data: self.data }, f)
+        self.write_value(f)
     }
 }
 

@@ -10,6 +10,7 @@
 //! | Error response | 0x94 | general status, additional code (0xFF: none) |
 
 mod allocate;
+mod describe;
 mod format;
 mod list;
 mod member;
@@ -19,6 +20,7 @@ mod response;
 mod service;
 
 pub use allocate::{AllocateRequest, AllocateResponse, AllocationChoice, ReleaseRequest};
+pub use describe::{Answer, Subject};
 pub use format::BodyFormat;
 pub use list::{AttributeReplies, AttributeReply, AttributeStatusList, InstanceList, UintList};
 pub use member::{MemberId, MemberRequest};

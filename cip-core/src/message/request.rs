@@ -1,12 +1,9 @@
 //! Requests.
 
-use core::fmt;
-
 use super::BodyFormat;
 use crate::code::{AttributeId, ClassId, InstanceId, ServiceCode};
 use crate::codec::{Full, ParseError, Reader, Writer};
 use crate::epath::{Epath, LogicalPath};
-use crate::text::Hex;
 
 /// The object that a request is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -274,34 +271,4 @@ fn emit_path(path: LogicalPath, out: &mut Writer<'_>) -> Result<(), EmitError> {
     let words = out.len().saturating_sub(start) / 2;
     let words = u8::try_from(words).map_err(|_| EmitError::NotAddressable(BodyFormat::CipPath))?;
     Ok(out.patch(size_at, &[words])?)
-}
-
-impl fmt::Display for Target<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Object { class, instance } if instance.is_class() => {
-                fmt::Display::fmt(class, f)?;
-                f.write_str(" class")
-            }
-            Self::Object { class, instance } => {
-                fmt::Display::fmt(class, f)?;
-                f.write_str(" ")?;
-                fmt::Display::fmt(instance, f)
-            }
-            Self::Path(path) => fmt::Display::fmt(path, f),
-        }
-    }
-}
-
-impl fmt::Display for Request<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Display::fmt(&self.service, f)?;
-        f.write_str(" ")?;
-        fmt::Display::fmt(&self.target, f)?;
-        if self.data.is_empty() {
-            return Ok(());
-        }
-        f.write_str(", data ")?;
-        fmt::Display::fmt(&Hex(self.data), f)
-    }
 }

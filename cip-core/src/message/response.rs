@@ -1,10 +1,7 @@
 //! Responses.
 
-use core::fmt;
-
 use crate::code::{AdditionalCode, GeneralStatus, ServiceCode};
 use crate::codec::{Full, ParseError, Reader, Tail, Wire, Writer};
-use crate::text::Hex;
 
 /// A response from the service byte on.
 ///
@@ -85,35 +82,6 @@ impl<'a> Wire<'a> for Response<'a> {
         match self {
             Self::Success { data, .. } => data.len().saturating_add(1),
             Self::Error { .. } => 3,
-        }
-    }
-}
-
-impl fmt::Display for Response<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::Success { service, data } => {
-                fmt::Display::fmt(&service, f)?;
-                f.write_str(" ok")?;
-                if data.is_empty() {
-                    return Ok(());
-                }
-                f.write_str(", data ")?;
-                fmt::Display::fmt(&Hex(data), f)
-            }
-            Self::Error { status, additional } => {
-                f.write_str("error 0x")?;
-                crate::text::write_hex8(f, status.0)?;
-                if let Some(name) = status.name() {
-                    f.write_str(" ")?;
-                    f.write_str(name)?;
-                }
-                if additional == AdditionalCode::NONE {
-                    return Ok(());
-                }
-                f.write_str(", additional 0x")?;
-                crate::text::write_hex8(f, additional.0)
-            }
         }
     }
 }

@@ -104,7 +104,7 @@ fn the_path_of_format_4_may_name_the_attribute() {
     let with = golden(BodyFormat::CipPath, &[0x0E, 0x03, 0x20, 0x04, 0x24, 0x65, 0x30, 0x03]);
     assert_eq!(with.attribute_access(), Ok(AttributeAccess { attribute: AttributeId(3), value: &[] }));
     assert_eq!(with.target.instance(), Some(InstanceId(101)));
-    assert_eq!(with.to_string(), "Get_Attribute_Single class 4 instance 101 attribute 3");
+    assert_eq!(with.to_string(), "Get_Attribute_Single class 4 instance 101 attribute 3, Data");
 
     let without = golden(BodyFormat::CipPath, &[0x10, 0x02, 0x20, 0x04, 0x24, 0x65, 0x03, 0x07]);
     assert_eq!(without.attribute_access(), Ok(AttributeAccess { attribute: AttributeId(3), value: &[7] }));
@@ -193,6 +193,61 @@ fn multiple_service_packets_survive() {
         assert!(MultipleServicePacket::parse(bad).is_err(), "{bad:02X?}");
     }
     assert_eq!(MultipleServicePacket::parse(&[0, 0]).unwrap().services().count(), 0);
+}
+
+/// The bytes are those of the manuals and captures named above, and of Rockwell 1760-UM003A-EN-P, p. 4-11.
+#[test]
+fn requests_and_answers_in_words() {
+    let cases: [(&[u8], &str, &[u8], &str); 7] = [
+        (
+            &[0x4B, 0x03, 0x01, 0x07, 0x0A],
+            "Allocate_Master/Slave_Connection_Set DeviceNet instance 1, explicit + poll + bit-strobe, master 10",
+            &[0xCB, 0x00],
+            "Allocate_Master/Slave_Connection_Set ok, body format 8/8",
+        ),
+        (
+            &[0x4B, 0x03, 0x01, 0x02, 0x01],
+            "Allocate_Master/Slave_Connection_Set DeviceNet instance 1, poll, master 1",
+            &[0x94, 0x0B, 0x02],
+            "error 0x0B Already in requested mode/state, additional 0x02 invalid allocation/release choice",
+        ),
+        (
+            &[0x4C, 0x03, 0x01, 0x01],
+            "Release_Master/Slave_Connection_Set DeviceNet instance 1, explicit",
+            &[0xCC],
+            "Release_Master/Slave_Connection_Set ok",
+        ),
+        (
+            &[0x0E, 0x01, 0x01, 0x01],
+            "Get_Attribute_Single Identity instance 1, Vendor ID",
+            &[0x8E, 0x6C, 0x00],
+            "Get_Attribute_Single ok, Vendor ID 108 (Beckhoff)",
+        ),
+        (
+            &[0x10, 0x65, 0x01, 0x01, 0x01, 0x46, 0x00],
+            "Set_Attribute_Single class 0x65 instance 1, attribute 1 01 46 00",
+            &[0x90],
+            "Set_Attribute_Single ok",
+        ),
+        (
+            &[0x05, 0x01, 0x01, 0x01],
+            "Reset Identity instance 1, out-of-box configuration",
+            &[0x85],
+            "Reset ok",
+        ),
+        (
+            &[0x32, 0x64, 0x01, 0x93, 0x05, 0x00],
+            "service 0x32 class 0x64 instance 1, data 93 05 00",
+            &[0xB2, 0xC2],
+            "service 0x32 ok, data C2",
+        ),
+    ];
+    for (request, request_text, response, answer_text) in cases {
+        let request = Request::parse(FORMAT_8_8, request).unwrap();
+        assert_eq!(request.to_string(), request_text);
+        let answer = Answer { subject: request.subject(), response: Response::parse(response).unwrap() };
+        assert_eq!(answer.to_string(), answer_text);
+    }
 }
 
 fn formats() -> impl Strategy<Value = BodyFormat> {
