@@ -56,8 +56,8 @@ where
     bytes
 }
 
-/// Parses `bytes`, which may be anything, and demands that what is accepted is emitted again byte for byte.
-/// Returns whether it was accepted.
+/// Parses `bytes`, which may be anything, and demands that what is accepted is emitted again byte for byte,
+/// and that no strict prefix of a closed type is accepted. Returns whether it was accepted.
 #[track_caller]
 pub fn accepted_bytes_survive<'a, T>(bytes: &'a [u8], buffer: &mut [u8]) -> bool
 where
@@ -70,6 +70,12 @@ where
     assert_eq!(value.emit(&mut writer), Ok(()), "emit {value:?}");
     assert_eq!(writer.written(), bytes, "emit(parse(b)) == b, of {value:?}");
     assert_eq!(value.wire_len(), bytes.len(), "wire_len of {value:?}");
+    if T::TAIL == Tail::Closed {
+        for short in 0..bytes.len() {
+            let prefix = bytes.get(..short).unwrap_or_default();
+            assert!(T::parse(prefix).is_err(), "the first {short} bytes of {bytes:02X?} must be refused");
+        }
+    }
     true
 }
 

@@ -21,6 +21,7 @@
 mod error;
 #[doc(hidden)]
 pub mod laws;
+mod list;
 mod reader;
 mod writer;
 

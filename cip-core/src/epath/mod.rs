@@ -23,16 +23,14 @@
 //! assert_eq!(path.to_string(), "class 4 instance 101 attribute 3");
 //! ```
 
+mod display;
 mod logical;
 mod segment;
 
 pub use logical::{LogicalPath, Unpackable};
 pub use segment::{ElectronicKey, ExtendedSymbol, LogicalKind, Segment, Width};
 
-use core::fmt;
-
 use crate::codec::{Full, ParseError, Reader, Writer};
-use crate::text::{Hex, write_hex8};
 
 /// Whether wide segments have a pad byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -111,27 +109,6 @@ impl<'a> Iterator for Segments<'a> {
 
 impl core::iter::FusedIterator for Segments<'_> {}
 
-impl fmt::Display for Epath<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.bytes.is_empty() {
-            return f.write_str("empty path");
-        }
-        for (index, segment) in self.segments().enumerate() {
-            if index != 0 {
-                f.write_str(" ")?;
-            }
-            match segment {
-                Ok(segment) => fmt::Display::fmt(&segment, f)?,
-                Err(error) => {
-                    f.write_str("malformed ")?;
-                    fmt::Display::fmt(&Hex(self.bytes.get(error.offset..).unwrap_or_default()), f)?;
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
 /// Writes a zero pad byte if `padded`.
 fn write_pad(out: &mut Writer<'_>, padded: bool) -> Result<(), Full> {
     if padded { out.u8(0) } else { Ok(()) }
@@ -147,11 +124,6 @@ fn read_pad(reader: &mut Reader<'_>, padded: bool) -> Result<(), ParseError> {
         0 => Ok(()),
         found => Err(ParseError::value("pad byte", offset, found.into())),
     }
-}
-
-fn write_byte_label(f: &mut fmt::Formatter<'_>, label: &str, byte: u8) -> fmt::Result {
-    f.write_str(label)?;
-    write_hex8(f, byte)
 }
 
 #[cfg(test)]

@@ -1,11 +1,8 @@
 //! One segment of a path.
 
-use core::fmt;
-
-use super::{PathForm, read_pad, write_byte_label, write_pad};
+use super::{PathForm, read_pad, write_pad};
 use crate::code::{DataTypeCode, DeviceType, VendorId};
 use crate::codec::{Full, ParseError, Reader, Writer};
-use crate::text::{Hex, Quoted, write_decimal};
 
 /// A segment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -382,68 +379,6 @@ fn read_extended_symbol<'a>(reader: &mut Reader<'a>) -> Result<Segment<'a>, Pars
         _ => return Err(ParseError::value("symbol format", offset, format.into())),
     };
     Ok(Segment::ExtendedSymbol(ExtendedSymbol { format, data: reader.bytes(len, "symbol")? }))
-}
-
-impl fmt::Display for Segment<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::Port { port, link } => {
-                f.write_str("port ")?;
-                write_decimal(f, port.into())?;
-                f.write_str(" link ")?;
-                fmt::Display::fmt(&Hex(link), f)
-            }
-            Self::Logical { kind, value, .. } => {
-                f.write_str(kind.name())?;
-                f.write_str(" ")?;
-                write_decimal(f, value.into())
-            }
-            Self::ElectronicKey(key) => fmt::Display::fmt(&key, f),
-            Self::Network { subtype, data } => {
-                write_byte_label(f, "network 0x", subtype)?;
-                f.write_str(": ")?;
-                fmt::Display::fmt(&Hex(data), f)
-            }
-            Self::Symbol(name) | Self::AnsiSymbol(name) => {
-                f.write_str("symbol ")?;
-                fmt::Display::fmt(&Quoted(name), f)
-            }
-            Self::ExtendedSymbol(symbol) => {
-                write_byte_label(f, "symbol 0x", symbol.format)?;
-                f.write_str(": ")?;
-                fmt::Display::fmt(&Hex(symbol.data), f)
-            }
-            Self::Data(data) => {
-                f.write_str("data ")?;
-                fmt::Display::fmt(&Hex(data), f)
-            }
-            Self::ConstructedType { code, data } => {
-                write_byte_label(f, "type 0x", code)?;
-                f.write_str(": ")?;
-                fmt::Display::fmt(&Hex(data), f)
-            }
-            Self::ElementaryType(code) => {
-                f.write_str("type ")?;
-                fmt::Display::fmt(&code, f)
-            }
-        }
-    }
-}
-
-impl fmt::Display for ElectronicKey {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("key vendor ")?;
-        write_decimal(f, self.vendor.0.into())?;
-        f.write_str(" type ")?;
-        write_decimal(f, self.device_type.0.into())?;
-        f.write_str(" product ")?;
-        write_decimal(f, self.product_code.into())?;
-        f.write_str(" revision ")?;
-        write_decimal(f, self.major.into())?;
-        f.write_str(".")?;
-        write_decimal(f, self.minor.into())?;
-        f.write_str(if self.compatible { " or compatible" } else { "" })
-    }
 }
 
 const KEY_FORMAT: u8 = 0x04;
