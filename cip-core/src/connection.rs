@@ -229,7 +229,8 @@ impl PredefinedConnection {
         })
     }
 
-    /// The defaults, as printed by most product manuals (Rockwell 1734 and 1794 series, ICP DAS, Omron).
+    /// The defaults, as printed by most product manuals (Rockwell 1329I, 193-EDN and 855T, ICP DAS I-7242D, Omron E5AR,
+    /// INFICON Composer Elite).
     ///
     /// | Connection | state | type | class/trigger | characteristics | EPR | watchdog | consumed path |
     /// |---|---|---|---|---|---|---|---|

@@ -21,6 +21,7 @@ macro_rules! for_each_wire_type {
             $crate::message::AllocateRequest,
             $crate::message::AllocateResponse,
             $crate::message::AttributeReplies,
+            $crate::message::AttributeSettings,
             $crate::message::AttributeStatusList,
             $crate::message::CreateResponse,
             $crate::message::FindNextRequest,

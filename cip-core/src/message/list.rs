@@ -165,15 +165,14 @@ impl<'a> AttributeReplies<'a> {
         &self,
         len: impl Fn(AttributeId, &'a [u8]) -> Option<usize>,
     ) -> impl Iterator<Item = Result<AttributeReply<'a>, ParseError>> {
-        let mut reader = Reader::new(self.items);
-        let mut left = self.count;
-        core::iter::from_fn(move || {
-            left = left.checked_sub(1)?;
-            let reply = read_reply(&mut reader, &len);
-            if reply.is_err() {
-                left = 0;
-            }
-            Some(reply)
+        entries(self.count, self.items, move |reader| {
+            let attribute = AttributeId(reader.u16("attribute")?);
+            let [status, _] = reader.array("status")?;
+            let value = match status {
+                0 => Ok(read_value(reader, attribute, &len)?),
+                refused => Err(GeneralStatus(refused)),
+            };
+            Ok(AttributeReply { attribute, value })
         })
     }
 }
@@ -196,17 +195,81 @@ impl<'a> Wire<'a> for AttributeReplies<'a> {
     }
 }
 
-fn read_reply<'a>(
-    reader: &mut Reader<'a>,
-    len: &impl Fn(AttributeId, &'a [u8]) -> Option<usize>,
-) -> Result<AttributeReply<'a>, ParseError> {
-    let attribute = AttributeId(reader.u16("attribute")?);
-    let [status, _] = reader.array("status")?;
-    if status != 0 {
-        return Ok(AttributeReply { attribute, value: Err(GeneralStatus(status)) });
+/// The request of Set_Attribute_List: a 16-bit count, then for each attribute its 16-bit ID and the value. The bytes do
+/// not tell how long a value is: the reader must know the attributes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct AttributeSettings<'a> {
+    count: u16,
+    items: &'a [u8],
+}
+
+impl<'a> AttributeSettings<'a> {
+    /// The number of attributes.
+    pub const fn count(&self) -> u16 {
+        self.count
     }
+
+    /// The attributes and their values in their order. `len` tells how many bytes a value takes, as in
+    /// [`AttributeReplies::iter`].
+    pub fn iter(
+        &self,
+        len: impl Fn(AttributeId, &'a [u8]) -> Option<usize>,
+    ) -> impl Iterator<Item = Result<(AttributeId, &'a [u8]), ParseError>> {
+        entries(self.count, self.items, move |reader| {
+            let attribute = AttributeId(reader.u16("attribute")?);
+            Ok((attribute, read_value(reader, attribute, &len)?))
+        })
+    }
+}
+
+impl<'a> Wire<'a> for AttributeSettings<'a> {
+    const NAME: &'static str = "Set_Attribute_List request";
+    const TAIL: Tail = Tail::Open;
+
+    fn read(reader: &mut Reader<'a>) -> Result<Self, ParseError> {
+        Ok(Self { count: reader.u16("count")?, items: reader.rest() })
+    }
+
+    fn emit(&self, out: &mut Writer<'_>) -> Result<(), Full> {
+        out.u16(self.count)?;
+        out.bytes(self.items)
+    }
+
+    fn wire_len(&self) -> usize {
+        self.items.len().saturating_add(2)
+    }
+}
+
+/// `count` entries of a list, each read by `read`; an error ends the list, and so do bytes after it.
+fn entries<'a, T>(
+    count: u16,
+    items: &'a [u8],
+    read: impl Fn(&mut Reader<'a>) -> Result<T, ParseError>,
+) -> impl Iterator<Item = Result<T, ParseError>> {
+    let mut reader = Reader::new(items);
+    let mut left = Some(count);
+    core::iter::from_fn(move || match left? {
+        0 => {
+            left = None;
+            reader.finish("list").err().map(Err)
+        }
+        more => {
+            let entry = read(&mut reader);
+            left = entry.is_ok().then(|| more.saturating_sub(1));
+            Some(entry)
+        }
+    })
+}
+
+fn read_value<'a>(
+    reader: &mut Reader<'a>,
+    attribute: AttributeId,
+    len: &impl Fn(AttributeId, &'a [u8]) -> Option<usize>,
+) -> Result<&'a [u8], ParseError> {
     let offset = reader.offset();
     let len = len(attribute, reader.peek());
     let len = len.ok_or(ParseError::value("attribute of unknown length", offset, attribute.0.into()))?;
-    Ok(AttributeReply { attribute, value: Ok(reader.bytes(len, "value")?) })
+    reader.bytes(len, "value")
 }

@@ -22,7 +22,9 @@ mod service;
 pub use allocate::{AllocateRequest, AllocateResponse, AllocationChoice, ReleaseRequest};
 pub use describe::{Answer, Subject};
 pub use format::BodyFormat;
-pub use list::{AttributeReplies, AttributeReply, AttributeStatusList, InstanceList, UintList};
+pub use list::{
+    AttributeReplies, AttributeReply, AttributeSettings, AttributeStatusList, InstanceList, UintList,
+};
 pub use member::{MemberId, MemberRequest};
 pub use packet::{MultipleServicePacket, emit_packets};
 pub use request::{AttributeAccess, AttributeRequest, EmitError, Request, Target};

@@ -181,6 +181,19 @@ fn replies_of_get_attribute_list() {
 }
 
 #[test]
+fn settings_of_set_attribute_list() {
+    let settings = AttributeSettings::parse(&[2, 0, 9, 0, 0x4B, 0x00, 12, 0, 1]).unwrap();
+    let len = |id: AttributeId, _: &[u8]| Some(if id.0 == 9 { 2 } else { 1 });
+    let found: Vec<_> = settings.iter(len).map(Result::unwrap).collect();
+    assert_eq!(found, [(AttributeId(9), &[0x4B, 0x00][..]), (AttributeId(12), &[1])]);
+
+    let longer = AttributeSettings::parse(&[1, 0, 12, 0, 1, 0xFF]).unwrap();
+    assert_eq!(longer.iter(len).last().unwrap().unwrap_err().kind, ParseErrorKind::Trailing { found: 1 });
+    let shorter = AttributeSettings::parse(&[3, 0, 12, 0]).unwrap();
+    assert!(shorter.iter(len).map(|entry| entry.unwrap_err().field).eq(["value"]));
+}
+
+#[test]
 fn multiple_service_packets_survive() {
     let services: [&[u8]; 3] = [&[0x0E, 1, 1, 1], &[], &[0x05, 1, 1]];
     let mut buffer = [0; 40];
