@@ -6,7 +6,9 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod access;
 pub mod id;
 pub mod message;
 
+pub use access::Access;
 pub use id::{Identifier, MacId};

@@ -1,0 +1,10 @@
+//! Tests that read like the bus: what a node sends, hears and shows, in the order of time.
+
+mod bus;
+mod bus_off;
+mod commands;
+pub(super) mod edges;
+mod faults;
+mod offline;
+mod online;
+mod starting;
