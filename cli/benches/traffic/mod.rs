@@ -157,7 +157,8 @@ impl Traffic {
     /// A response of three fragments, each acknowledged by the master.
     fn read_product_name(&mut self, slave: Slave) {
         let fragmented = MASTER_MAC | 0x80;
-        let (ask, answer) = (Identifier::explicit_request(slave.mac), Identifier::explicit_response(slave.mac));
+        let (ask, answer) =
+            (Identifier::explicit_request(slave.mac), Identifier::explicit_response(slave.mac));
         self.send(ask, &with_header(&[0x0E, 0x01, 0x01, 0x07]), MASTER_PAUSE);
         let name = *b"\x8E\x0FPressure gauge ";
         for (count, piece) in name.chunks(6).enumerate() {

@@ -2,6 +2,7 @@
 
 mod json;
 mod progress;
+mod summary;
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -65,7 +66,8 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
         copy.finish()?;
     }
     if bad_lines > 0 {
-        output::warn(format_args!("{}: {bad_lines} lines could not be read", shown(file)));
+        let lines = if bad_lines == 1 { "line" } else { "lines" };
+        output::warn(format_args!("{}: {bad_lines} {lines} could not be read", shown(file)));
     }
     Ok(if bad_lines > 0 { Exit::Findings } else { Exit::Done })
 }

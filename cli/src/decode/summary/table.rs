@@ -1,0 +1,64 @@
+//! A table in plain text.
+
+use core::fmt;
+
+/// One cell, at the left or the right of its column.
+#[derive(Clone, Debug)]
+pub(super) struct Cell {
+    text: String,
+    is_left: bool,
+}
+
+impl Cell {
+    pub(super) fn left(text: impl Into<String>) -> Self {
+        Self { text: text.into(), is_left: true }
+    }
+
+    pub(super) fn right(text: impl Into<String>) -> Self {
+        Self { text: text.into(), is_left: false }
+    }
+}
+
+/// Rows under a heading. Columns are as wide as they must be and two blanks apart.
+#[derive(Clone, Debug)]
+pub(super) struct Table {
+    heading: Vec<String>,
+    rows: Vec<Vec<Cell>>,
+}
+
+impl Table {
+    pub(super) fn new(heading: &[&str]) -> Self {
+        Self { heading: heading.iter().map(|&name| name.to_owned()).collect(), rows: Vec::new() }
+    }
+
+    pub(super) fn row(&mut self, cells: Vec<Cell>) {
+        self.rows.push(cells);
+    }
+}
+
+impl fmt::Display for Table {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // The heading stands as its column does.
+        let heading: Vec<Cell> = (0..)
+            .zip(&self.heading)
+            .map(|(column, name)| {
+                let is_left =
+                    self.rows.first().and_then(|row| row.get(column)).is_some_and(|cell| cell.is_left);
+                Cell { text: name.clone(), is_left }
+            })
+            .collect();
+        let rows = || core::iter::once(&heading).chain(&self.rows);
+        let width = |column: usize| {
+            rows().filter_map(|row| row.get(column)).map(|cell: &Cell| cell.text.chars().count()).max()
+        };
+        for row in rows() {
+            let mut line = String::new();
+            for (column, Cell { text, is_left }) in row.iter().enumerate() {
+                let width = width(column).unwrap_or(0);
+                line += &if *is_left { format!("{text:<width$}  ") } else { format!("{text:>width$}  ") };
+            }
+            writeln!(f, "{}", line.trim_end())?;
+        }
+        Ok(())
+    }
+}
