@@ -45,8 +45,15 @@ impl Trace {
 
     /// A frame that `node` sent.
     #[inline]
-    pub fn frame(&mut self, out: &mut Vec<u8>, at: Instant, node: &str, frame: &Frame, words: impl Display) {
-        let mut line = self.begin(out, at, node, Emphasis::Normal);
+    pub fn frame(
+        &mut self,
+        out: &mut Vec<u8>,
+        at: Instant,
+        node: impl AsRef<[u8]>,
+        frame: &Frame,
+        words: impl Display,
+    ) {
+        let mut line = self.begin(out, at, node.as_ref(), Emphasis::Normal);
         line.frame(frame);
         line.words(words);
     }
@@ -57,12 +64,12 @@ impl Trace {
         &mut self,
         out: &mut Vec<u8>,
         at: Instant,
-        node: &str,
+        node: impl AsRef<[u8]>,
         content: &Content,
         emphasis: Emphasis,
         words: impl Display,
     ) {
-        let mut line = self.begin(out, at, node, emphasis);
+        let mut line = self.begin(out, at, node.as_ref(), emphasis);
         match content {
             Content::Classic(frame) => line.frame(frame),
             Content::Error(error) => {
@@ -86,13 +93,13 @@ impl Trace {
         emphasis: Emphasis,
         words: impl Display,
     ) {
-        let mut line = self.begin(out, at, node, emphasis);
+        let mut line = self.begin(out, at, node.as_ref(), emphasis);
         line.id(b"");
         line.words(words);
     }
 
     #[inline]
-    fn begin<'a>(&mut self, out: &'a mut Vec<u8>, at: Instant, node: &str, emphasis: Emphasis) -> Line<'a> {
+    fn begin<'a>(&mut self, out: &'a mut Vec<u8>, at: Instant, node: &[u8], emphasis: Emphasis) -> Line<'a> {
         let style = self.coloured.then_some(emphasis);
         if self.coloured {
             let _ = write!(Utf8(out), "{DIM}");
@@ -106,7 +113,7 @@ impl Trace {
         }
         out.extend_from_slice(b"  ");
         let start = out.len();
-        out.extend_from_slice(node.as_bytes());
+        out.extend_from_slice(node);
         self.node_width = self.node_width.max(out.len() - start);
         align_right(out, start, self.node_width);
         out.extend_from_slice(b"  ");

@@ -1,12 +1,15 @@
 //! One JSON object a frame.
 
+use core::fmt::{self, Display, Write as _};
+
 use link_core::Id;
 
+use super::outside::Outside;
 use crate::recording::{Content, RecordedFrame};
 use crate::text::{LOWER, push_hex, push_number, push_seconds};
 
-/// Writes the fields that every frame has: `t`, `n`, `channel` where there is one, `id`, `ext`, `rtr`, `dlc`, `data`.
-pub(super) fn object(out: &mut Vec<u8>, frame: &RecordedFrame, channel: Option<&str>) {
+/// Begins an object with the fields that every frame has: `t`, `n`, `channel` where there is one, `id`, `ext`, `rtr`, `dlc`, `data`.
+pub(super) fn begin(out: &mut Vec<u8>, frame: &RecordedFrame, channel: Option<&str>) {
     out.extend_from_slice(b"{\"t\":");
     push_seconds(out, frame.at, frame.digits);
     out.extend_from_slice(b",\"n\":");
@@ -34,21 +37,82 @@ pub(super) fn object(out: &mut Vec<u8>, frame: &RecordedFrame, channel: Option<&
         out.extend_from_slice(b",\"channel\":");
         push_string(out, channel);
     }
+}
+
+/// The fields of an entry that is no DeviceNet frame.
+pub(super) fn outside(out: &mut Vec<u8>, outside: Outside) {
+    out.extend_from_slice(b",\"protocol\":\"unknown\",\"kind\":\"foreign\",\"problem\":");
+    push_display(out, outside);
+    text(out, outside);
+}
+
+/// The words, which come last.
+pub(super) fn text(out: &mut Vec<u8>, words: impl Display) {
+    out.extend_from_slice(b",\"text\":");
+    push_display(out, words);
+}
+
+/// Ends the object and its line.
+pub(super) fn end(out: &mut Vec<u8>) {
     out.extend_from_slice(b"}\n");
+}
+
+fn push_display(out: &mut Vec<u8>, words: impl Display) {
+    out.push(b'"');
+    // Writing into a vector cannot fail.
+    let _ = write!(Escaped(out), "{words}");
+    out.push(b'"');
 }
 
 /// A string in quotation marks.
 fn push_string(out: &mut Vec<u8>, text: &str) {
-    out.push(b'"');
-    for byte in text.bytes() {
-        match byte {
-            b'"' | b'\\' => out.extend_from_slice(&[b'\\', byte]),
-            0..0x20 => {
-                out.extend_from_slice(b"\\u00");
-                push_hex(out, &[byte], LOWER);
+    push_display(out, text);
+}
+
+/// Lets `fmt` write into a JSON string.
+struct Escaped<'a>(&'a mut Vec<u8>);
+
+impl fmt::Write for Escaped<'_> {
+    #[inline]
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        if text.bytes().any(needs_escape) {
+            self.escape(text)
+        } else {
+            self.0.extend_from_slice(text.as_bytes())
+        }
+        Ok(())
+    }
+}
+
+impl Escaped<'_> {
+    #[cold]
+    fn escape(&mut self, text: &str) {
+        for byte in text.bytes() {
+            match byte {
+                b'"' | b'\\' => self.0.extend_from_slice(&[b'\\', byte]),
+                0..0x20 => {
+                    self.0.extend_from_slice(b"\\u00");
+                    push_hex(self.0, &[byte], LOWER);
+                }
+                _ => self.0.push(byte),
             }
-            _ => out.push(byte),
         }
     }
-    out.push(b'"');
+}
+
+fn needs_escape(byte: u8) -> bool {
+    byte < 0x20 || byte == b'"' || byte == b'\\'
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strings_are_escaped() {
+        let mut out = Vec::new();
+        push_string(&mut out, "a \"b\" \\ \u{1}\n°");
+        let read: String = serde_json::from_slice(&out).unwrap();
+        assert_eq!(read, "a \"b\" \\ \u{1}\n°");
+    }
 }

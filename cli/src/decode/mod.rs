@@ -1,8 +1,12 @@
 //! `devicenet decode`: a recording, frame by frame, in words or as JSON.
 
+mod decoder;
 mod json;
+mod outside;
 mod progress;
 mod summary;
+
+pub use decoder::{Decoder, Verdict};
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -11,8 +15,7 @@ use std::path::Path;
 use crate::args::DecodeArgs;
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Output};
-use crate::recording::{RecordedFrame, Recording, WriteFormat, Writer};
-use crate::trace::{Emphasis, Trace};
+use crate::recording::{RecordedFrame, Recording, RecordingError, WriteFormat, Writer};
 use progress::Progress;
 
 /// Decodes a recording.
@@ -25,10 +28,11 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
     let mut recording = Recording::open(file).map_err(|error| unreadable(&error))?;
     let mut output = Output::new();
     let mut progress = Progress::new(file, &output);
-    let mut view = View::new(json, output.is_coloured());
+    let mut decoder = Decoder::new(args, json, output.is_coloured());
     let mut copy = args.record.as_deref().map(Copy::create).transpose()?;
     let is_live = file.as_os_str() == "-";
     let mut bad_lines = 0u64;
+    let mut problems = 0u64;
     loop {
         if is_live && !recording.is_next_line_here() {
             output.flush()?;
@@ -40,9 +44,7 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
                 output.flush()?;
                 progress.finish();
                 return Err(match error {
-                    crate::recording::RecordingError::Bad(bad) => {
-                        Failure::Usage(format!("{}:{bad}", shown(file)))
-                    }
+                    RecordingError::Bad(bad) => Failure::Usage(format!("{}:{bad}", shown(file))),
                     error => unreadable(&error),
                 });
             }
@@ -53,13 +55,18 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
                 continue;
             }
         };
+        progress.advance(frame.n);
+        match decoder.frame(&mut output.buffer, &frame, recording.channels()) {
+            Verdict::Hidden => continue,
+            Verdict::Fine => {}
+            Verdict::Problem => problems += 1,
+        }
+        output.line_done()?;
         if let Some(copy) = &mut copy {
             copy.write(&recording, &frame)?;
         }
-        view.show(&mut output, &recording, &frame);
-        output.line_done()?;
-        progress.advance(frame.n);
     }
+    decoder.finish(&mut output.buffer, recording.channels(), &shown(file));
     output.flush()?;
     progress.finish();
     if let Some(copy) = copy {
@@ -69,28 +76,7 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
         let lines = if bad_lines == 1 { "line" } else { "lines" };
         output::warn(format_args!("{}: {bad_lines} {lines} could not be read", shown(file)));
     }
-    Ok(if bad_lines > 0 { Exit::Findings } else { Exit::Done })
-}
-
-/// How frames are shown.
-struct View {
-    json: bool,
-    trace: Trace,
-}
-
-impl View {
-    fn new(json: bool, coloured: bool) -> Self {
-        Self { json, trace: Trace::new(coloured && !json) }
-    }
-
-    fn show(&mut self, output: &mut Output, recording: &Recording, frame: &RecordedFrame) {
-        if self.json {
-            let channel = frame.channel.map(|channel| recording.channels().name(channel));
-            json::object(&mut output.buffer, frame, channel);
-        } else {
-            self.trace.entry(&mut output.buffer, frame.at, "-", &frame.content, Emphasis::Normal, "");
-        }
-    }
+    Ok(if bad_lines + problems > 0 { Exit::Findings } else { Exit::Done })
 }
 
 /// The recording that `--record` writes.

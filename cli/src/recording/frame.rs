@@ -156,6 +156,11 @@ impl Channels {
         self.names.get(channel.index()).map_or("", |name| name)
     }
 
+    /// Their names, in the order in which they appeared.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.names.iter().map(|name| &**name)
+    }
+
     /// How many there are so far.
     #[must_use]
     pub fn len(&self) -> usize {

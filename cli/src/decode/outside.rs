@@ -1,0 +1,34 @@
+//! What is on the bus but is no DeviceNet frame, and cannot be.
+
+use core::fmt;
+
+use crate::recording::{Content, ErrorFrame};
+
+/// An entry of a recording that no monitor is asked about.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Outside {
+    /// The controller reported an error.
+    Error(ErrorFrame),
+    /// A CAN FD frame, which every DeviceNet node answers with an error frame.
+    Fd,
+}
+
+impl Outside {
+    /// `None` for a classic frame.
+    pub(super) fn of(content: &Content) -> Option<Self> {
+        match content {
+            Content::Classic(_) => None,
+            Content::Error(error) => Some(Self::Error(*error)),
+            Content::Fd(_) => Some(Self::Fd),
+        }
+    }
+}
+
+impl fmt::Display for Outside {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Error(error) => error.fmt(f),
+            Self::Fd => f.write_str("CAN FD frame"),
+        }
+    }
+}
