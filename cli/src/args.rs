@@ -57,6 +57,7 @@ Examples:
   devicenet decode --summary --bit-rate 500k recording.log
   devicenet decode --json recording.log | jq -r 'select(.problem) | [.n, .text] | @tsv'
   devicenet decode --mac 10 --record only-10.pcapng recording.log
+  devicenet decode --record - recording.asc > recording.log
   candump -L can0 | devicenet decode -"
 )]
 pub struct DecodeArgs {
@@ -80,9 +81,17 @@ pub struct DecodeArgs {
     /// Stop at the first line that cannot be read, instead of warning and going on
     #[arg(long)]
     pub strict: bool,
-    /// Write the frames shown into a recording as well: pcapng for a name that ends so, else a candump log
+    /// Write the frames shown into a recording as well: pcapng for a name that ends so, else a candump log; `-` writes it
+    /// to standard output, and nothing else there
     #[arg(long, short = 'o', value_name = "FILE")]
     pub record: Option<PathBuf>,
+}
+
+impl DecodeArgs {
+    /// Whether standard output is for the copy, and not for words.
+    pub(crate) fn is_record_on_stdout(&self) -> bool {
+        self.record.as_deref().is_some_and(|path| path.as_os_str() == "-")
+    }
 }
 
 /// The protocols that `decode` knows.

@@ -1,6 +1,8 @@
 //! Standard output and standard error, as every subcommand uses them.
 
-use std::io::{self, IsTerminal, StdoutLock, Write};
+use std::cell::RefCell;
+use std::io::{self, IsTerminal, Read, StdinLock, StdoutLock, Write};
+use std::rc::Rc;
 
 use anstream::ColorChoice;
 use anstyle::{AnsiColor, Style};
@@ -10,13 +12,15 @@ pub struct Output {
     stdout: StdoutLock<'static>,
     /// What is still to be written; append to it, then call [`line_done`](Self::line_done).
     pub buffer: Vec<u8>,
+    /// What went wrong while nobody could be told.
+    failure: Option<io::Error>,
 }
 
 impl Output {
     /// Takes standard output for the rest of the program.
     #[must_use]
     pub fn new() -> Self {
-        Self { stdout: io::stdout().lock(), buffer: Vec::with_capacity(BUFFER + 4096) }
+        Self { stdout: io::stdout().lock(), buffer: Vec::with_capacity(BUFFER + 4096), failure: None }
     }
 
     /// Whether to use colours: on a terminal, unless `NO_COLOR` and its kind say otherwise.
@@ -37,7 +41,7 @@ impl Output {
     /// When standard output fails.
     #[inline]
     pub fn line_done(&mut self) -> io::Result<()> {
-        if self.buffer.len() < BUFFER { Ok(()) } else { self.flush() }
+        if self.buffer.len() < BUFFER && self.failure.is_none() { Ok(()) } else { self.flush() }
     }
 
     /// Writes everything out.
@@ -46,15 +50,45 @@ impl Output {
     /// When standard output fails.
     #[cold]
     pub fn flush(&mut self) -> io::Result<()> {
-        self.stdout.write_all(&self.buffer)?;
+        if let Some(failure) = self.failure.take() {
+            return Err(failure);
+        }
+        let written = self.stdout.write_all(&self.buffer);
         self.buffer.clear();
-        self.stdout.flush()
+        written.and_then(|()| self.stdout.flush())
     }
 }
 
 impl Default for Output {
     fn default() -> Self {
         Self::new()
+    }
+}
+
+/// Standard input that shows what there is to show before it waits for more: `candump -L can0 | devicenet decode -`
+/// lags behind by nothing.
+pub struct Attentive {
+    stdin: StdinLock<'static>,
+    output: Rc<RefCell<Output>>,
+}
+
+impl Attentive {
+    /// Takes standard input for the rest of the program. `output` must not be borrowed while this is read.
+    #[must_use]
+    pub fn new(output: Rc<RefCell<Output>>) -> Self {
+        Self { stdin: io::stdin().lock(), output }
+    }
+}
+
+impl Read for Attentive {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if let Ok(mut output) = self.output.try_borrow_mut()
+            && let Err(failure) = output.flush()
+        {
+            // It is no failure of the input: the next one who writes will see it.
+            output.failure = Some(failure);
+        }
+        self.stdin.read(buffer)
     }
 }
 

@@ -125,8 +125,8 @@ fn a_bad_line_is_a_warning_with_its_place_and_the_rest_is_read() {
     assert_exit(&output, 1);
     assert_eq!(
         stderr(&output),
-        "warning: standard input:2:25: two hexadecimal digits expected, \"x\" found\n\
-         warning: standard input: 1 line could not be read\n"
+        "warning: <stdin>:2:25: two hexadecimal digits expected, \"x\" found\n\
+         warning: <stdin>: 1 line could not be read\n"
     );
     assert_eq!(stdout(&output).lines().count(), 2);
 }
@@ -136,7 +136,7 @@ fn strict_stops_at_a_bad_line() {
     let log = "(1.000000) can0 456#014B03010301\nnonsense\n(1.000400) can0 455#\n";
     let output = run_with_input(&["decode", "--strict", "-"], log);
     assert_exit(&output, 2);
-    assert_eq!(stderr(&output), "error: standard input:2:1: \"(\" and a time expected, \"nonsense\" found\n");
+    assert_eq!(stderr(&output), "error: <stdin>:2:1: \"(\" and a time expected, \"nonsense\" found\n");
     assert_eq!(stdout(&output).lines().count(), 1, "what was read before is shown");
 }
 
@@ -240,6 +240,19 @@ fn a_copy_can_be_written_in_either_format_and_decodes_the_same() {
         }
         assert_eq!(expected, found, "{name}");
     }
+}
+
+#[test]
+fn a_recording_is_converted_on_standard_output_and_never_over_itself() {
+    let output = run(&["decode", "--record", "-", &capture("candump-ta.txt")]);
+    let original = std::fs::read_to_string(capture("slave-01-startup-poll.log")).unwrap();
+    let first: String = original.lines().take(20).map(|line| format!("{line}\n")).collect();
+    assert_eq!(stdout(&output), first);
+    let file = temporary("itself.log");
+    std::fs::write(&file, &original).unwrap();
+    let output = run(&["decode", "--record", &file, &file]);
+    assert_exit(&output, 2);
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), original);
 }
 
 /// A path for this test process only.

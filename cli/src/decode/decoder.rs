@@ -19,7 +19,12 @@ pub struct Decoder {
 enum View {
     Text(Trace),
     Json,
-    Summary { summary: Box<Summary>, json: bool },
+    Summary {
+        summary: Box<Summary>,
+        json: bool,
+    },
+    /// Nothing: standard output gets the frames themselves.
+    Silent,
 }
 
 /// What a frame came to.
@@ -38,6 +43,7 @@ impl Decoder {
     #[must_use]
     pub fn new(args: &DecodeArgs, json: bool, coloured: bool) -> Self {
         let view = match (args.summary, json) {
+            _ if args.is_record_on_stdout() => View::Silent,
             (true, json) => View::Summary { summary: Box::new(Summary::new(args.bit_rate)), json },
             (false, true) => View::Json,
             (false, false) => View::Text(Trace::new(coloured)),
@@ -101,6 +107,7 @@ impl Decoder {
                     has_problem: verdict == Verdict::Problem,
                 });
             }
+            View::Silent => {}
         }
         verdict
     }

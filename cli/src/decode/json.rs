@@ -18,7 +18,7 @@ pub(super) fn begin(out: &mut Vec<u8>, frame: &RecordedFrame, channel: Option<&s
         Content::Classic(frame) => {
             (frame.raw_id(), frame.is_extended(), frame.is_remote(), frame.dlc(), frame.data())
         }
-        Content::Error(error) => (error.class, true, false, 8, &error.data[..]),
+        Content::Error(error) => (error.class, false, false, 8, &error.data[..]),
         Content::Fd(frame) => match frame.id() {
             Id::Standard(id) => (u32::from(id.as_raw()), false, false, frame.dlc(), frame.data()),
             Id::Extended(id) => (id.as_raw(), true, false, frame.dlc(), frame.data()),

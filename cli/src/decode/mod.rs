@@ -8,13 +8,15 @@ mod summary;
 
 pub use decoder::{Decoder, Verdict};
 
+use std::cell::RefCell;
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
+use std::rc::Rc;
 
 use crate::args::DecodeArgs;
 use crate::exit::{Exit, Failure};
-use crate::output::{self, Output};
+use crate::output::{self, Attentive, Output};
 use crate::recording::{RecordedFrame, Recording, RecordingError, WriteFormat, Writer};
 use progress::Progress;
 
@@ -23,35 +25,33 @@ use progress::Progress;
 /// # Errors
 /// [`Failure`] when the recording cannot be read to its end, with `--strict` also when a line is bad.
 pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
-    let file = &args.file;
-    let unreadable = |error: &dyn core::fmt::Display| Failure::Usage(format!("{}: {error}", shown(file)));
-    let mut recording = Recording::open(file).map_err(|error| unreadable(&error))?;
-    let mut output = Output::new();
-    let mut progress = Progress::new(file, &output);
-    let mut decoder = Decoder::new(args, json, output.is_coloured());
-    let mut copy = args.record.as_deref().map(Copy::create).transpose()?;
-    let is_live = file.as_os_str() == "-";
-    let mut bad_lines = 0u64;
-    let mut problems = 0u64;
-    loop {
-        if is_live && !recording.is_next_line_here() {
-            output.flush()?;
-        }
-        let frame = match recording.next() {
-            None => break,
-            Some(Ok(frame)) => frame,
-            Some(Err(error)) if error.is_fatal() || args.strict => {
+    let file = shown(&args.file, "<stdin>");
+    let unreadable = |error: RecordingError| {
+        let separator = if error.is_fatal() { ": " } else { ":" };
+        Failure::Usage(format!("{file}{separator}{error}"))
+    };
+    let output = Rc::new(RefCell::new(Output::new()));
+    let recording = match is_standard(&args.file) {
+        true => Recording::from_reader(Attentive::new(Rc::clone(&output))),
+        false => Recording::open(&args.file),
+    };
+    let mut recording = recording.map_err(unreadable)?;
+    let mut copy = args.record.as_deref().map(|path| Copy::create(path, &args.file)).transpose()?;
+    let mut progress = Progress::new(&args.file, &output.borrow());
+    let mut decoder = Decoder::new(args, json, output.borrow().is_coloured());
+    let (mut bad_lines, mut problems) = (0u64, 0u64);
+    while let Some(entry) = recording.next() {
+        let mut output = output.borrow_mut();
+        let frame = match entry {
+            Ok(frame) => frame,
+            Err(error) => {
                 output.flush()?;
-                progress.finish();
-                return Err(match error {
-                    RecordingError::Bad(bad) => Failure::Usage(format!("{}:{bad}", shown(file))),
-                    error => unreadable(&error),
-                });
-            }
-            Some(Err(error)) => {
+                if error.is_fatal() || args.strict {
+                    progress.finish();
+                    return Err(unreadable(error));
+                }
                 bad_lines += 1;
-                output.flush()?;
-                progress.suspend(|| output::warn(format_args!("{}:{error}", shown(file))));
+                progress.suspend(|| output::warn(format_args!("{file}:{error}")));
                 continue;
             }
         };
@@ -66,7 +66,8 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
             copy.write(&recording, &frame)?;
         }
     }
-    decoder.finish(&mut output.buffer, recording.channels(), &shown(file));
+    let mut output = output.borrow_mut();
+    decoder.finish(&mut output.buffer, recording.channels(), &file);
     output.flush()?;
     progress.finish();
     if let Some(copy) = copy {
@@ -74,42 +75,62 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
     }
     if bad_lines > 0 {
         let lines = if bad_lines == 1 { "line" } else { "lines" };
-        output::warn(format_args!("{}: {bad_lines} {lines} could not be read", shown(file)));
+        output::warn(format_args!("{file}: {bad_lines} {lines} could not be read"));
     }
     Ok(if bad_lines + problems > 0 { Exit::Findings } else { Exit::Done })
 }
 
 /// The recording that `--record` writes.
-struct Copy<'a> {
-    path: &'a Path,
-    writer: Writer<BufWriter<File>>,
+struct Copy {
+    name: String,
+    writer: Writer<BufWriter<Box<dyn Write>>>,
 }
 
-impl<'a> Copy<'a> {
-    fn create(path: &'a Path) -> Result<Self, Failure> {
-        let format = WriteFormat::of_name(&path.to_string_lossy());
-        let writer = File::create(path).and_then(|file| Writer::new(BufWriter::new(file), format));
-        let writer = writer.map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;
-        Ok(Self { path, writer })
+impl Copy {
+    fn create(path: &Path, original: &Path) -> Result<Self, Failure> {
+        let name = shown(path, "<stdout>");
+        let failed = |error: io::Error| Failure::Usage(format!("{name}: {error}"));
+        let is_original =
+            path.canonicalize().is_ok_and(|path| original.canonicalize().is_ok_and(|it| it == path));
+        if is_original {
+            return Err(Failure::Usage(format!("{name}: is being read, record into another file")));
+        }
+        let sink: Box<dyn Write> = match is_standard(path) {
+            true => Box::new(io::stdout()),
+            false => Box::new(File::create(path).map_err(failed)?),
+        };
+        let writer = Writer::new(BufWriter::new(sink), WriteFormat::of_name(&name)).map_err(failed)?;
+        Ok(Self { name, writer })
     }
 
     fn write(&mut self, recording: &Recording, frame: &RecordedFrame) -> Result<(), Failure> {
         // A pcap file does not say which interface it comes from.
         let channel = frame.channel.map_or("can0", |channel| recording.channels().name(channel));
         let written = self.writer.write(frame.at, frame.digits, channel, &frame.content);
-        written.map_err(|error| Failure::Usage(format!("{}: {error}", self.path.display())))
+        written.map_err(|error| failure(&self.name, error))
     }
 
     fn finish(self) -> Result<(), Failure> {
-        let path = self.path;
-        self.writer.finish().map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))
+        self.writer.finish().map_err(|error| failure(&self.name, error))
     }
 }
 
+fn failure(name: &str, error: io::Error) -> Failure {
+    match error.kind() {
+        io::ErrorKind::BrokenPipe => Failure::Output(error),
+        _ => Failure::Usage(format!("{name}: {error}")),
+    }
+}
+
+/// Whether a path means standard input or output.
+fn is_standard(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
 /// A path in messages.
-fn shown(path: &Path) -> String {
-    match path.as_os_str() == "-" {
-        true => "standard input".to_owned(),
+fn shown(path: &Path, standard: &str) -> String {
+    match is_standard(path) {
+        true => standard.to_owned(),
         false => path.display().to_string(),
     }
 }

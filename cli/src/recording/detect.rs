@@ -43,10 +43,10 @@ impl Format {
             [0xA1, 0xB2, 0x3C, 0x4D, ..] | [0x4D, 0x3C, 0xB2, 0xA1, ..] => return Ok(Self::Pcap),
             [0x0A, 0x0D, 0x0D, 0x0A, ..] => return Ok(Self::PcapNg),
             [0x1F, 0x8B, ..] => {
-                return Err(RecordingError::UnknownFormat("gzip, which must be unpacked first"));
+                return Err(RecordingError::UnknownFormat("gzip data (unpack it first)"));
             }
             [0x28, 0xB5, 0x2F, 0xFD, ..] => {
-                return Err(RecordingError::UnknownFormat("zstd, which must be unpacked first"));
+                return Err(RecordingError::UnknownFormat("zstd data (unpack it first)"));
             }
             _ if beginning.iter().take(512).any(|byte| *byte == 0) => {
                 return Err(RecordingError::UnknownFormat("binary data"));
@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn says_what_else_it_seems_to_be() {
         let found = |bytes| Format::detect(bytes).unwrap_err().to_string();
-        assert!(found(b"\x1F\x8B\x08").ends_with("gzip, which must be unpacked first found"));
+        assert!(found(b"\x1F\x8B\x08").ends_with("gzip data (unpack it first) found"));
         assert!(found(b"\x7FELF\x00").ends_with("binary data found"));
         assert!(found(b"[package]\nname = 1\n").ends_with("text of another kind found"));
     }

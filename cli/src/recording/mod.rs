@@ -130,17 +130,6 @@ impl Recording {
         &self.channels
     }
 
-    /// Whether the next line is already in memory: if not, reading a pipe may wait for its writer.
-    #[must_use]
-    pub fn is_next_line_here(&self) -> bool {
-        match &self.reader {
-            Reader::Candump(lines) | Reader::Screen(lines, _) | Reader::Asc(lines, _) => {
-                memchr::memchr(b'\n', lines.ahead()).is_some()
-            }
-            Reader::Pcap(_) | Reader::PcapNg(_) => false,
-        }
-    }
-
     #[inline]
     fn read(&mut self) -> Option<Result<Parsed, RecordingError>> {
         let channels = &mut self.channels;
