@@ -1,0 +1,2 @@
+//! How many virtual seconds a second of computing gives.
+fn main() {}
