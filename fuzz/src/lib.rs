@@ -1,1 +1,38 @@
-//! Under construction.
+//! What the fuzz targets run: ordinary functions on bytes, tested like any other code.
+//!
+//! | Target | Under test | What must hold |
+//! |---|---|---|
+//! | [`wire`] | every wire type, paths, fragments, the bits of a frame | the laws of the byte layouts |
+//!
+//! Each target is one module with `pub fn run(data: &[u8])`, which panics when something does not hold; the file of that
+//! name in `fuzz_targets` is one line. What bytes mean as frames and operations is in [`input`], apart from the oracles.
+//! The committed seeds in `seeds/TARGET` run with `cargo test`; `cargo fuzz run TARGET` searches on from them:
+//!
+//! ```sh
+//! mkdir -p fuzz/corpus/wire
+//! cargo +nightly fuzz run wire fuzz/corpus/wire fuzz/seeds/wire -- -max_total_time=600 -max_len=512
+//! ```
+
+#![allow(
+    clippy::arithmetic_side_effects,
+    clippy::as_conversions,
+    clippy::expect_used,
+    clippy::indexing_slicing,
+    clippy::panic,
+    clippy::unwrap_used
+)] // A panic is how an oracle says what it found, and an overflow in an oracle is a finding too.
+
+pub mod input;
+pub mod wire;
+
+/// A fuzz target.
+#[derive(Clone, Copy, Debug)]
+pub struct Target {
+    /// Its name: that of the module, of the file in `fuzz_targets` and of the folder in `seeds`.
+    pub name: &'static str,
+    /// Its body.
+    pub run: fn(&[u8]),
+}
+
+/// Every target.
+pub const TARGETS: &[Target] = &[Target { name: "wire", run: wire::run }];
