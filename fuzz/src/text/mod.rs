@@ -1,0 +1,9 @@
+//! Files: recordings in every format that is read, and scenarios. A file can hold anything; what is wrong with it is said
+//! with its place, and what was written is read back.
+
+mod recordings;
+
+/// Reads `data` as a file of each kind.
+pub fn run(data: &[u8]) {
+    recordings::check(data);
+}
