@@ -2,6 +2,7 @@
 //!
 //! | Target | Under test | What must hold |
 //! |---|---|---|
+//! | [`dn_access`] | network access | the transition table, held by a second, small program |
 //! | [`text`] | readers of recordings and scenarios | an error has its place; what was written is read back |
 //! | [`wire`] | every wire type, paths, fragments, the bits of a frame | the laws of the byte layouts |
 //!
@@ -23,6 +24,7 @@
     clippy::unwrap_used
 )] // A panic is how an oracle says what it found, and an overflow in an oracle is a finding too.
 
+pub mod dn_access;
 pub mod input;
 pub mod text;
 pub mod wire;
@@ -38,4 +40,4 @@ pub struct Target {
 
 /// Every target.
 pub const TARGETS: &[Target] =
-    &[Target { name: "text", run: text::run }, Target { name: "wire", run: wire::run }];
+    &[Target { name: "dn_access", run: dn_access::run }, Target { name: "text", run: text::run }, Target { name: "wire", run: wire::run }];

@@ -14,10 +14,12 @@ use crate::input;
 /// Reads `data` as a recording, whole and in pieces; and writes frames made from it.
 pub(super) fn check(data: &[u8]) {
     let whole = read(Cursor::new(data.to_vec()));
-    let pieces = read(Pieces { rest: data.to_vec(), at: 0 });
-    // The format is judged by what a pipe gives at first, and so is whether screen output has distances for times.
-    if pieces.format == whole.format && whole.format != Some(Format::CandumpScreen) {
-        assert_eq!(pieces, whole, "the same, whatever pieces a pipe gives");
+    if whole.format.is_some() {
+        let pieces = read(Pieces { rest: data.to_vec(), at: 0 });
+        // The format is judged by what a pipe gives at first, and so is whether screen output has distances for times.
+        if pieces.format == whole.format && whole.format != Some(Format::CandumpScreen) {
+            assert_eq!(pieces, whole, "the same, whatever pieces a pipe gives");
+        }
     }
     check_places(data, &whole);
     check_written(&whole.frames);
@@ -101,6 +103,9 @@ fn check_places(data: &[u8], reading: &Reading) {
 
 /// What the writers write is read back: the frames, their times, and their channels.
 fn check_written(frames: &[Entry]) {
+    if frames.is_empty() {
+        return;
+    }
     for format in [WriteFormat::CandumpLog, WriteFormat::PcapNg] {
         let mut bytes = Vec::new();
         let mut writer = Writer::new(&mut bytes, format).expect("a vector takes everything");
@@ -108,9 +113,6 @@ fn check_written(frames: &[Entry]) {
             writer.write(*at, *digits, channel_of(channel), content).expect("a vector takes everything");
         }
         writer.finish().expect("a vector takes everything");
-        if frames.is_empty() {
-            continue;
-        }
         let Reading { frames: read, errors, .. } = read(Cursor::new(bytes));
         assert_eq!(errors, [], "{format:?} of {frames:?}");
         assert_eq!(read.len(), frames.len(), "{format:?}");
