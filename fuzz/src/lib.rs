@@ -39,5 +39,8 @@ pub struct Target {
 }
 
 /// Every target.
-pub const TARGETS: &[Target] =
-    &[Target { name: "dn_access", run: dn_access::run }, Target { name: "text", run: text::run }, Target { name: "wire", run: wire::run }];
+pub const TARGETS: &[Target] = &[
+    Target { name: "dn_access", run: dn_access::run },
+    Target { name: "text", run: text::run },
+    Target { name: "wire", run: wire::run },
+];

@@ -16,7 +16,6 @@ use link_core::{
     Action, FilterSet, Frame, Input, Instant, LinkCommand, LinkEvent, Machine, TxOutcome, TxToken,
 };
 
-use crate::input;
 use model::{Controller, Fault, Model, State};
 use ops::{Command, Op};
 

@@ -3,7 +3,9 @@
 
 use core::time::Duration;
 
-use devicenet_core::access::{BusOffWhileChecking, Config, MacIdSource, MaskPredicate, StateKind};
+use devicenet_core::access::{
+    BusOffWhileChecking, Config, CounterSetMode, MacIdSource, MaskPredicate, StateKind,
+};
 use link_core::link::LinkCommandKind;
 use link_core::{Frame, Instant, LinkEvent};
 
@@ -29,9 +31,19 @@ pub(super) struct Model {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum State {
     NonExistent,
-    Sending { done: u8, controller: Controller },
-    Waiting { done: u8, until: Instant },
-    OnLine { answer_due: bool, second: Second },
+    Sending {
+        done: u8,
+        controller: Controller,
+    },
+    Waiting {
+        done: u8,
+        until: Instant,
+    },
+    /// With Quick Connect, the second request comes later.
+    OnLine {
+        answer_due: bool,
+        second: Sending,
+    },
     Faulted(Fault),
 }
 
@@ -44,10 +56,10 @@ pub(super) enum Controller {
     GivenBack(Instant),
 }
 
-/// The second request under Quick Connect.
+/// A frame that is sent after a wait.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Second {
-    Done,
+pub(super) enum Sending {
+    Nothing,
     At(Instant),
     Due,
 }
@@ -55,8 +67,12 @@ pub(super) enum Second {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Fault {
     BusOff,
-    /// When the Who response and the end of the indication are due, and byte 0 of an Identify response that is.
-    Duplicate { who: Option<Instant>, identify: Option<u8>, flashing: Option<Instant> },
+    /// The Who response, byte 0 of the Identify response, and until when the indicator flashes.
+    Duplicate {
+        who: Sending,
+        identify: Option<u8>,
+        flashing: Option<Instant>,
+    },
 }
 
 /// What a frame is.
@@ -66,6 +82,14 @@ pub(super) enum Kind {
     CheckResponse,
     WhoResponse,
     IdentifyResponse(u8),
+}
+
+impl Sending {
+    fn expire(&mut self, until: Instant) {
+        if matches!(*self, Self::At(at) if at <= until) {
+            *self = Self::Due;
+        }
+    }
 }
 
 impl Model {
@@ -130,19 +154,18 @@ impl Model {
             State::Waiting { done: 1, until: end } if over(*end) => self.send_request(1),
             // Row 5.
             State::Waiting { until: end, .. } if over(*end) => {
-                self.enter(State::OnLine { answer_due: false, second: Second::Done });
+                self.enter(State::OnLine { answer_due: false, second: Sending::Nothing });
             }
             State::Sending { controller, .. } => match *controller {
                 Controller::BackOff(at) if over(at) => *controller = Controller::Restarting,
                 Controller::GivenBack(at) if over(at) => *controller = Controller::Ready,
                 _ => {}
             },
-            State::OnLine { second: second @ Second::At(_), .. } => {
-                if matches!(second, Second::At(at) if over(*at)) {
-                    *second = Second::Due;
-                }
+            State::OnLine { second, .. } => second.expire(until),
+            State::Faulted(Fault::Duplicate { who, flashing, .. }) => {
+                who.expire(until);
+                flashing.take_if(|&mut at| over(at));
             }
-            State::Faulted(Fault::Duplicate { flashing, .. }) if flashing.is_some_and(over) => *flashing = None,
             _ => {}
         }
     }
@@ -154,7 +177,7 @@ impl Model {
         let data = frame.data();
         match self.state {
             State::Faulted(Fault::Duplicate { .. }) if self.config.offline_set && frame.raw_id() == 0x7ED => {
-                self.to_faulted_nodes(data);
+                self.communication_faulted(data);
             }
             State::NonExistent | State::Faulted(_) => {}
             _ if frame.raw_id() != self.own_check() => {}
@@ -165,20 +188,24 @@ impl Model {
             }
             // Rows 6 and 10.
             State::Sending { .. } | State::Waiting { .. } | State::OnLine { .. } => {
-                self.enter(State::Faulted(Fault::Duplicate { who: None, identify: None, flashing: None }));
+                self.enter(State::Faulted(Fault::Duplicate {
+                    who: Sending::Nothing,
+                    identify: None,
+                    flashing: None,
+                }));
             }
         }
     }
 
     /// 2.9.5 of the offline connection set.
-    fn to_faulted_nodes(&mut self, data: &[u8]) {
+    fn communication_faulted(&mut self, data: &[u8]) {
         let now = self.now;
         let device_is_meant = data.get(2..8) == Some(&own_bytes()[1..]);
         match *data {
             [head, 0x4B, offset @ 0..=6] if self.is_meant(head) => {
                 let units = own_bytes()[usize::from(offset)];
                 let delay = self.config.who_delay_unit * u32::from(units);
-                self.fault().0.replace(now + delay);
+                *self.fault().0 = Sending::At(now + delay);
             }
             [head, 0x4C] if self.is_meant(head) => {
                 self.fault().1.replace(head);
@@ -199,7 +226,7 @@ impl Model {
         }
     }
 
-    fn fault(&mut self) -> (&mut Option<Instant>, &mut Option<u8>, &mut Option<Instant>) {
+    fn fault(&mut self) -> (&mut Sending, &mut Option<u8>, &mut Option<Instant>) {
         match &mut self.state {
             State::Faulted(Fault::Duplicate { who, identify, flashing }) => (who, identify, flashing),
             other => panic!("not faulted by a duplicate: {other:?}"),
@@ -224,11 +251,11 @@ impl Model {
             _ if !wanted || kind != Kind::CheckRequest => {}
             // Row 2, with Quick Connect and without.
             State::Sending { done: 0, .. } if self.quick_connect_active => {
-                self.state = State::OnLine { answer_due: false, second: Second::At(until) };
+                self.state = State::OnLine { answer_due: false, second: Sending::At(until) };
             }
             State::Sending { done, .. } => self.state = State::Waiting { done: done + 1, until },
             State::OnLine { answer_due, .. } => {
-                self.state = State::OnLine { answer_due, second: Second::Done };
+                self.state = State::OnLine { answer_due, second: Sending::Nothing };
             }
             _ => panic!("a wanted request in {:?}", self.state),
         }
@@ -241,12 +268,13 @@ impl Model {
         match &mut self.state {
             _ if !wanted || kind != Kind::CheckRequest => {}
             State::Sending { controller, .. } => *controller = Controller::GivenBack(again),
-            State::OnLine { second, .. } => *second = Second::At(again),
+            State::OnLine { second, .. } => *second = Sending::At(again),
             other => panic!("a wanted request in {other:?}"),
         }
     }
 
     pub(super) fn link(&mut self, event: LinkEvent) {
+        let off_the_bus = self.is_off_the_bus();
         match (event, &mut self.state) {
             // Row 1.
             (LinkEvent::Up, State::NonExistent) => {
@@ -255,15 +283,21 @@ impl Model {
             }
             (
                 LinkEvent::Up,
-                State::Sending { controller: controller @ (Controller::Restarting | Controller::GivenBack(_)), .. },
+                State::Sending {
+                    controller: controller @ (Controller::Restarting | Controller::GivenBack(_)),
+                    ..
+                },
             )
-            | (LinkEvent::ModeSet(_), State::Sending { controller: controller @ Controller::GivenBack(_), .. }) => {
+            | (
+                LinkEvent::ModeSet(_),
+                State::Sending { controller: controller @ Controller::GivenBack(_), .. },
+            ) => {
                 *controller = Controller::Ready;
             }
             // Row 15.
             (LinkEvent::Down, _) => self.leave_the_bus(State::NonExistent),
             (LinkEvent::BusOff, State::NonExistent) => {}
-            (LinkEvent::BusOff, _) if !self.is_off_the_bus() => self.bus_off(),
+            (LinkEvent::BusOff, _) if !off_the_bus => self.bus_off(),
             (
                 LinkEvent::Refused(LinkCommandKind::Reset),
                 State::Sending { controller: Controller::Restarting, .. },
@@ -307,7 +341,6 @@ impl Model {
             }
             Command::SetBusOffInterrupt(on) => self.bus_off_interrupt = on,
             Command::SetBusOffCounter(value) => {
-                use devicenet_core::access::CounterSetMode;
                 if value != 0 && self.config.counter_set_mode == CounterSetMode::OnlyZero {
                     return false;
                 }
@@ -361,9 +394,9 @@ impl Model {
         match self.state {
             State::Sending { controller: Controller::Ready, .. } => vec![Kind::CheckRequest],
             State::OnLine { answer_due: true, .. } => vec![Kind::CheckResponse],
-            State::OnLine { second: Second::Due, .. } => vec![Kind::CheckRequest],
+            State::OnLine { second: Sending::Due, .. } => vec![Kind::CheckRequest],
             State::Faulted(Fault::Duplicate { who, identify, .. }) => {
-                let who = who.filter(|&at| at <= self.now).map(|_| Kind::WhoResponse);
+                let who = (who == Sending::Due).then_some(Kind::WhoResponse);
                 who.into_iter().chain(identify.map(Kind::IdentifyResponse)).collect()
             }
             _ => Vec::new(),
@@ -378,8 +411,10 @@ impl Model {
         self.in_flight = Some((kind, true));
         match (kind, &mut self.state) {
             (Kind::CheckResponse, State::OnLine { answer_due, .. }) => *answer_due = false,
-            (Kind::WhoResponse, State::Faulted(Fault::Duplicate { who, .. })) => *who = None,
-            (Kind::IdentifyResponse(_), State::Faulted(Fault::Duplicate { identify, .. })) => *identify = None,
+            (Kind::WhoResponse, State::Faulted(Fault::Duplicate { who, .. })) => *who = Sending::Nothing,
+            (Kind::IdentifyResponse(_), State::Faulted(Fault::Duplicate { identify, .. })) => {
+                *identify = None
+            }
             _ => {}
         }
     }

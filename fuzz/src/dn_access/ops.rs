@@ -64,8 +64,7 @@ pub(super) fn config(input: &mut Unstructured<'_>) -> Result<Config> {
     let choice = |bit: u8| choices >> bit & 1 == 1;
     let mut config = Config::new(DEVICE, PORT, mac(first));
     config.offline_set = first & 0x40 == 0;
-    config.mask_predicate =
-        if first & 0x80 == 0 { MaskPredicate::Subset } else { MaskPredicate::Intersects };
+    config.mask_predicate = if first & 0x80 == 0 { MaskPredicate::Subset } else { MaskPredicate::Intersects };
     config.bus_off_interrupt = choice(0);
     config.quick_connect = choice(1);
     config.accept_bad_dlc = !choice(2);
@@ -137,7 +136,9 @@ fn link_event(which: u8) -> LinkEvent {
         12 => LinkEvent::Overrun { lost: u32::from(which >> 4) },
         13 => LinkEvent::ModeSet(Mode { bit_rate: BitRate::K125, listen_only: false }),
         14 => LinkEvent::FilterSet,
-        _ => LinkEvent::Refused(if which < 0x80 { LinkCommandKind::Reset } else { LinkCommandKind::SetFilter }),
+        _ => {
+            LinkEvent::Refused(if which < 0x80 { LinkCommandKind::Reset } else { LinkCommandKind::SetFilter })
+        }
     }
 }
 

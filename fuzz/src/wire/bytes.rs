@@ -9,8 +9,8 @@ use cip_core::code::{
 use cip_core::codec::{Tail, Wire, Writer, laws};
 use cip_core::epath::{Epath, LogicalPath, PathForm, Segment};
 use cip_core::message::{
-    AllocationChoice, AttributeReplies, AttributeStatusList, BodyFormat, EmitError, InstanceList,
-    MultipleServicePacket, Request, Response, UintList,
+    AllocationChoice, AttributeReplies, AttributeSettings, AttributeStatusList, BodyFormat, EmitError,
+    InstanceList, MultipleServicePacket, Request, Response, UintList,
 };
 
 /// Tries `data` as every message that there is.
@@ -88,12 +88,12 @@ fn views(data: &[u8]) {
     if let Ok(list) = AttributeStatusList::parse(data) {
         assert_eq!(list.iter().len() * 4 + 2, data.len());
     }
+    let len = |attribute: AttributeId, _: &[u8]| (attribute.0 < 8).then_some(attribute.0.into());
     if let Ok(list) = AttributeReplies::parse(data) {
-        let mut last = false;
-        for reply in list.iter(|attribute, _| (attribute.0 < 8).then_some(attribute.0.into())) {
-            assert!(!last, "nothing comes after an error");
-            last = reply.is_err();
-        }
+        entries(list.count(), list.iter(len));
+    }
+    if let Ok(list) = AttributeSettings::parse(data) {
+        entries(list.count(), list.iter(len));
     }
     if let Ok(packet) = MultipleServicePacket::parse(data) {
         let bytes: usize = packet.services().map(<[u8]>::len).sum();
@@ -102,6 +102,18 @@ fn views(data: &[u8]) {
     if let Ok(response) = Response::parse(data) {
         shown(&response);
     }
+}
+
+/// As many entries as the list says, unless an error ends it.
+fn entries<T, E>(count: u16, entries: impl Iterator<Item = Result<T, E>>) {
+    let mut good = 0;
+    let mut failed = false;
+    for entry in entries {
+        assert!(!failed, "nothing comes after an error");
+        failed = entry.is_err();
+        good += u16::from(entry.is_ok());
+    }
+    assert!(if failed { good <= count } else { good == count }, "{good} of {count}");
 }
 
 /// A path is its segments, one after another, whether all of them can be read or not.

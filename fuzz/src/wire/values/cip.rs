@@ -8,9 +8,9 @@ use cip_core::identity::{
     Revision,
 };
 use cip_core::message::{
-    AllocateRequest, AllocateResponse, AllocationChoice, AttributeReplies, AttributeStatusList,
-    CreateResponse, FindNextRequest, InstanceList, MemberId, MemberRequest, MultipleServicePacket,
-    ReleaseRequest, ResetRequest, ResetType, Response, UintList, emit_packets,
+    AllocateRequest, AllocateResponse, AllocationChoice, AttributeReplies, AttributeSettings,
+    AttributeStatusList, CreateResponse, FindNextRequest, InstanceList, MemberId, MemberRequest,
+    MultipleServicePacket, ReleaseRequest, ResetRequest, ResetType, Response, UintList, emit_packets,
 };
 
 use super::{at_most, free, generated, items};
@@ -53,6 +53,7 @@ macro_rules! generated_as_bytes {
 
 generated_as_bytes! {
     AttributeReplies: |input| [&input.arbitrary::<[u8; 2]>()?[..], free(input)?].concat();
+    AttributeSettings: |input| [&input.arbitrary::<[u8; 2]>()?[..], free(input)?].concat();
     AttributeStatusList: |input| counted::<2>(items(4, input)?, 4);
     InstanceList: |input| counted::<1>(items(2, input)?, 2);
     MultipleServicePacket: |input| packet(input)?;
