@@ -135,7 +135,7 @@ impl Node {
             LinkEvent::Up => self.link = Link::Up,
             LinkEvent::Down => self.link = Link::Down,
             LinkEvent::BusOff if self.link == Link::Down => return,
-            LinkEvent::BusOff => {
+            LinkEvent::BusOff if self.link == Link::Up => {
                 self.link = Link::OffTheBus;
                 self.restarts = 0;
             }
