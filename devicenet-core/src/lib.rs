@@ -9,6 +9,7 @@ extern crate std;
 pub mod access;
 pub mod id;
 pub mod message;
+pub mod monitor;
 
 pub use access::Access;
 pub use id::{Identifier, MacId};

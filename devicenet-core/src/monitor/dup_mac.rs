@@ -1,0 +1,111 @@
+//! The duplicate MAC ID check.
+
+use core::time::Duration;
+
+use cip_core::codec::{Reader, Wire};
+
+use super::bodies::problem_of;
+use super::kind::Kind;
+use super::nodes::AccessState;
+use super::pairing::Seen;
+use super::problem::Problem;
+use super::reading::{Note, Reading};
+use super::state::State;
+use crate::id::MacId;
+use crate::message::{Direction, DuplicateMacCheck};
+
+/// Reads a frame on `0x407 + 8 mac`.
+pub(super) fn observe<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, mac: MacId) {
+    let frame = reading.frame;
+    let data = frame.data();
+    reading.src = Some(mac);
+    let direction = data.first().map_or(Direction::Request, |&byte| Direction::of(byte));
+    reading.kind = match direction {
+        Direction::Request => Kind::DupMacRequest,
+        Direction::Response => Kind::DupMacResponse,
+    };
+    if data.len() != LEN {
+        let found = u16::try_from(data.len()).unwrap_or_default();
+        reading.flag(Problem::Length { expected: 7, found });
+    }
+    // A message of another length claims the MAC ID all the same.
+    let check = match DuplicateMacCheck::read(&mut Reader::new(data)) {
+        Ok(check) => check,
+        Err(error) => {
+            reading.flag(problem_of(error, data.len()));
+            return;
+        }
+    };
+    reading.fields.port = Some(check.port.number());
+    reading.fields.vendor = Some(check.device.vendor);
+    reading.fields.serial = Some(check.device.serial);
+    match direction {
+        Direction::Request => request(state, reading, mac, &check),
+        Direction::Response => response(state, reading, mac, &check),
+    }
+}
+
+fn request<const N: usize>(
+    state: &mut State<N>,
+    reading: &mut Reading<'_>,
+    mac: MacId,
+    check: &DuplicateMacCheck,
+) {
+    let at = reading.at;
+    let node = state.node(mac);
+    let device = (Some(check.device.vendor), Some(check.device.serial));
+    let known = (node.identity.vendor, node.identity.serial);
+    let other = match known {
+        (Some(_), Some(_)) => known != device,
+        (vendor, serial) => {
+            (vendor.is_some() && vendor != device.0) || (serial.is_some() && serial != device.1)
+        }
+    };
+    node.check = Some(Seen { n: reading.n, at });
+    if other {
+        reading.flag(Problem::TwoIdentities { mac });
+        node.access = AccessState::SuspectedDuplicate;
+        node.access_since = at;
+        if node.first_seen.is_none() {
+            (node.identity.vendor, node.identity.serial) = device;
+        }
+        return;
+    }
+    (node.identity.vendor, node.identity.serial) = device;
+    let since = at.saturating_since(node.access_since);
+    let access = node.access_at(at);
+    node.access_since = at;
+    node.access = match access {
+        AccessState::FirstCheck if since <= SECOND_CHECK_WITHIN => AccessState::SecondCheck,
+        AccessState::Unknown | AccessState::FirstCheck => AccessState::FirstCheck,
+        AccessState::SecondCheck | AccessState::OnLine | AccessState::Faulted => AccessState::FirstCheck,
+        AccessState::SuspectedDuplicate => AccessState::SuspectedDuplicate,
+    };
+    if access == AccessState::OnLine {
+        reading.note = Some(Note::Restarted);
+        state.drop_connections(mac, at);
+    }
+}
+
+fn response<const N: usize>(
+    state: &mut State<N>,
+    reading: &mut Reading<'_>,
+    mac: MacId,
+    check: &DuplicateMacCheck,
+) {
+    let node = state.node(mac);
+    match node.check.take() {
+        Some(request) => reading.request = Some(request.answered(reading.at)),
+        None => reading.assumed = true,
+    }
+    reading.flag(Problem::DuplicateMacId { mac });
+    // The one that answers is on line and stays there.
+    node.identity.vendor = Some(check.device.vendor);
+    node.identity.serial = Some(check.device.serial);
+    node.access = AccessState::SuspectedDuplicate;
+    node.access_since = reading.at;
+}
+
+const LEN: usize = 7;
+/// The second request comes one second after the first was sent; a busy bus delays it.
+const SECOND_CHECK_WITHIN: Duration = Duration::from_secs(2);

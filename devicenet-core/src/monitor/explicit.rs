@@ -1,0 +1,348 @@
+//! Explicit messages on a connection: header, fragments, acknowledges.
+
+use core::time::Duration;
+
+use cip_core::fragment::{AckStatus, FragmentByte, FragmentKind};
+use cip_core::message::BodyFormat;
+
+use super::bodies::{self, Parsed};
+use super::connections::{ConnectionState, Flow, Predefined};
+use super::kind::Kind;
+use super::nodes::Roles;
+use super::pairing::{Seen, Transaction};
+use super::problem::Problem;
+use super::reading::{Frag, Message, Note, Reading};
+use super::slots::{Piece, Slots, Stream};
+use super::state::{Link, State};
+use crate::id::{Identifier, MacId};
+use crate::message::ExplicitHeader;
+
+/// The messages that are under way on an explicit connection.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Channel {
+    pub(super) format: BodyFormat,
+    pub(super) knowledge: Knowledge,
+    /// The request that waits for its response.
+    pub(super) pending: Option<Transaction>,
+    /// The fragment of the client that was sent last.
+    consumed: Option<Flight>,
+    /// The fragment of the server that was sent last.
+    produced: Option<Flight>,
+    /// A complete request was seen: a response without one is unexpected from then on.
+    pub(super) asked: bool,
+    /// Where a message of the client begins is known: what does not belong to one is wrong.
+    consumed_known: bool,
+    produced_known: bool,
+}
+
+/// How the body format is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Knowledge {
+    /// It is not: the usual one is assumed.
+    None,
+    /// A request whose response was not seen has asked for it, or the length of a message suggests it.
+    Likely,
+    /// The server has told it.
+    Told,
+}
+
+/// A fragment that wants an acknowledge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+struct Flight {
+    seen: Seen,
+    count: u8,
+    xid: bool,
+    acknowledged: bool,
+}
+
+/// The connection, the direction and the streams of an explicit frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Route {
+    pub(super) link: Link,
+    pub(super) flow: Flow,
+    pub(super) client: MacId,
+    pub(super) stream: Stream,
+    /// The stream of the other direction.
+    pub(super) opposite: Option<Stream>,
+}
+
+impl Channel {
+    pub(super) const NEW: Self = Self {
+        format: BodyFormat::Class8Instance8,
+        knowledge: Knowledge::None,
+        pending: None,
+        consumed: None,
+        produced: None,
+        asked: false,
+        consumed_known: false,
+        produced_known: false,
+    };
+
+    /// A connection that the server has just made.
+    pub(super) const fn told(format: BodyFormat) -> Self {
+        Self { format, knowledge: Knowledge::Told, ..Self::NEW }
+    }
+
+    /// A connection that was asked for.
+    pub(super) const fn likely(format: BodyFormat) -> Self {
+        Self { format, knowledge: Knowledge::Likely, ..Self::NEW }
+    }
+
+    fn flight(&mut self, flow: Flow) -> &mut Option<Flight> {
+        match flow {
+            Flow::Consumed => &mut self.consumed,
+            Flow::Produced => &mut self.produced,
+        }
+    }
+
+    fn known(&mut self, flow: Flow) -> &mut bool {
+        match flow {
+            Flow::Consumed => &mut self.consumed_known,
+            Flow::Produced => &mut self.produced_known,
+        }
+    }
+}
+
+impl Flow {
+    const fn opposite(self) -> Self {
+        match self {
+            Self::Consumed => Self::Produced,
+            Self::Produced => Self::Consumed,
+        }
+    }
+}
+
+/// A frame on Message ID 3 or 4 of Group 2 whose header is `header`.
+pub(super) fn predefined(identifier: Identifier, server: MacId, flow: Flow, header: ExplicitHeader) -> Route {
+    let opposite = match flow {
+        Flow::Consumed => Identifier::explicit_response(server),
+        Flow::Produced => Identifier::explicit_request(server),
+    };
+    let master = header.mac.number();
+    Route {
+        link: Link { server, dynamic: None },
+        flow,
+        client: header.mac,
+        stream: Stream::explicit(identifier.raw(), master),
+        opposite: Some(Stream::explicit(opposite.raw(), master)),
+    }
+}
+
+/// Reads a frame of an explicit connection.
+pub(super) fn observe<'s, const N: usize, const B: usize>(
+    state: &mut State<N>,
+    slots: &'s mut Slots<N, B>,
+    reading: &mut Reading<'_>,
+    header: ExplicitHeader,
+    route: &Route,
+) -> Option<Message<'s>> {
+    let frame = reading.frame;
+    let body = frame.data().get(1..).unwrap_or_default();
+    address(state, reading, route);
+    if !header.fragmented {
+        slots.discard(route.stream);
+        if let Some(opposite) = route.opposite {
+            slots.discard(opposite);
+        }
+        let channel = state.channel(route.link);
+        channel.consumed = None;
+        channel.produced = None;
+        let seen = Seen { n: reading.n, at: reading.at };
+        bodies::message(state, route, seen, header, body, 1).apply(reading);
+        let channel = state.channel(route.link);
+        channel.consumed_known = true;
+        channel.produced_known = true;
+        return None;
+    }
+    reading.kind = Kind::Fragment;
+    let Some((&byte, piece)) = body.split_first() else {
+        reading.flag(Problem::TooShort { at_least: 3, found: 1 });
+        return None;
+    };
+    let byte = FragmentByte::from(byte);
+    reading.frag = Some(Frag::new(byte));
+    if byte.kind == FragmentKind::Acknowledge {
+        reading.kind = Kind::FragmentAck;
+        acknowledge(state, slots, reading, header, route, piece);
+        return None;
+    }
+    fragment(state, slots, reading, header, route, byte, piece)
+}
+
+/// Source, destination, roles, and what the owner and the watchdog have to say.
+fn address<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, route: &Route) {
+    let (server, client) = (route.link.server, route.client);
+    let (source, destination) = match route.flow {
+        Flow::Consumed => (client, server),
+        Flow::Produced => (server, client),
+    };
+    reading.src = Some(source);
+    reading.dst = Some(destination);
+    let at = reading.at;
+    if route.link.dynamic.is_none() {
+        if client == server {
+            reading.flag(Problem::HeaderRepeatsIdentifier { mac: server });
+        }
+        state.add_role(client, Roles::MASTER);
+        if route.flow == Flow::Produced {
+            state.add_role(server, Roles::SLAVE);
+        }
+        let node = state.node(server);
+        node.settle(at);
+        let owner = node.owner();
+        let connection = node.connection(Predefined::Explicit);
+        if route.flow == Flow::Consumed
+            && connection.state == ConnectionState::Established
+            && let Some(owner) = owner.filter(|&owner| owner != client)
+        {
+            reading.flag(Problem::NotOwner { owner });
+        }
+    } else {
+        state.connection(route.link).settle(at, true, false);
+    }
+    let connection = state.connection(route.link);
+    connection.count(reading.frame.data().len());
+    match (connection.state, route.flow) {
+        (ConnectionState::Established, _) => connection.touch(at),
+        // The server takes it while I/O goes on.
+        (ConnectionState::DeferredDelete, _) => connection.enter(ConnectionState::Established, at),
+        (ConnectionState::NonExistent | ConnectionState::TimedOut, Flow::Consumed) => {
+            reading.note = Some(Note::NoConnection(connection.state));
+            reading.assumed |= connection.assumed;
+        }
+        _ => {}
+    }
+}
+
+fn fragment<'s, const N: usize, const B: usize>(
+    state: &mut State<N>,
+    slots: &'s mut Slots<N, B>,
+    reading: &mut Reading<'_>,
+    header: ExplicitHeader,
+    route: &Route,
+    byte: FragmentByte,
+    piece: &[u8],
+) -> Option<Message<'s>> {
+    if piece.is_empty() {
+        reading.flag(Problem::TooShort { at_least: 3, found: 2 });
+    }
+    let (at, seen) = (reading.at, Seen { n: reading.n, at: reading.at });
+    let channel = state.channel(route.link);
+    let known = *channel.known(route.flow);
+    *channel.known(route.flow) |= byte.kind != FragmentKind::Middle;
+    let flight = Flight { seen, count: byte.count(), xid: header.xid, acknowledged: false };
+    let before = channel.flight(route.flow).replace(flight);
+    if let Some(before) = before.filter(|before| !before.acknowledged) {
+        reading.flag(Problem::FragmentUnacknowledged { count: before.count });
+    }
+    if byte.kind == FragmentKind::First {
+        // A new message: what the other side was sending is given up.
+        *channel.flight(route.flow.opposite()) = None;
+        if let Some(opposite) = route.opposite {
+            slots.discard(opposite);
+        }
+    }
+    let (piece, mismatch) = slots.explicit(route.stream, at, header.xid, byte, piece);
+    reading.flag_if(mismatch);
+    match piece {
+        Piece::Kept => None,
+        Piece::Repeated => {
+            reading.note = Some(Note::Repeated);
+            None
+        }
+        Piece::Headless if known => {
+            reading.flag(Problem::NoFirstFragment { found: byte.count() });
+            None
+        }
+        Piece::Headless => {
+            reading.assumed = true;
+            None
+        }
+        Piece::Broken(problem) => {
+            reading.flag(problem);
+            None
+        }
+        Piece::Overflow => {
+            reading.note = Some(Note::NotStored);
+            None
+        }
+        Piece::Whole(body) => {
+            let parsed = bodies::message(state, route, seen, header, body, 0);
+            let Parsed { kind, fields, .. } = parsed;
+            parsed.apply_around(reading);
+            Some(Message { kind, fields, data: body })
+        }
+    }
+}
+
+fn acknowledge<const N: usize, const B: usize>(
+    state: &mut State<N>,
+    slots: &mut Slots<N, B>,
+    reading: &mut Reading<'_>,
+    header: ExplicitHeader,
+    route: &Route,
+    rest: &[u8],
+) {
+    let Some(frag) = &mut reading.frag else { return };
+    let count = frag.byte.count();
+    frag.status = rest.first().copied();
+    let status = frag.status.map(AckStatus::from);
+    let acknowledged = route.flow.opposite();
+    if let Some(AckStatus::Reserved(found)) = status {
+        let polled = route.link.dynamic.is_none()
+            && route.flow == Flow::Produced
+            && state.node(route.link.server).connection(Predefined::Poll).waiting.is_some();
+        reading.flag(if polled {
+            Problem::MisplacedPollResponse
+        } else {
+            Problem::ReservedValue { field: "acknowledge status", found: found.into() }
+        });
+    }
+    let len = reading.frame.data().len();
+    if len != ACK_LEN {
+        let found = u16::try_from(len).unwrap_or_default();
+        reading.flag(Problem::Length { expected: 3, found });
+    }
+    let channel = state.channel(route.link);
+    let known = *channel.known(acknowledged);
+    let Some(flight) = channel.flight(acknowledged) else {
+        if known {
+            reading.flag(Problem::UnknownAcknowledge { count });
+        } else {
+            reading.assumed = true;
+        }
+        return;
+    };
+    if flight.count != count {
+        if count == flight.count.wrapping_sub(1) & COUNT_MASK && flight.count != 0 {
+            reading.note = Some(Note::Repeated);
+        } else {
+            reading.flag(Problem::UnknownAcknowledge { count });
+        }
+        return;
+    }
+    if flight.acknowledged {
+        reading.note = Some(Note::Repeated);
+        return;
+    }
+    flight.acknowledged = true;
+    let answered = flight.seen.answered(reading.at);
+    reading.request = Some(answered);
+    if flight.xid != header.xid {
+        reading.flag(Problem::TransactionMismatch);
+    }
+    if status == Some(AckStatus::TooMuchData) {
+        reading.flag(Problem::FragmentRefused);
+        if let Some(stream) = route.opposite {
+            slots.discard(stream);
+        }
+    }
+    if answered.latency > ACK_TIME {
+        reading.flag(Problem::LateAcknowledge { count });
+    }
+}
+
+const ACK_LEN: usize = 3;
+const COUNT_MASK: u8 = 0x3F;
+/// A sender repeats a fragment that was not acknowledged within this time.
+const ACK_TIME: Duration = Duration::from_secs(1);

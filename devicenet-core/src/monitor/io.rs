@@ -1,0 +1,372 @@
+//! I/O of the predefined connection set: poll, bit-strobe, COS/cyclic, multicast poll.
+
+use cip_core::fragment::{FragmentByte, FragmentKind, IO_UNFRAGMENTED_LEN};
+use cip_core::message::AllocationChoice;
+
+use super::FragmentationGuess;
+use super::connections::{Connection, ConnectionState, Flow, Guess, Predefined};
+use super::kind::Kind;
+use super::nodes::{Node, Roles, Volley};
+use super::pairing::Seen;
+use super::problem::Problem;
+use super::reading::{Fields, Frag, Message, Note, Reading, Span};
+use super::slots::{Piece, Slots, Stream};
+use super::state::State;
+use crate::id::{Identifier, MacId};
+
+/// How far a frame takes its message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Progress {
+    /// The message is complete.
+    Complete,
+    /// It is not, or is lost.
+    Part,
+    /// It is complete, and its first fragment was taken for a message of its own.
+    Reconsidered,
+}
+
+/// One direction of the I/O between a slave and its master.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Lane {
+    pub(super) identifier: Identifier,
+    pub(super) slave: MacId,
+    pub(super) which: Predefined,
+    pub(super) flow: Flow,
+}
+
+/// Reads a frame between a slave and its master: everything but the commands to many slaves.
+pub(super) fn observe<'s, const N: usize, const B: usize>(
+    state: &mut State<N>,
+    slots: &'s mut Slots<N, B>,
+    reading: &mut Reading<'_>,
+    lane: Lane,
+    guess: FragmentationGuess,
+) -> Option<Message<'s>> {
+    let Lane { slave, which, flow, .. } = lane;
+    let at = reading.at;
+    let node = state.node(slave);
+    node.settle(at);
+    let choice = node.choice();
+    let changes = changes_only(choice);
+    let acknowledged = choice.is_none_or(|choice| !choice.contains(AllocationChoice::ACK_SUPPRESSION));
+    reading.kind = kind(which, flow, changes);
+    reading.assumed = node.allocation.is_none();
+    let owner = node.owner();
+    match flow {
+        Flow::Consumed => (reading.src, reading.dst) = (owner, Some(slave)),
+        Flow::Produced => (reading.src, reading.dst) = (Some(slave), owner),
+    }
+    node.roles |= Roles::SLAVE;
+    let connection = node.connection(which);
+    connection.count(reading.frame.data().len());
+    connection.side(flow).heard = true;
+    let (progress, message) = data(slots, reading, connection, lane, guess);
+    if progress == Progress::Part {
+        return None;
+    }
+    let reconsidered = progress == Progress::Reconsidered;
+    match (which, flow) {
+        (Predefined::CosCyclic, Flow::Produced) => {
+            produced(reading, state.node(slave), acknowledged, reconsidered)
+        }
+        (Predefined::CosCyclic, Flow::Consumed) => {
+            let connection = state.node(slave).connection(which);
+            response(reading, connection, connection.produced.heard, reconsidered);
+            connection.touch(at);
+        }
+        (Predefined::BitStrobe, _) => strobed(state, reading, slave),
+        (Predefined::MulticastPoll, _) => polled_together(state, reading, slave),
+        (_, Flow::Consumed) => {
+            command(reading, state.node(slave).connection(which), acknowledged || !changes, reconsidered);
+        }
+        (_, Flow::Produced) => {
+            let connection = state.node(slave).connection(which);
+            response(reading, connection, connection.consumed.heard, reconsidered);
+        }
+    }
+    message.map(|data| {
+        let fields = Fields { value: Span::tail(data.len(), data.len()), ..Fields::default() };
+        Message { kind: reading.kind, fields, data }
+    })
+}
+
+/// Reads a bit-strobe command of `master` or a multicast poll command to the group `master`.
+pub(super) fn volley<const N: usize>(
+    state: &mut State<N>,
+    reading: &mut Reading<'_>,
+    which: Predefined,
+    master: MacId,
+) {
+    let (at, len) = (reading.at, reading.frame.data().len());
+    reading.fields.value = Span::tail(len, len);
+    if which == Predefined::BitStrobe {
+        reading.kind = Kind::BitStrobeCommand;
+        reading.src = Some(master);
+        state.add_role(master, Roles::MASTER);
+        if len != STROBE_LEN && len != 0 {
+            let found = u16::try_from(len).unwrap_or_default();
+            reading.flag(Problem::Length { expected: 8, found });
+        }
+    } else {
+        reading.kind = Kind::MulticastPollCommand;
+        // The group need not be the master's own MAC ID.
+        let owners = state.nodes().find_map(|(_, node)| {
+            node.choice().filter(|choice| choice.contains(AllocationChoice::MULTICAST_POLL)).and(node.owner())
+        });
+        reading.src = owners;
+    }
+    let seen = Seen { n: reading.n, at };
+    let slot = last_volley(state.node(master), which);
+    let before = slot.replace(Volley { seen, answered: 0 });
+    let mut missing = None;
+    let mut missing_count = 0_u8;
+    for (mac, node) in state.nodes_mut() {
+        let owner = node.owner();
+        if which == Predefined::BitStrobe && owner.is_some_and(|owner| owner != master) {
+            continue;
+        }
+        let connection = node.connection(which);
+        if connection.state == ConnectionState::Unknown && !connection.answers {
+            continue;
+        }
+        connection.settle(at, false, false);
+        let alive = connection.is_alive();
+        // A slave that has joined since then was not meant.
+        let was_there = before.is_some_and(|volley| connection.active <= volley.seen.at);
+        if alive && was_there && before.is_some_and(|volley| volley.answered & bit(mac) == 0) {
+            missing.get_or_insert(mac);
+            missing_count = missing_count.saturating_add(1);
+        }
+        if alive {
+            connection.touch(at);
+        }
+    }
+    if let Some(mac) = missing {
+        reading.flag(Problem::StrobeUnanswered { mac, count: missing_count });
+    }
+}
+
+fn kind(which: Predefined, flow: Flow, changes: bool) -> Kind {
+    match (which, flow) {
+        (Predefined::BitStrobe, _) => Kind::BitStrobeResponse,
+        (Predefined::MulticastPoll, _) => Kind::MulticastPollResponse,
+        (Predefined::CosCyclic, Flow::Produced) => Kind::CosCyclic,
+        (Predefined::CosCyclic, Flow::Consumed) => Kind::CosCyclicAck,
+        (_, Flow::Consumed) if changes => Kind::CosCyclic,
+        (_, Flow::Consumed) => Kind::PollCommand,
+        (_, Flow::Produced) if changes => Kind::CosCyclicAck,
+        (_, Flow::Produced) => Kind::PollResponse,
+    }
+}
+
+/// True if instance 2 is only the master's direction of COS/cyclic.
+fn changes_only(choice: Option<AllocationChoice>) -> bool {
+    choice.is_some_and(|choice| {
+        choice.intersects(AllocationChoice::CHANGE_OF_STATE | AllocationChoice::CYCLIC)
+            && !choice.contains(AllocationChoice::POLL)
+    })
+}
+
+/// A command, which wants an answer if `answered`.
+fn command(reading: &mut Reading<'_>, connection: &mut Connection, answered: bool, reconsidered: bool) {
+    let told_absent = !connection.assumed && !connection.is_alive();
+    if told_absent || matches!(connection.state, ConnectionState::TimedOut | ConnectionState::NonExistent) {
+        reading.note = Some(Note::NoConnection(connection.state));
+        reading.assumed |= connection.assumed;
+    }
+    if reconsidered {
+        connection.waiting = None;
+    }
+    if let Some(before) = connection.waiting.take()
+        && connection.is_alive()
+    {
+        reading.flag(Problem::PollUnanswered { n: before.n });
+    }
+    if answered && !told_absent {
+        connection.waiting = Some(Seen { n: reading.n, at: reading.at });
+    }
+    connection.touch(reading.at);
+}
+
+/// The answer to a command or message of the other side, of which at least one was `heard`.
+fn response(reading: &mut Reading<'_>, connection: &mut Connection, heard: bool, reconsidered: bool) {
+    if let Some(command) = connection.waiting.take() {
+        reading.request = Some(command.answered(reading.at));
+        connection.answers = true;
+        if connection.state != ConnectionState::Established {
+            connection.infer(ConnectionState::Established, reading.at);
+        }
+    } else if reconsidered {
+        // Its first fragment has been paired.
+    } else if heard {
+        reading.flag(Problem::UnexpectedIoResponse);
+    } else {
+        reading.assumed = true;
+    }
+}
+
+/// A COS or cyclic message of the slave.
+fn produced(reading: &mut Reading<'_>, node: &mut Node, acknowledged: bool, reconsidered: bool) {
+    let connection = node.connection(Predefined::CosCyclic);
+    if reconsidered {
+        connection.waiting = None;
+    }
+    if let Some(before) = connection.waiting.take()
+        && connection.answers
+    {
+        reading.flag(Problem::Unacknowledged { n: before.n });
+    }
+    if acknowledged {
+        connection.waiting = Some(Seen { n: reading.n, at: reading.at });
+    }
+    if connection.state != ConnectionState::Established {
+        connection.infer(ConnectionState::Established, reading.at);
+    }
+    if !acknowledged || !connection.answers {
+        // Only an acknowledge restarts the watchdog; without acknowledges there is none.
+        connection.touch(reading.at);
+    }
+}
+
+fn strobed<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, slave: MacId) {
+    let owner = state.node(slave).owner();
+    let master = owner.or_else(|| {
+        let latest = state.nodes().filter_map(|(mac, node)| node.strobe.map(|volley| (volley.seen.n, mac)));
+        latest.max().map(|(_, mac)| mac)
+    });
+    reading.dst = reading.dst.or(master);
+    let volley = master.and_then(|master| state.node(master).strobe.as_mut());
+    answer(reading, volley, slave);
+    join(reading, state.node(slave).connection(Predefined::BitStrobe));
+}
+
+fn polled_together<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, slave: MacId) {
+    let latest = state.nodes_mut().filter_map(|(_, node)| node.multicast.as_mut());
+    answer(reading, latest.max_by_key(|volley| volley.seen.n), slave);
+    join(reading, state.node(slave).connection(Predefined::MulticastPoll));
+}
+
+fn answer(reading: &mut Reading<'_>, volley: Option<&mut Volley>, slave: MacId) {
+    match volley {
+        Some(volley) if volley.answered & bit(slave) == 0 => {
+            volley.answered |= bit(slave);
+            reading.request = Some(volley.seen.answered(reading.at));
+        }
+        Some(_) => reading.flag(Problem::UnexpectedIoResponse),
+        None => reading.assumed = true,
+    }
+}
+
+/// A slave that answers a command to many.
+fn join(reading: &Reading<'_>, connection: &mut Connection) {
+    connection.answers = true;
+    if connection.state != ConnectionState::Established {
+        connection.infer(ConnectionState::Established, reading.at);
+    }
+}
+
+fn last_volley(node: &mut Node, which: Predefined) -> &mut Option<Volley> {
+    if which == Predefined::BitStrobe { &mut node.strobe } else { &mut node.multicast }
+}
+
+/// The data of a frame: whole, or a fragment if the connection size is above eight bytes or the frames look like it.
+fn data<'s, const N: usize, const B: usize>(
+    slots: &'s mut Slots<N, B>,
+    reading: &mut Reading<'_>,
+    connection: &mut Connection,
+    lane: Lane,
+    guess: FragmentationGuess,
+) -> (Progress, Option<&'s [u8]>) {
+    let frame = reading.frame;
+    let field = frame.data();
+    let stream = Stream::io(lane.identifier.raw());
+    let side = connection.side(lane.flow);
+    let size = side.size;
+    if let Some(size) = size {
+        side.guess = Guess::Plain;
+        if usize::from(size) <= IO_UNFRAGMENTED_LEN {
+            check_size(reading, Some(size), field.len());
+            reading.fields.value = Span::tail(field.len(), field.len());
+            return (Progress::Complete, None);
+        }
+    } else if side.guess != Guess::Fragmented && !continues(side.guess, slots.is_receiving(stream), field) {
+        side.guess = Guess::Plain;
+        if let ([0, _, _, _, _, _, _, _], FragmentationGuess::On) = (field, guess) {
+            side.guess = Guess::Candidate;
+            slots.io(stream, reading.at, None, field);
+        } else {
+            slots.discard(stream);
+        }
+        reading.fields.value = Span::tail(field.len(), field.len());
+        return (Progress::Complete, None);
+    }
+    let guessed = size.is_none();
+    let confirmed = guessed && side.guess == Guess::Candidate;
+    reading.assumed |= guessed;
+    let byte = field.first().copied().map(FragmentByte::from);
+    let known = side.known;
+    side.known |= byte.is_none_or(|byte| byte.kind != FragmentKind::Middle);
+    let piece = slots.io(stream, reading.at, size, field);
+    if guessed && matches!(piece, Piece::Broken(_)) {
+        // It was not fragmented after all, or has changed.
+        side.guess = Guess::Plain;
+        reading.fields.value = Span::tail(field.len(), field.len());
+        return (Progress::Complete, None);
+    }
+    if guessed {
+        side.guess = Guess::Fragmented;
+    }
+    reading.frag = byte.map(Frag::new);
+    match piece {
+        Piece::Whole(message) => {
+            check_size(reading, size, message.len());
+            let progress = if confirmed { Progress::Reconsidered } else { Progress::Complete };
+            (progress, Some(message))
+        }
+        Piece::Broken(problem) => {
+            reading.flag(problem);
+            (Progress::Part, None)
+        }
+        Piece::Headless => {
+            match byte {
+                Some(byte) if known => reading.flag(Problem::NoFirstFragment { found: byte.count() }),
+                Some(_) | None => reading.assumed = true,
+            }
+            (Progress::Part, None)
+        }
+        Piece::Overflow => {
+            reading.note = Some(Note::NotStored);
+            (Progress::Part, None)
+        }
+        Piece::Kept | Piece::Repeated => {
+            if confirmed {
+                // What was taken for a message was its first fragment.
+                connection.waiting = None;
+            }
+            (Progress::Part, None)
+        }
+    }
+}
+
+/// True if the frame is the second fragment after a frame that could be the first.
+fn continues(guess: Guess, receiving: bool, field: &[u8]) -> bool {
+    let second = field.first().copied().map(FragmentByte::from).is_some_and(|byte| {
+        let full = byte.kind == FragmentKind::Last || field.len() == IO_UNFRAGMENTED_LEN;
+        matches!(byte.kind, FragmentKind::Middle | FragmentKind::Last) && byte.count() == 1 && full
+    });
+    guess == Guess::Candidate && receiving && second
+}
+
+/// An empty message is idle or "no data", whatever the size.
+fn check_size(reading: &mut Reading<'_>, size: Option<u16>, len: usize) {
+    let found = u16::try_from(len).unwrap_or(u16::MAX);
+    if let Some(expected) = size.filter(|&size| found != 0 && found != size) {
+        reading.flag(Problem::IoLength { expected, found });
+    }
+}
+
+fn bit(mac: MacId) -> u64 {
+    1_u64.rotate_left(u32::from(mac.number()))
+}
+
+const STROBE_LEN: usize = 8;

@@ -1,0 +1,139 @@
+//! Readings as one flat object.
+
+use core::fmt;
+
+use serde::ser::{Serialize, SerializeMap, Serializer};
+
+use super::connections::{ConnectionName, ConnectionState, Predefined};
+use super::kind::Kind;
+use super::reading::{Answered, Fields, Frag, Message, Reading};
+
+/// The fields that the decoder adds to those of the recorded frame (time, number, identifier, data), absent ones left
+/// out:
+///
+/// `protocol`, `group`, `msg`, `src`, `dst`, `kind`, `service`, `service_name`, `class`, `instance`, `attribute`,
+/// `attribute_name`, `status`, `additional`, `status_name`, `choice`, `vendor`, `serial`, `port`, `value`,
+/// `value_text`, `frag` { `type`, `count`, `status` }, `message` { the same for the whole message, `data` }, `request`
+/// { `n`, `latency` in seconds }, `problem`, `problem_code`, `note`, `assumed`, `text`.
+impl Serialize for Reading<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("protocol", if self.kind == Kind::Foreign { "unknown" } else { "devicenet" })?;
+        optional(&mut map, "group", self.group)?;
+        optional(&mut map, "msg", self.msg)?;
+        optional(&mut map, "src", self.src.map(u8::from))?;
+        optional(&mut map, "dst", self.dst.map(u8::from))?;
+        map.serialize_entry("kind", &self.kind)?;
+        fields(&mut map, self.kind, &self.fields, self.value())?;
+        optional(&mut map, "frag", self.frag)?;
+        optional(&mut map, "message", self.message)?;
+        optional(&mut map, "request", self.request)?;
+        optional(&mut map, "problem", self.problem)?;
+        optional(&mut map, "problem_code", self.problem.map(|problem| problem.code()))?;
+        optional(&mut map, "note", self.note.map(Words))?;
+        if self.assumed {
+            map.serialize_entry("assumed", &true)?;
+        }
+        map.serialize_entry("text", &Words(self))?;
+        map.end()
+    }
+}
+
+impl Serialize for Message<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("kind", &self.kind)?;
+        fields(&mut map, self.kind, &self.fields, self.value())?;
+        map.serialize_entry("data", &Words(LowerHex(self.data)))?;
+        map.end()
+    }
+}
+
+impl Serialize for Frag {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("type", self.name())?;
+        map.serialize_entry("count", &self.byte.count())?;
+        optional(&mut map, "status", self.status)?;
+        map.end()
+    }
+}
+
+impl Serialize for Answered {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(2))?;
+        map.serialize_entry("n", &self.n)?;
+        map.serialize_entry("latency", &self.latency.as_secs_f64())?;
+        map.end()
+    }
+}
+
+impl Serialize for ConnectionState {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl Serialize for Predefined {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl Serialize for ConnectionName {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+fn fields<M: SerializeMap>(
+    map: &mut M,
+    kind: Kind,
+    fields: &Fields,
+    value: Option<&[u8]>,
+) -> Result<(), M::Error> {
+    optional(map, "service", fields.service)?;
+    optional(map, "service_name", fields.service_name(kind))?;
+    optional(map, "class", fields.class)?;
+    optional(map, "instance", fields.instance)?;
+    optional(map, "attribute", fields.attribute)?;
+    optional(map, "attribute_name", fields.attribute_name())?;
+    optional(map, "status", fields.status)?;
+    optional(map, "additional", fields.additional)?;
+    optional(map, "status_name", fields.status.and_then(|status| status.name()))?;
+    optional(map, "choice", fields.choice.map(|choice| choice.bits()))?;
+    optional(map, "vendor", fields.vendor)?;
+    optional(map, "serial", fields.serial)?;
+    optional(map, "port", fields.port)?;
+    optional(map, "value", value.map(|value| Words(LowerHex(value))))?;
+    optional(map, "value_text", fields.text_of(value.unwrap_or_default()).map(Words))
+}
+
+fn optional<M: SerializeMap, T: Serialize>(
+    map: &mut M,
+    key: &'static str,
+    value: Option<T>,
+) -> Result<(), M::Error> {
+    match value {
+        Some(value) => map.serialize_entry(key, &value),
+        None => Ok(()),
+    }
+}
+
+/// Serialises what `Display` prints.
+struct Words<T>(T);
+
+impl<T: fmt::Display> Serialize for Words<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(&self.0)
+    }
+}
+
+/// Bytes as lower-case hexadecimal digits without spaces.
+struct LowerHex<'a>(&'a [u8]);
+
+impl fmt::Display for LowerHex<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}

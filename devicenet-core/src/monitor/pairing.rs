@@ -1,0 +1,100 @@
+//! Which response belongs to which request.
+
+use cip_core::code::{AttributeId, ClassId, InstanceId, ServiceCode};
+use link_core::Instant;
+
+use super::reading::Answered;
+use crate::id::MacId;
+
+/// A frame of the recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Seen {
+    pub(super) n: u64,
+    pub(super) at: Instant,
+}
+
+impl Seen {
+    /// What an answer at `at` says of this frame.
+    pub(super) fn answered(self, at: Instant) -> Answered {
+        Answered { n: self.n, latency: at.saturating_since(self.at) }
+    }
+}
+
+/// A request that was seen and not answered yet, with what the response does not repeat.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Transaction {
+    pub(super) seen: Seen,
+    pub(super) requester: MacId,
+    pub(super) xid: bool,
+    pub(super) service: ServiceCode,
+    pub(super) class: Option<ClassId>,
+    pub(super) instance: Option<InstanceId>,
+    pub(super) attribute: Option<AttributeId>,
+    /// The choice of an allocation or release, or the first two bytes of a value set.
+    pub(super) argument: u16,
+    /// The second byte of an allocation: the allocator.
+    pub(super) allocator: Option<MacId>,
+    /// The request was read in a body format that is only assumed.
+    pub(super) assumed: bool,
+}
+
+impl Transaction {
+    /// True if a response with this header and service byte answers the request.
+    pub(super) fn is_answered_by(&self, to: MacId, xid: bool, service: ServiceCode) -> bool {
+        self.requester == to
+            && self.xid == xid
+            && (service == self.service || service == ServiceCode::ERROR_RESPONSE)
+    }
+}
+
+/// The requests that wait on a port which serves several clients.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct Waiting<const N: usize> {
+    requests: [Option<Transaction>; N],
+}
+
+impl<const N: usize> Waiting<N> {
+    pub(super) const fn new() -> Self {
+        Self { requests: [None; N] }
+    }
+
+    /// Remembers a request. A client has one at a time: a newer one replaces it, in a full set the oldest of all.
+    /// Returns false if the request of another client was forgotten.
+    pub(super) fn insert(&mut self, request: Transaction) -> bool {
+        let own =
+            self.requests.iter_mut().find(|slot| slot.is_none_or(|held| held.requester == request.requester));
+        if let Some(slot) = own {
+            *slot = Some(request);
+            return true;
+        }
+        if let Some(oldest) = self.requests.iter_mut().min_by_key(|slot| slot.map_or(0, |held| held.seen.n)) {
+            *oldest = Some(request);
+        }
+        false
+    }
+
+    /// The oldest request that the response answers.
+    pub(super) fn find(&self, to: MacId, xid: bool, service: ServiceCode) -> Option<&Transaction> {
+        let matching =
+            self.requests.iter().flatten().filter(|request| request.is_answered_by(to, xid, service));
+        matching.min_by_key(|request| request.seen.n)
+    }
+
+    /// The newest request of a client.
+    pub(super) fn of(&self, requester: MacId) -> Option<&Transaction> {
+        self.requests
+            .iter()
+            .flatten()
+            .filter(|request| request.requester == requester)
+            .max_by_key(|r| r.seen.n)
+    }
+
+    /// Forgets the request of frame `n`.
+    pub(super) fn remove(&mut self, n: u64) {
+        for slot in &mut self.requests {
+            if slot.is_some_and(|request| request.seen.n == n) {
+                *slot = None;
+            }
+        }
+    }
+}

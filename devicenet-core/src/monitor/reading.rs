@@ -1,0 +1,304 @@
+//! What the monitor makes of a frame.
+
+use core::time::Duration;
+
+use cip_core::code::{
+    AdditionalCode, AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode, VendorId,
+};
+use cip_core::fragment::{FragmentByte, FragmentKind};
+use cip_core::message::AllocationChoice;
+use link_core::{Frame, Instant};
+
+use super::connections::ConnectionState;
+use super::kind::Kind;
+use super::problem::Problem;
+use crate::id::{Identifier, MacId};
+
+/// A frame, read.
+///
+/// `Display` is the one line that a trace shows; [`words`](Self::words) is the same without the problem. With feature
+/// `serde` it serialises to one flat object.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading<'a> {
+    /// When the frame was on the bus.
+    pub at: Instant,
+    /// Its number in the recording.
+    pub n: u64,
+    /// The frame.
+    pub frame: Frame,
+    /// The message group, 1-4; `None` outside of them.
+    pub group: Option<u8>,
+    /// The Message ID inside the group.
+    pub msg: Option<u8>,
+    /// Who has sent it, where the identifier, the header or the learned state tells.
+    pub src: Option<MacId>,
+    /// Who shall receive it; `None` also for a broadcast.
+    pub dst: Option<MacId>,
+    /// What it is.
+    pub kind: Kind,
+    /// What it says.
+    pub fields: Fields,
+    /// The fragmentation byte, in a fragment or its acknowledge.
+    pub frag: Option<Frag>,
+    /// The whole message, in the frame that completes a fragmented one.
+    pub message: Option<Message<'a>>,
+    /// The frame that it answers: the request of a response, the fragment of an acknowledge, the command of an I/O
+    /// response.
+    pub request: Option<Answered>,
+    /// Why it is wrong or suspicious.
+    pub problem: Option<Problem>,
+    /// What else a reader should know, without anything being wrong.
+    pub note: Option<Note>,
+    /// It could not be known for certain without frames that the recording does not contain.
+    pub assumed: bool,
+}
+
+/// What a complete message says. A field that the message does not have, and that the request it answers does not
+/// give either, is `None`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct Fields {
+    /// The service code without the response bit: [`ServiceCode::ERROR_RESPONSE`] in an error response.
+    pub service: Option<ServiceCode>,
+    /// In a response, the service of the request that it answers.
+    pub requested: Option<ServiceCode>,
+    /// The class; in a response that of the request.
+    pub class: Option<ClassId>,
+    /// The instance; in a response that of the request.
+    pub instance: Option<InstanceId>,
+    /// The attribute; in a response that of the request.
+    pub attribute: Option<AttributeId>,
+    /// General status of an error response.
+    pub status: Option<GeneralStatus>,
+    /// Additional code of an error response.
+    pub additional: Option<AdditionalCode>,
+    /// Allocation or release choice; in a response that of the request.
+    pub choice: Option<AllocationChoice>,
+    /// Vendor of a duplicate MAC ID or offline message.
+    pub vendor: Option<VendorId>,
+    /// Serial number of a duplicate MAC ID or offline message.
+    pub serial: Option<u32>,
+    /// Physical port of a duplicate MAC ID check or Who response.
+    pub port: Option<u8>,
+    /// Where the attribute value, service data or I/O data stand.
+    pub(super) value: Option<Span>,
+    /// What only some messages have.
+    pub detail: Detail,
+}
+
+/// What only some messages have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Detail {
+    /// Nothing.
+    #[default]
+    None,
+    /// Response to Set_Attribute_Single of the expected packet rate.
+    PacketRate {
+        /// The value asked for, in milliseconds; `None` if the request was not seen.
+        requested: Option<u16>,
+        /// The value used.
+        used: u16,
+    },
+    /// Allocate request.
+    Allocate {
+        /// The master.
+        allocator: u8,
+    },
+    /// Response to Allocate.
+    Allocated {
+        /// Code of the body format.
+        format: u8,
+    },
+    /// UCMM Open request.
+    Open {
+        /// Code of the body format asked for.
+        format: u8,
+        /// Group Select.
+        group: u8,
+        /// The Message ID that the client will use.
+        source: u8,
+    },
+    /// Response to UCMM Open.
+    Opened {
+        /// Code of the body format.
+        format: u8,
+        /// The Message ID that the client must use in Group 2.
+        destination: u8,
+        /// The Message ID that the server will use.
+        source: u8,
+    },
+    /// UCMM Close request or its response.
+    Close,
+    /// Device Heartbeat.
+    Heartbeat {
+        /// State of the Identity object.
+        state: u8,
+        /// Fault flags: bit 3 event, bit 2 system, bit 1 user, bit 0 device fault.
+        flags: u8,
+        /// Configuration consistency value.
+        consistency: u16,
+    },
+    /// Device Shutdown.
+    Shutdown {
+        /// The shutdown code.
+        code: u16,
+    },
+    /// Who request.
+    Who {
+        /// Bit 6 Match, bits 5-0 Value.
+        nodes: u8,
+        /// The byte of the response that sets the delay.
+        delay_offset: u8,
+    },
+    /// Who response.
+    WhoAnswer,
+    /// Identify request or response.
+    Identify {
+        /// Bit 6 Match, bits 5-0 Value.
+        nodes: u8,
+    },
+    /// Change_MAC_ID request.
+    ChangeMacId {
+        /// The MAC ID that the device shall use.
+        mac: MacId,
+    },
+    /// Offline Ownership request or response.
+    Ownership {
+        /// The tool.
+        client: MacId,
+    },
+}
+
+/// A fragmentation byte.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Frag {
+    /// Type and count.
+    pub byte: FragmentByte,
+    /// Status of an acknowledge.
+    pub status: Option<u8>,
+}
+
+/// A message put together from its fragments.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Message<'a> {
+    /// The kind that the message would have in one frame.
+    pub kind: Kind,
+    /// What it says.
+    pub fields: Fields,
+    /// The whole of it: an explicit message from the service byte on, or the I/O data.
+    pub data: &'a [u8],
+}
+
+/// A frame that another one answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Answered {
+    /// Its number in the recording.
+    pub n: u64,
+    /// From its end to the end of the answer. Of a fragmented message the last fragment counts.
+    pub latency: Duration,
+}
+
+/// Something to know about a frame that is not wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Note {
+    /// It is for a connection that is not established: the receiver ignores it.
+    NoConnection(ConnectionState),
+    /// A message that this frame is part of does not fit into the monitor.
+    NotStored,
+    /// A node that was on line checks its MAC ID again: it has restarted.
+    Restarted,
+    /// A fragment that was sent before, or an acknowledge that was.
+    Repeated,
+}
+
+/// A piece of a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Span {
+    pub(super) start: u16,
+    pub(super) len: u16,
+}
+
+impl Span {
+    /// The last `len` of `total` bytes; `None` if there are none.
+    pub(super) fn tail(total: usize, len: usize) -> Option<Self> {
+        let start = u16::try_from(total.saturating_sub(len)).ok()?;
+        let len = u16::try_from(len).ok().filter(|&len| len != 0)?;
+        Some(Self { start, len })
+    }
+
+    pub(super) fn of(self, data: &[u8]) -> &[u8] {
+        let (start, len) = (usize::from(self.start), usize::from(self.len));
+        data.get(start..).and_then(|rest| rest.get(..len)).unwrap_or_default()
+    }
+}
+
+impl Frag {
+    pub(super) fn new(byte: FragmentByte) -> Self {
+        Self { byte, status: None }
+    }
+
+    /// `first`, `middle`, `last`, `ack`.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self.byte.kind {
+            FragmentKind::First => "first",
+            FragmentKind::Middle => "middle",
+            FragmentKind::Last => "last",
+            FragmentKind::Acknowledge => "ack",
+        }
+    }
+}
+
+impl<'a> Reading<'a> {
+    pub(super) fn new(at: Instant, n: u64, frame: &Frame, identifier: Option<Identifier>) -> Self {
+        let group = identifier.and_then(|id| id.group().number());
+        Self {
+            at,
+            n,
+            frame: *frame,
+            group,
+            msg: identifier.filter(|_| group.is_some()).map(Identifier::message_id),
+            src: None,
+            dst: None,
+            kind: Kind::Foreign,
+            fields: Fields::default(),
+            frag: None,
+            message: None,
+            request: None,
+            problem: None,
+            note: None,
+            assumed: false,
+        }
+    }
+
+    /// The attribute value, service data or I/O data of the frame; `None` if it carries none. Of a fragmented message
+    /// ask [`Message::value`].
+    #[must_use]
+    pub fn value(&self) -> Option<&[u8]> {
+        self.fields.value.map(|span| span.of(self.frame.data()))
+    }
+
+    /// Keeps the first problem found.
+    pub(super) fn flag(&mut self, problem: Problem) {
+        self.problem.get_or_insert(problem);
+    }
+
+    pub(super) fn flag_if(&mut self, problem: Option<Problem>) {
+        if let Some(problem) = problem {
+            self.flag(problem);
+        }
+    }
+}
+
+impl<'a> Message<'a> {
+    /// The attribute value, service data or I/O data; `None` if it carries none.
+    #[must_use]
+    pub fn value(&self) -> Option<&'a [u8]> {
+        let data = self.data;
+        self.fields.value.map(|span| {
+            let (start, len) = (usize::from(span.start), usize::from(span.len));
+            data.get(start..).and_then(|rest| rest.get(..len)).unwrap_or_default()
+        })
+    }
+}

@@ -1,0 +1,240 @@
+//! What the monitor has learned.
+
+use cip_core::code::InstanceId;
+use link_core::Instant;
+
+use super::connections::{Connection, ConnectionState, Flow, Predefined};
+use super::explicit::Channel;
+use super::nodes::{Node, Roles};
+use super::pairing::Seen;
+use super::reading::{Note, Reading};
+use crate::id::{Identifier, MacId};
+
+/// Everything learned, except the messages in progress.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct State<const N: usize> {
+    nodes: [Node; MacId::COUNT],
+    pub(super) dynamics: [Option<Dynamic>; N],
+    /// How many of them use Group 2, whose identifiers belong to the predefined set otherwise.
+    pub(super) group2_dynamics: usize,
+    pub(super) offline: Offline,
+    pub(super) now: Instant,
+    pub(super) lost: Lost,
+}
+
+/// What did not fit into the monitor's storage. All zero means that nothing was lost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Lost {
+    /// Messages in progress that were given up for newer ones.
+    pub evicted_messages: u64,
+    /// Messages longer than the message store.
+    pub long_messages: u64,
+    /// Dynamic connections that were given up for newer ones.
+    pub connections: u64,
+    /// Requests that were given up for newer ones of other clients.
+    pub requests: u64,
+}
+
+/// The last messages of the offline connection set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub(super) struct Offline {
+    pub(super) ownership: Option<Seen>,
+    pub(super) who: Option<Seen>,
+    pub(super) identify: Option<Seen>,
+}
+
+/// A connection opened by UCMM.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct Dynamic {
+    pub(super) client: MacId,
+    pub(super) server: MacId,
+    pub(super) group: u8,
+    pub(super) instance: Option<InstanceId>,
+    pub(super) requests: Option<Identifier>,
+    pub(super) responses: Option<Identifier>,
+    pub(super) connection: Connection,
+    pub(super) channel: Channel,
+}
+
+/// Where an explicit message runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Link {
+    pub(super) server: MacId,
+    /// Position of the dynamic connection; `None`: the predefined explicit connection.
+    pub(super) dynamic: Option<usize>,
+}
+
+impl Dynamic {
+    /// The direction of a frame with this identifier and header, if it belongs to the connection.
+    pub(super) fn flow(&self, identifier: Identifier, header: MacId) -> Option<Flow> {
+        if self.responses == Some(identifier) && header == self.client {
+            return Some(Flow::Produced);
+        }
+        let expected = if self.group == 2 { self.client } else { self.server };
+        (self.requests == Some(identifier) && header == expected).then_some(Flow::Consumed)
+    }
+}
+
+impl<const N: usize> State<N> {
+    pub(super) const fn new() -> Self {
+        Self {
+            nodes: [const { Node::NEW }; MacId::COUNT],
+            dynamics: [const { None }; N],
+            group2_dynamics: 0,
+            offline: Offline { ownership: None, who: None, identify: None },
+            now: Instant::ZERO,
+            lost: Lost { evicted_messages: 0, long_messages: 0, connections: 0, requests: 0 },
+        }
+    }
+
+    pub(super) fn node(&mut self, mac: MacId) -> &mut Node {
+        node(&mut self.nodes, mac)
+    }
+
+    pub(super) fn nodes(&self) -> impl Iterator<Item = (MacId, &Node)> {
+        MacId::all().zip(&self.nodes)
+    }
+
+    pub(super) fn nodes_mut(&mut self) -> impl Iterator<Item = (MacId, &mut Node)> {
+        MacId::all().zip(&mut self.nodes)
+    }
+
+    pub(super) fn channel(&mut self, link: Link) -> &mut Channel {
+        match link.dynamic.and_then(|index| self.dynamics.get_mut(index)) {
+            Some(Some(dynamic)) => &mut dynamic.channel,
+            Some(None) | None => &mut node(&mut self.nodes, link.server).explicit,
+        }
+    }
+
+    pub(super) fn connection(&mut self, link: Link) -> &mut Connection {
+        match link.dynamic.and_then(|index| self.dynamics.get_mut(index)) {
+            Some(Some(dynamic)) => &mut dynamic.connection,
+            Some(None) | None => node(&mut self.nodes, link.server).connection(Predefined::Explicit),
+        }
+    }
+
+    /// The connection with that instance at a server.
+    pub(super) fn instance(&mut self, server: MacId, instance: InstanceId) -> Option<&mut Connection> {
+        if let Some(predefined) = Predefined::from_instance(instance) {
+            return Some(self.node(server).connection(predefined));
+        }
+        let found = self.dynamics.iter_mut().flatten();
+        found
+            .filter(|dynamic| dynamic.server == server && dynamic.instance == Some(instance))
+            .map(|dynamic| &mut dynamic.connection)
+            .next()
+    }
+
+    /// The dynamic connection that a frame belongs to, and its direction.
+    pub(super) fn find_dynamic(&self, identifier: Identifier, header: MacId) -> Option<(usize, Flow)> {
+        self.dynamics.iter().enumerate().find_map(|(index, dynamic)| {
+            let dynamic = dynamic.as_ref()?;
+            dynamic.flow(identifier, header).map(|flow| (index, flow))
+        })
+    }
+
+    /// Keeps a new dynamic connection: where the same one was, in a free place, in that of one that has ended, else in
+    /// that of the one quiet for longest.
+    pub(super) fn insert_dynamic(&mut self, new: Dynamic) -> Option<usize> {
+        let same = self.dynamics.iter().position(|slot| {
+            slot.as_ref().is_some_and(|held| {
+                held.server == new.server
+                    && ((held.instance.is_some() && held.instance == new.instance)
+                        || (held.client == new.client && held.requests == new.requests))
+            })
+        });
+        let free = || self.dynamics.iter().position(Option::is_none);
+        let oldest = || {
+            let rank = |slot: &Option<Dynamic>| {
+                slot.as_ref().map(|held| {
+                    (held.connection.state != ConnectionState::NonExistent, held.connection.active)
+                })
+            };
+            self.dynamics.iter().enumerate().min_by_key(|(_, slot)| rank(slot)).map(|(index, _)| index)
+        };
+        let replaces = same.is_some();
+        let index = same.or_else(free).or_else(oldest)?;
+        let slot = self.dynamics.get_mut(index)?;
+        let evicted = slot.as_ref().is_some_and(|held| held.connection.state != ConnectionState::NonExistent);
+        if evicted && !replaces {
+            self.lost.connections = self.lost.connections.saturating_add(1);
+        }
+        *slot = Some(new);
+        self.count_group2();
+        Some(index)
+    }
+
+    /// Ends the dynamic connection with that instance at a server. It keeps its record and loses its identifiers.
+    pub(super) fn close_dynamic(&mut self, server: MacId, instance: InstanceId, at: Instant) {
+        for dynamic in self.dynamics.iter_mut().flatten() {
+            if dynamic.server == server && dynamic.instance == Some(instance) {
+                dynamic.end(at);
+            }
+        }
+        self.count_group2();
+    }
+
+    /// A node has restarted or left the network.
+    pub(super) fn drop_connections(&mut self, mac: MacId, at: Instant) {
+        self.node(mac).drop_connections(at);
+        for dynamic in self.dynamics.iter_mut().flatten().filter(|dynamic| dynamic.server == mac) {
+            dynamic.end(at);
+        }
+        self.count_group2();
+    }
+
+    /// Counts the frame, for its sender.
+    pub(super) fn count(&mut self, reading: &Reading<'_>) {
+        if reading.note == Some(Note::NotStored) {
+            self.lost.long_messages = self.lost.long_messages.saturating_add(1);
+        }
+        let Some(source) = reading.src else { return };
+        let bytes = u64::try_from(reading.frame.data().len()).unwrap_or_default();
+        let refused = reading.fields.status.is_some()
+            || reading.message.is_some_and(|message| message.fields.status.is_some());
+        let node = self.node(source);
+        node.first_seen.get_or_insert(reading.at);
+        node.last_seen = reading.at;
+        let counters = &mut node.counters;
+        counters.frames = counters.frames.saturating_add(1);
+        counters.bytes = counters.bytes.saturating_add(bytes);
+        counters.problems = counters.problems.saturating_add(u64::from(reading.problem.is_some()));
+        counters.error_responses = counters.error_responses.saturating_add(u64::from(refused));
+        if let Some(request) = reading.request {
+            counters.responses = counters.responses.saturating_add(1);
+            node.last_latency = Some(request.latency);
+        }
+    }
+
+    pub(super) fn add_role(&mut self, mac: MacId, role: Roles) {
+        self.node(mac).roles |= role;
+    }
+
+    fn count_group2(&mut self) {
+        let used = |dynamic: &&Dynamic| dynamic.group == 2 && dynamic.requests.is_some();
+        self.group2_dynamics = self.dynamics.iter().flatten().filter(used).count();
+    }
+}
+
+impl Dynamic {
+    fn end(&mut self, at: Instant) {
+        self.connection.end(at);
+        self.requests = None;
+        self.responses = None;
+    }
+}
+
+impl Connection {
+    /// Counts a frame of the connection.
+    pub(super) fn count(&mut self, bytes: usize) {
+        self.frames = self.frames.saturating_add(1);
+        self.bytes = self.bytes.saturating_add(u64::try_from(bytes).unwrap_or_default());
+    }
+}
+
+fn node(nodes: &mut [Node; MacId::COUNT], mac: MacId) -> &mut Node {
+    let [zero, others @ ..] = nodes;
+    mac.index().checked_sub(1).and_then(|index| others.get_mut(index)).unwrap_or(zero)
+}
