@@ -9,5 +9,8 @@
 )]
 //! DeviceNet: golden vectors, captures, traces of networks.
 
+mod captures;
+mod harness;
 mod vectors;
 mod wire;
+mod worked;
