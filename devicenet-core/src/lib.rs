@@ -1,7 +1,82 @@
-//! DeviceNet
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(test, allow(clippy::arithmetic_side_effects, clippy::as_conversions))]
+//! DeviceNet (CIP on CAN) as pure state machines: no clock, no socket, no allocation, no `std`.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`id`] | MAC IDs, the 2048 identifiers, receive filters |
+//! | [`message`] | the data field of every message, with its byte table |
+//! | [`access`] | network access: the duplicate MAC ID check, bus-off, the offline connection set of a faulted node |
+//!
+//! A machine is told what happens as [`Input`](link_core::Input), and hands out what is to be done as
+//! [`Action`](link_core::Action): see [`link_core`]. What drives it is a transport: a simulated bus, SocketCAN, a
+//! microcontroller's CAN driver, or a test that plays the bus by hand.
+//!
+//! # A node gets on line
+//!
+//! The bus is played by hand: another node acknowledges each request, and nobody objects.
+//!
+//! ```
+//! use core::time::Duration;
+//! use devicenet_core::access::{Access, AccessEvent, Config, StateKind};
+//! use devicenet_core::message::{DeviceIdentity, PortNumber};
+//! use devicenet_core::MacId;
+//! use link_core::{Action, Input, Instant, LinkEvent, Machine, TxOutcome};
+//!
+//! // A fictitious vendor: the identity is never defaulted.
+//! let device = DeviceIdentity { vendor: 0x1234.into(), serial: 0x0000_2345 };
+//! let mut node = Access::new(Config::new(device, PortNumber::ZERO, MacId::try_from(37)?));
+//!
+//! let mut now = Instant::ZERO;
+//! let mut trace = Vec::new();
+//! let mut inputs = vec![Input::Link(LinkEvent::Up)];
+//! while !node.is_online() {
+//!     let input = inputs.pop().unwrap_or(Input::Tick);
+//!     for action in node.handle(now, input) {
+//!         match action {
+//!             Action::Transmit(token, frame) => {
+//!                 trace.push(format!("{now:.1} {frame}"));
+//!                 inputs.push(Input::TxDone(token, TxOutcome::Sent));
+//!             }
+//!             Action::Event(event) => trace.push(format!("{now:.1} {event}")),
+//!             Action::Withdraw(_) | Action::Link(_) => {}
+//!         }
+//!     }
+//!     if inputs.is_empty() {
+//!         now = node.deadline().map_or(now, |deadline| deadline.at);
+//!     }
+//! }
+//! assert_eq!(trace, [
+//!     "0.0 NonExistent -> SendingDupMac: link up",
+//!     "0.0 52F [7] 00 34 12 45 23 00 00",
+//!     "0.0 SendingDupMac -> WaitingDupMac: request sent",
+//!     "1.0 WaitingDupMac -> SendingDupMac: wait over",
+//!     "1.0 52F [7] 00 34 12 45 23 00 00",
+//!     "1.0 SendingDupMac -> WaitingDupMac: request sent",
+//!     "2.0 WaitingDupMac -> OnLine: wait over",
+//! ]);
+//! # Ok::<(), devicenet_core::id::InvalidMacId>(())
+//! ```
+//!
+//! # What the bus may do to it
+//!
+//! Any frame, in any state, at any time: nothing panics, nothing is allocated, and the work for one input is bounded. A
+//! malformed frame is a counter and a typed event; a command that cannot be carried out is a typed error. Machines are
+//! `Clone + Eq + Hash`, so that the real code can be model-checked. A dissector that reads other people's traffic needs
+//! only [`id`] and [`message`].
+//!
+//! # Features
+//!
+//! All are additive. `serde` serialises identifiers, messages and counters; `defmt` formats them on embedded loggers;
+//! `std` passes itself on to the dependencies.
+//!
+//! # Sources
+//!
+//! The layouts and rules follow the ODVA CIP Networks Library, Vol. 3 (DeviceNet Adaptation of CIP), as far as public
+//! material tells them: articles, manuals of devices, recordings. Each type names where its layout comes from, and what
+//! that material leaves open is a documented default in [`access::Config`]. Only the test of ODVA can show that a
+//! device conforms; this crate claims nothing of the kind.
 
 #[cfg(test)]
 extern crate std;

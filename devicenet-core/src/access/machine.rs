@@ -20,23 +20,19 @@
 //!                                +-----------+  bus-off with BOI = 0 (11)
 //! ```
 //!
-//! What is to be sent follows from the state alone; there is no queue. At most one frame is in flight.
+//! What is to be sent follows from the state alone; there is no queue. At most one frame is in flight. This file has the
+//! machine and its one door between states, `input` what it does with what it hears, `output` what it sends.
 
 use core::time::Duration;
 
 use heapless::Vec;
-use link_core::link::LinkCommandKind;
 use link_core::timers::TimerKey;
-use link_core::{
-    Action, BusErrorKind, Deadline, FilterSet, Frame, Input, Instant, LinkCommand, LinkEvent, Machine,
-    Timers, TxOutcome, TxToken,
-};
+use link_core::{Action, Deadline, FilterSet, Input, Instant, Machine, Timers, TxToken};
 
-use super::config::{BusOffWhileChecking, Config};
+use super::config::Config;
 use super::event::{AccessEvent, Counters, Outgoing};
-use super::state::{Cause, CheckRequest, EDGES, Fault, SecondRequest, SendStage, State, WhoAnswer};
-use crate::id::{self, Identifier, MacId};
-use crate::message::{self, Direction, DuplicateMacCheck, IdentifyResponse, WhoResponse, Wire};
+use super::state::{Cause, CheckRequest, EDGES, Fault, SecondRequest, SendStage, State, StateKind};
+use crate::id::{self, MacId};
 
 /// The network access machine of one node; see the [module](super) text.
 ///
@@ -53,10 +49,10 @@ pub struct Access {
     pub(super) quick_connect: QuickConnect,
     pub(super) counters: Counters,
     pub(super) timers: Timers<Timer, 4>,
-    in_flight: Option<InFlight>,
+    pub(super) in_flight: Option<InFlight>,
     /// The filter that the port was told.
-    told: Option<Listening>,
-    events: Vec<AccessEvent, EVENTS>,
+    pub(super) told: Option<Listening>,
+    pub(super) events: Vec<AccessEvent, EVENTS>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -66,13 +62,13 @@ pub(super) struct QuickConnect {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-struct InFlight {
-    what: Outgoing,
-    fate: Fate,
+pub(super) struct InFlight {
+    pub(super) what: Outgoing,
+    pub(super) fate: Fate,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-enum Fate {
+pub(super) enum Fate {
     /// Its `TxDone` is being waited for.
     Wanted,
     /// It must be withdrawn.
@@ -83,7 +79,7 @@ enum Fate {
 
 /// What the node must hear.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-enum Listening {
+pub(super) enum Listening {
     Nothing,
     Check(MacId),
     OfflineSet,
@@ -160,7 +156,7 @@ impl Access {
     /// The token of every frame that it sends. A machine that contains it uses others for its own.
     pub const TOKEN: TxToken = TxToken(0);
 
-    /// A node without power: the first [`LinkEvent::Up`] starts it.
+    /// A node without power: the first [`LinkEvent::Up`](link_core::LinkEvent::Up) starts it.
     #[must_use]
     pub fn new(config: Config) -> Self {
         Self {
@@ -206,12 +202,13 @@ impl Access {
         check_edge(from, cause, to);
         if let Some(in_flight) = &mut self.in_flight {
             // A controller that left the bus drops what it had by itself.
-            in_flight.fate = match cause {
-                Cause::BusOff | Cause::BusOffRestart | Cause::LinkDown => Fate::Abandoned,
-                _ if in_flight.fate == Fate::Abandoned => Fate::Abandoned,
-                _ => Fate::Unwanted,
+            let dropped = matches!(cause, Cause::BusOff | Cause::BusOffRestart | Cause::LinkDown);
+            in_flight.fate = match in_flight.fate {
+                Fate::Wanted | Fate::Unwanted if !dropped => Fate::Unwanted,
+                Fate::Wanted | Fate::Unwanted | Fate::Abandoned => Fate::Abandoned,
             };
         }
+        self.end_identify();
         self.timers.clear_all();
         match next {
             State::WaitingDupMac { .. } | State::OnLine { second_request: SecondRequest::Waiting, .. } => {
@@ -236,200 +233,8 @@ impl Access {
     }
 
     /// Something that the table lists and that leaves the state as it is.
-    fn stay(&self, cause: Cause) {
+    pub(super) fn stay(&self, cause: Cause) {
         check_edge(self.state.kind(), cause, self.state.kind());
-    }
-
-    fn frame(&mut self, frame: &Frame) {
-        let Some(id) = Identifier::of_frame(frame) else {
-            self.counters.foreign_frames = self.counters.foreign_frames.saturating_add(1);
-            return;
-        };
-        match (self.state, self.listening()) {
-            (State::NonExistent, _) => self.discard(),
-            (_, Listening::Check(mac)) if id == Identifier::duplicate_mac_check(mac) => {
-                self.check(id, frame.data())
-            }
-            (_, Listening::OfflineSet) if id == Identifier::COMMUNICATION_FAULTED_REQUEST => {
-                self.communication_faulted(frame.data());
-            }
-            // Other frames are the business of other parts of the node.
-            (State::OnLine { .. }, _) => {}
-            (State::CommFault { .. }, _) => self.discard(),
-            (State::SendingDupMac { .. } | State::WaitingDupMac { .. }, _) => {
-                self.stay(Cause::OtherMessage);
-                self.discard();
-            }
-        }
-    }
-
-    /// A frame on the identifier of the own check.
-    fn check(&mut self, id: Identifier, data: &[u8]) {
-        let other = match DuplicateMacCheck::parse(data) {
-            Ok(check) => Some(check),
-            Err(error) => {
-                self.bad_frame(id, error);
-                None
-            }
-        };
-        if other.is_none() && !self.config.accept_bad_dlc {
-            return;
-        }
-        // Without a first byte it is taken for a request, which is answered on line instead of obeyed.
-        let direction = data.first().map_or(Direction::Request, |&byte| Direction::of(byte));
-        let cause = match direction {
-            Direction::Request => Cause::DuplicateRequest,
-            Direction::Response => Cause::DuplicateResponse,
-        };
-        if let State::OnLine { response_due, .. } = &mut self.state
-            && direction == Direction::Request
-        {
-            if *response_due {
-                count(&mut self.counters.requests_merged);
-            }
-            *response_due = true;
-            count(&mut self.counters.challenges);
-            self.stay(cause);
-            self.raise(AccessEvent::Challenged { other });
-            return;
-        }
-        count(&mut self.counters.duplicates);
-        self.raise(AccessEvent::Duplicate { direction, other });
-        self.enter(State::faulted(Fault::DuplicateMacId), cause);
-    }
-
-    fn tx_done(&mut self, token: TxToken, outcome: TxOutcome) {
-        let Some(InFlight { what, fate }) = self.in_flight.filter(|_| token == Self::TOKEN) else {
-            count(&mut self.counters.stray_tx_done);
-            return;
-        };
-        self.in_flight = None;
-        match (fate, outcome) {
-            (Fate::Unwanted | Fate::Abandoned, _) => {}
-            (Fate::Wanted, TxOutcome::Sent) => self.sent(what),
-            (Fate::Wanted, TxOutcome::Withdrawn | TxOutcome::Dropped) => self.given_back(what, outcome),
-        }
-    }
-
-    fn sent(&mut self, what: Outgoing) {
-        match (what, &mut self.state) {
-            (Outgoing::CheckRequest, State::SendingDupMac { request: CheckRequest::First, .. })
-                if self.quick_connect.active =>
-            {
-                self.enter(State::on_line(SecondRequest::Waiting), Cause::QuickConnect);
-            }
-            (Outgoing::CheckRequest, State::SendingDupMac { request, .. }) => {
-                let request = *request;
-                self.enter(State::WaitingDupMac { request }, Cause::RequestSent);
-            }
-            (Outgoing::CheckRequest, State::OnLine { second_request, .. }) => {
-                *second_request = SecondRequest::Done;
-                self.stay(Cause::RequestSent);
-            }
-            (Outgoing::CheckResponse, _) => count(&mut self.counters.responses),
-            (Outgoing::CheckRequest | Outgoing::WhoResponse | Outgoing::IdentifyResponse, _) => {}
-        }
-    }
-
-    fn given_back(&mut self, what: Outgoing, outcome: TxOutcome) {
-        count(&mut self.counters.not_sent);
-        self.raise(AccessEvent::NotSent { what, outcome });
-        match (what, &mut self.state) {
-            (Outgoing::CheckRequest, State::SendingDupMac { stage, .. }) => *stage = SendStage::GivenBack,
-            (Outgoing::CheckRequest, State::OnLine { second_request, .. }) => {
-                *second_request = SecondRequest::Waiting;
-            }
-            // An answer is not repeated: who asked repeats its question.
-            _ => return,
-        }
-        self.timers.set_after(Timer::BackOff, self.config.bus_off_back_off);
-    }
-
-    fn link(&mut self, event: LinkEvent) {
-        match event {
-            LinkEvent::Up => self.up(),
-            LinkEvent::Down => {
-                self.told = None;
-                if self.state != State::NonExistent {
-                    self.enter(State::NonExistent, Cause::LinkDown);
-                }
-            }
-            LinkEvent::BusOff => self.bus_off(),
-            LinkEvent::ModeSet(_) => self.queue_again(),
-            LinkEvent::BusError(BusErrorKind::Ack) => self.not_acknowledged(),
-            LinkEvent::Overrun { lost } => {
-                self.counters.frames_lost = self.counters.frames_lost.saturating_add(lost.max(1));
-                self.raise(AccessEvent::FramesLost { count: lost });
-            }
-            LinkEvent::Refused(kind) => self.refused(kind),
-            _ => {}
-        }
-    }
-
-    fn up(&mut self) {
-        self.told = None;
-        match &mut self.state {
-            State::NonExistent => {
-                self.quick_connect.active = self.quick_connect.stored;
-                self.restart(Cause::LinkUp);
-            }
-            State::SendingDupMac { stage: stage @ SendStage::Restarting { .. }, .. } => {
-                *stage = SendStage::Queued { unacknowledged: false };
-            }
-            State::SendingDupMac { .. } => self.queue_again(),
-            State::WaitingDupMac { .. } | State::OnLine { .. } | State::CommFault { .. } => {}
-        }
-    }
-
-    /// The controller is ready again for the request that it gave back.
-    fn queue_again(&mut self) {
-        if let State::SendingDupMac { stage: stage @ SendStage::GivenBack, .. } = &mut self.state {
-            *stage = SendStage::Queued { unacknowledged: false };
-            self.timers.clear(Timer::BackOff);
-        }
-    }
-
-    fn bus_off(&mut self) {
-        // Told twice, or told of a controller that the node does not use.
-        if self.state.is_off_the_bus() || self.state == State::NonExistent {
-            return;
-        }
-        self.bus_off_counter = self.bus_off_counter.saturating_add(1);
-        let restarts = self.bus_off_interrupt
-            && match self.state {
-                State::OnLine { .. } => true,
-                State::SendingDupMac { .. } | State::WaitingDupMac { .. } => {
-                    self.config.bus_off_while_checking == BusOffWhileChecking::FollowInterrupt
-                }
-                State::NonExistent | State::CommFault { .. } => false,
-            };
-        if restarts {
-            let next = State::SendingDupMac { request: CheckRequest::First, stage: SendStage::BackOff };
-            self.enter(next, Cause::BusOffRestart);
-        } else {
-            self.enter(State::faulted(Fault::BusOff), Cause::BusOff);
-        }
-    }
-
-    fn not_acknowledged(&mut self) {
-        if let State::SendingDupMac { stage: SendStage::Queued { unacknowledged }, .. } = &mut self.state {
-            self.counters.unacknowledged = self.counters.unacknowledged.saturating_add(1);
-            let first = !core::mem::replace(unacknowledged, true);
-            self.stay(Cause::NotAcknowledged);
-            if first {
-                self.raise(AccessEvent::NotAcknowledged);
-            }
-        }
-    }
-
-    fn refused(&mut self, kind: LinkCommandKind) {
-        count(&mut self.counters.refused);
-        self.raise(AccessEvent::LinkRefused(kind));
-        let restarting =
-            matches!(self.state, State::SendingDupMac { stage: SendStage::Restarting { .. }, .. });
-        if restarting && kind == LinkCommandKind::Reset {
-            self.enter(State::faulted(Fault::BusOff), Cause::BusOff);
-        }
     }
 
     /// Serves every wait that is over at `until`. None of them starts another that is over too.
@@ -471,16 +276,7 @@ impl Access {
         }
     }
 
-    fn discard(&mut self) {
-        self.counters.discarded = self.counters.discarded.saturating_add(1);
-    }
-
-    pub(super) fn bad_frame(&mut self, id: Identifier, error: message::ParseError) {
-        count(&mut self.counters.bad_frames);
-        self.raise(AccessEvent::BadFrame { id, error });
-    }
-
-    const fn listening(&self) -> Listening {
+    pub(super) const fn listening(&self) -> Listening {
         match self.state {
             State::NonExistent => Listening::Nothing,
             State::SendingDupMac { .. } | State::WaitingDupMac { .. } | State::OnLine { .. } => {
@@ -492,107 +288,6 @@ impl Access {
             State::CommFault { .. } => Listening::Nothing,
         }
     }
-
-    fn has_output(&self) -> bool {
-        !self.events.is_empty()
-            || self.must_withdraw()
-            || self.must_restart_controller()
-            || self.must_set_filter()
-            || self.wanted().is_some()
-    }
-
-    fn must_withdraw(&self) -> bool {
-        self.in_flight.is_some_and(|in_flight| in_flight.fate == Fate::Unwanted)
-    }
-
-    fn withdraw(&mut self) -> Option<Action<AccessEvent>> {
-        if !self.must_withdraw() {
-            return None;
-        }
-        self.in_flight.as_mut()?.fate = Fate::Abandoned;
-        Some(Action::Withdraw(Self::TOKEN))
-    }
-
-    const fn must_restart_controller(&self) -> bool {
-        matches!(self.state, State::SendingDupMac { stage: SendStage::Restarting { commanded: false }, .. })
-    }
-
-    fn restart_controller(&mut self) -> Option<Action<AccessEvent>> {
-        let State::SendingDupMac { stage: SendStage::Restarting { commanded: commanded @ false }, .. } =
-            &mut self.state
-        else {
-            return None;
-        };
-        *commanded = true;
-        Some(Action::Link(LinkCommand::Reset))
-    }
-
-    fn must_set_filter(&self) -> bool {
-        self.state != State::NonExistent && self.told != Some(self.listening())
-    }
-
-    fn set_filter(&mut self) -> Option<Action<AccessEvent>> {
-        if !self.must_set_filter() {
-            return None;
-        }
-        self.told = Some(self.listening());
-        Some(Action::Link(LinkCommand::SetFilter(self.filter())))
-    }
-
-    /// The frame to send now. It follows from the state.
-    fn wanted(&self) -> Option<Outgoing> {
-        if self.in_flight.is_some() {
-            return None;
-        }
-        match self.state {
-            State::SendingDupMac { stage: SendStage::Queued { .. }, .. } => Some(Outgoing::CheckRequest),
-            State::OnLine { response_due: true, .. } => Some(Outgoing::CheckResponse),
-            State::OnLine { second_request: SecondRequest::Queued, .. } => Some(Outgoing::CheckRequest),
-            State::CommFault { offline, .. } if offline.identify.is_some() => {
-                Some(Outgoing::IdentifyResponse)
-            }
-            State::CommFault { offline, .. } if offline.who == WhoAnswer::Due => Some(Outgoing::WhoResponse),
-            State::NonExistent
-            | State::SendingDupMac { .. }
-            | State::WaitingDupMac { .. }
-            | State::OnLine { .. }
-            | State::CommFault { .. } => None,
-        }
-    }
-
-    fn transmit(&mut self) -> Option<Action<AccessEvent>> {
-        let what = self.wanted()?;
-        let frame = self.take(what)?;
-        self.in_flight = Some(InFlight { what, fate: Fate::Wanted });
-        Some(Action::Transmit(Self::TOKEN, frame))
-    }
-
-    /// Builds the frame, and notes that it needs not be sent again.
-    fn take(&mut self, what: Outgoing) -> Option<Frame> {
-        let (port, device) = (self.config.port, self.config.device);
-        let own_check = Identifier::duplicate_mac_check(self.mac_id);
-        let answers = Identifier::COMMUNICATION_FAULTED_RESPONSE;
-        match (what, &mut self.state) {
-            (Outgoing::CheckRequest, _) => {
-                let direction = Direction::Request;
-                message::frame(own_check, &DuplicateMacCheck { direction, port, device })
-            }
-            (Outgoing::CheckResponse, State::OnLine { response_due, .. }) => {
-                *response_due = false;
-                let direction = Direction::Response;
-                message::frame(own_check, &DuplicateMacCheck { direction, port, device })
-            }
-            (Outgoing::WhoResponse, State::CommFault { offline, .. }) => {
-                offline.who = WhoAnswer::None;
-                message::frame(answers, &WhoResponse { port, device })
-            }
-            (Outgoing::IdentifyResponse, State::CommFault { offline, .. }) => {
-                let nodes = offline.identify.take()?;
-                message::frame(answers, &IdentifyResponse { nodes })
-            }
-            (Outgoing::CheckResponse | Outgoing::WhoResponse | Outgoing::IdentifyResponse, _) => None,
-        }
-    }
 }
 
 pub(super) fn count(counter: &mut u16) {
@@ -600,7 +295,7 @@ pub(super) fn count(counter: &mut u16) {
 }
 
 /// That the table allows it.
-fn check_edge(from: super::StateKind, cause: Cause, to: super::StateKind) {
+fn check_edge(from: StateKind, cause: Cause, to: StateKind) {
     debug_assert!(
         EDGES.iter().any(|edge| (edge.from, edge.cause, edge.to) == (from, cause, to)),
         "no transition from {from} to {to} by {cause}"

@@ -38,8 +38,10 @@ mod command;
 mod config;
 mod event;
 mod indicator;
+mod input;
 mod machine;
 mod offline;
+mod output;
 mod state;
 #[cfg(test)]
 mod tests;

@@ -57,9 +57,11 @@ impl Access {
         }
     }
 
+    /// The time is over, or the node leaves the fault.
     pub(super) fn end_identify(&mut self) {
-        if let State::CommFault { offline, .. } = &mut self.state {
-            offline.indicating = false;
+        if let State::CommFault { offline, .. } = &mut self.state
+            && core::mem::take(&mut offline.indicating)
+        {
             self.raise(AccessEvent::Identify { on: false });
         }
     }

@@ -29,6 +29,7 @@ mod io;
 mod laws;
 mod list;
 mod offline;
+mod selection;
 mod ucmm;
 mod unconnected;
 
@@ -41,10 +42,10 @@ pub use fields::{DeviceIdentity, Direction, PortNumber};
 pub use header::ExplicitHeader;
 pub use io::{BitStrobeCommand, EmptyIo, IoFragment};
 pub use offline::{
-    ChangeMacIdRequest, CommunicationFaultedRequest, CommunicationFaultedResponse, DelayOffset,
-    IdentifyDeviceRequest, IdentifyRequest, IdentifyResponse, Mask, NodeSelection, OfflineOwnership,
-    WhoRequest, WhoResponse,
+    ChangeMacIdRequest, CommunicationFaultedRequest, CommunicationFaultedResponse, IdentifyDeviceRequest,
+    IdentifyRequest, IdentifyResponse, OfflineOwnership, WhoRequest, WhoResponse,
 };
+pub use selection::{DelayOffset, Mask, NodeSelection};
 pub use ucmm::{CloseRequest, CloseResponse, FormatByte, GroupSelect, MessageId, OpenRequest, OpenResponse};
 pub use unconnected::{
     ErrorResponse, UnconnectedAllocate, UnconnectedAllocateResponse, UnconnectedRelease,

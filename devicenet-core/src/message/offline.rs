@@ -5,17 +5,11 @@
 //! need not read it, since any response means that the set is owned.
 
 use cip_core::code::ServiceCode;
-use cip_core::codec::{Full, ParseError, ParseErrorKind, Reader, Wire, Writer};
+use cip_core::codec::{Full, ParseError, ParseErrorKind, Reader, Tail, Wire, Writer};
 
 use super::fields::{constant, mac_id, service, service_of_either_direction};
-use super::{DeviceIdentity, Direction, PortNumber};
+use super::{DelayOffset, DeviceIdentity, Direction, NodeSelection, PortNumber};
 use crate::id::MacId;
-
-/// Allocate_Offline_Connection_Set on 0x7EE and 0x7EF, and Who on 0x7ED.
-const ALLOCATE_OR_WHO: ServiceCode = ServiceCode(0x4B);
-const IDENTIFY: ServiceCode = ServiceCode(0x4C);
-const CHANGE_MAC_ID: ServiceCode = ServiceCode(0x4D);
-const ALL_NODES: u8 = 0x3F;
 
 /// Offline Ownership request (0x7EF) and response (0x7EE).
 ///
@@ -39,74 +33,6 @@ pub struct OfflineOwnership {
     pub device: DeviceIdentity,
 }
 
-/// Byte 0 of Who and of the short Identify: which faulted nodes are meant.
-///
-/// | Bit | Content |
-/// |---|---|
-/// | 7 | reserved, 0 |
-/// | 6 | Match: 1 only the node whose MAC ID is Value, 0 Value is a mask |
-/// | 5-0 | Value; as a mask 0x3F means every node |
-///
-/// Source: ICP DAS I-7242D manual p. 93.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
-pub enum NodeSelection {
-    /// The nodes with this MAC ID.
-    MacId(MacId),
-    /// The nodes whose MAC ID fits a mask of six bits.
-    Mask(Mask),
-}
-
-/// A mask of six bits over MAC IDs.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(transparent))]
-pub struct Mask(u8);
-
-impl Mask {
-    /// 0x3F: every node.
-    pub const ALL: Self = Self(ALL_NODES);
-
-    /// The mask of those bits; `None` for more than six.
-    #[must_use]
-    pub const fn new(bits: u8) -> Option<Self> {
-        if bits <= ALL_NODES { Some(Self(bits)) } else { None }
-    }
-
-    /// The bits.
-    #[must_use]
-    pub const fn bits(self) -> u8 {
-        self.0
-    }
-}
-
-impl NodeSelection {
-    /// Every faulted node: Match 0, Value 0x3F.
-    pub const ALL: Self = Self::Mask(Mask::ALL);
-
-    fn read(reader: &mut Reader<'_>) -> Result<Self, ParseError> {
-        let offset = reader.offset();
-        let byte = reader.u8("Match and Value")?;
-        Self::from_byte(byte).ok_or(ParseError::value("reserved bit of Match and Value", offset, byte.into()))
-    }
-
-    const fn from_byte(byte: u8) -> Option<Self> {
-        match byte {
-            0x00..=0x3F => Some(Self::Mask(Mask(byte))),
-            0x40..=0x7F => Some(Self::MacId(MacId::from_low_bits(byte))),
-            0x80..=0xFF => None,
-        }
-    }
-
-    const fn byte(self) -> u8 {
-        match self {
-            Self::MacId(mac) => MATCH | mac.number(),
-            Self::Mask(mask) => mask.0,
-        }
-    }
-}
-
 /// Who request, 0x7ED: faulted nodes tell who they are.
 ///
 /// | Byte | Content |
@@ -124,29 +50,6 @@ pub struct WhoRequest {
     pub nodes: NodeSelection,
     /// Byte 2.
     pub delay_offset: DelayOffset,
-}
-
-/// A byte of a [`WhoResponse`], 0 to 6.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(transparent))]
-pub struct DelayOffset(u8);
-
-impl DelayOffset {
-    /// The lowest byte of the serial number, which differs most between the devices of a plant.
-    pub const SERIAL: Self = Self(3);
-
-    /// The offset of that number; `None` above 6.
-    #[must_use]
-    pub const fn new(number: u8) -> Option<Self> {
-        if number <= 6 { Some(Self(number)) } else { None }
-    }
-
-    /// 0 to 6.
-    #[must_use]
-    pub const fn number(self) -> u8 {
-        self.0
-    }
 }
 
 /// Who response, 0x7EC: the data of a duplicate MAC ID check request. It has no service byte and no MAC ID.
@@ -412,7 +315,7 @@ impl Wire<'_> for ChangeMacIdRequest {
 impl Wire<'_> for CommunicationFaultedRequest {
     const NAME: &'static str = "Communication Faulted request";
     /// The short Identify is a prefix of the long one.
-    const TAIL: cip_core::codec::Tail = cip_core::codec::Tail::Open;
+    const TAIL: Tail = Tail::Open;
 
     fn read(reader: &mut Reader<'_>) -> Result<Self, ParseError> {
         match *reader.peek() {
@@ -453,7 +356,7 @@ impl Wire<'_> for CommunicationFaultedRequest {
 impl Wire<'_> for CommunicationFaultedResponse {
     const NAME: &'static str = "Communication Faulted response";
     /// Nothing but the length tells the two apart.
-    const TAIL: cip_core::codec::Tail = cip_core::codec::Tail::Open;
+    const TAIL: Tail = Tail::Open;
 
     fn read(reader: &mut Reader<'_>) -> Result<Self, ParseError> {
         if reader.remaining() <= 2 {
@@ -477,4 +380,9 @@ impl Wire<'_> for CommunicationFaultedResponse {
     }
 }
 
-const MATCH: u8 = 0x40;
+/// Allocate_Offline_Connection_Set on 0x7EE and 0x7EF, and Who on 0x7ED.
+const ALLOCATE_OR_WHO: ServiceCode = ServiceCode(0x4B);
+const IDENTIFY: ServiceCode = ServiceCode(0x4C);
+const CHANGE_MAC_ID: ServiceCode = ServiceCode(0x4D);
+/// Byte 0 of the long Identify.
+const ALL_NODES: u8 = 0x3F;

@@ -187,6 +187,20 @@ impl Bus {
         assert!(self.events.contains(&event), "{event:?} is not among {:?}", self.events);
     }
 
+    /// What a node may send in its state, whatever happened to it.
+    #[track_caller]
+    fn may_send(&self, frame: &Frame) {
+        let check = u32::from(0x407 + 8 * u16::from(self.node.mac_id().number()));
+        let is_check = frame.raw_id() == check && frame.dlc() == 7;
+        let allowed = match self.node.state().kind() {
+            StateKind::NonExistent | StateKind::WaitingDupMac => false,
+            StateKind::SendingDupMac => is_check && frame.data()[0] == 0,
+            StateKind::OnLine => is_check,
+            StateKind::CommFault => frame.raw_id() == 0x7EC,
+        };
+        assert!(allowed, "{frame} in {:?}", self.node.state());
+    }
+
     fn drain(&mut self) {
         while let Some(action) = self.node.poll(self.now) {
             match action {
@@ -194,6 +208,7 @@ impl Bus {
                     assert_eq!(token, Access::TOKEN);
                     assert!(!self.in_flight, "two frames in flight");
                     self.in_flight = true;
+                    self.may_send(&frame);
                     self.transmits.push_back(frame);
                 }
                 Action::Withdraw(token) => {

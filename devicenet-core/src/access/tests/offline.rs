@@ -142,6 +142,7 @@ fn a_new_mac_id_withdraws_an_answer_and_ends_the_flashing() {
     bus.sends_nothing();
     bus.done(TxOutcome::Sent);
     bus.sends(0x42F, &REQUEST);
+    bus.tells(AccessEvent::Identify { on: false });
     assert_eq!(bus.node.network_status(), NetworkStatus::Off);
 }
 

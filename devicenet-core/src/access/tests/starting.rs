@@ -273,8 +273,8 @@ fn quick_connect_takes_effect_at_the_next_start() {
 }
 
 proptest! {
-    /// Whatever happens: no panic, no transition outside the table, one frame in flight, and a node that has not
-    /// had two requests acknowledged sends nothing but requests.
+    /// Whatever happens: no panic, no transition outside the table, one frame in flight, and no frame that the state does
+    /// not allow: before it is on line a node sends requests only, and while faulted only Group 4.
     #[test]
     fn nothing_breaks_it(steps in prop::collection::vec((0_u8..16, any::<u8>(), any::<[u8; 8]>()), 0..200)) {
         let mut bus = Bus::dark(config());

@@ -1,0 +1,221 @@
+//! What the machine does with what it hears: frames, answers to transmissions, link events.
+
+use link_core::link::LinkCommandKind;
+use link_core::{BusErrorKind, Frame, LinkEvent, TxOutcome, TxToken};
+
+use super::config::BusOffWhileChecking;
+use super::event::{AccessEvent, Outgoing};
+use super::machine::{Access, Fate, InFlight, Listening, Timer, count};
+use super::state::{Cause, CheckRequest, Fault, SecondRequest, SendStage, State};
+use crate::id::Identifier;
+use crate::message::{Direction, DuplicateMacCheck, ParseError, Wire};
+
+impl Access {
+    pub(super) fn frame(&mut self, frame: &Frame) {
+        let Some(id) = Identifier::of_frame(frame) else {
+            self.counters.foreign_frames = self.counters.foreign_frames.saturating_add(1);
+            return;
+        };
+        match (self.state, self.listening()) {
+            (State::NonExistent, _) => self.discard(),
+            (_, Listening::Check(mac)) if id == Identifier::duplicate_mac_check(mac) => {
+                self.check(id, frame.data())
+            }
+            (_, Listening::OfflineSet) if id == Identifier::COMMUNICATION_FAULTED_REQUEST => {
+                self.communication_faulted(frame.data());
+            }
+            // Other frames are the business of other parts of the node.
+            (State::OnLine { .. }, _) => {}
+            (State::CommFault { .. }, _) => self.discard(),
+            (State::SendingDupMac { .. } | State::WaitingDupMac { .. }, _) => {
+                self.stay(Cause::OtherMessage);
+                self.discard();
+            }
+        }
+    }
+
+    /// A frame on the identifier of the own check.
+    fn check(&mut self, id: Identifier, data: &[u8]) {
+        let other = match DuplicateMacCheck::parse(data) {
+            Ok(check) => Some(check),
+            Err(error) => {
+                self.bad_frame(id, error);
+                None
+            }
+        };
+        if other.is_none() && !self.config.accept_bad_dlc {
+            return;
+        }
+        // Without a first byte it is taken for a request, which is answered on line instead of obeyed.
+        let direction = data.first().map_or(Direction::Request, |&byte| Direction::of(byte));
+        let cause = match direction {
+            Direction::Request => Cause::DuplicateRequest,
+            Direction::Response => Cause::DuplicateResponse,
+        };
+        if let State::OnLine { response_due, .. } = &mut self.state
+            && direction == Direction::Request
+        {
+            if *response_due {
+                count(&mut self.counters.requests_merged);
+            }
+            *response_due = true;
+            count(&mut self.counters.challenges);
+            self.stay(cause);
+            self.raise(AccessEvent::Challenged { other });
+            return;
+        }
+        count(&mut self.counters.duplicates);
+        self.raise(AccessEvent::Duplicate { direction, other });
+        self.enter(State::faulted(Fault::DuplicateMacId), cause);
+    }
+
+    pub(super) fn tx_done(&mut self, token: TxToken, outcome: TxOutcome) {
+        let Some(InFlight { what, fate }) = self.in_flight.filter(|_| token == Self::TOKEN) else {
+            count(&mut self.counters.stray_tx_done);
+            return;
+        };
+        self.in_flight = None;
+        match (fate, outcome) {
+            (Fate::Unwanted | Fate::Abandoned, _) => {}
+            (Fate::Wanted, TxOutcome::Sent) => self.sent(what),
+            (Fate::Wanted, TxOutcome::Withdrawn | TxOutcome::Dropped) => self.given_back(what, outcome),
+        }
+    }
+
+    fn sent(&mut self, what: Outgoing) {
+        match (what, &mut self.state) {
+            (Outgoing::CheckRequest, State::SendingDupMac { request: CheckRequest::First, .. })
+                if self.quick_connect.active =>
+            {
+                self.enter(State::on_line(SecondRequest::Waiting), Cause::QuickConnect);
+            }
+            (Outgoing::CheckRequest, State::SendingDupMac { request, .. }) => {
+                let request = *request;
+                self.enter(State::WaitingDupMac { request }, Cause::RequestSent);
+            }
+            (Outgoing::CheckRequest, State::OnLine { second_request, .. }) => {
+                *second_request = SecondRequest::Done;
+                self.stay(Cause::RequestSent);
+            }
+            (Outgoing::CheckResponse, _) => count(&mut self.counters.responses),
+            (Outgoing::CheckRequest | Outgoing::WhoResponse | Outgoing::IdentifyResponse, _) => {}
+        }
+    }
+
+    fn given_back(&mut self, what: Outgoing, outcome: TxOutcome) {
+        count(&mut self.counters.not_sent);
+        self.raise(AccessEvent::NotSent { what, outcome });
+        match (what, &mut self.state) {
+            (Outgoing::CheckRequest, State::SendingDupMac { stage, .. }) => *stage = SendStage::GivenBack,
+            (Outgoing::CheckRequest, State::OnLine { second_request, .. }) => {
+                *second_request = SecondRequest::Waiting;
+            }
+            // An answer is not repeated: who asked repeats its question. A request of another state is gone with it.
+            (
+                Outgoing::CheckRequest
+                | Outgoing::CheckResponse
+                | Outgoing::WhoResponse
+                | Outgoing::IdentifyResponse,
+                _,
+            ) => return,
+        }
+        self.timers.set_after(Timer::BackOff, self.config.bus_off_back_off);
+    }
+
+    pub(super) fn link(&mut self, event: LinkEvent) {
+        match event {
+            LinkEvent::Up => self.up(),
+            LinkEvent::Down => {
+                self.told = None;
+                if self.state != State::NonExistent {
+                    self.enter(State::NonExistent, Cause::LinkDown);
+                }
+            }
+            LinkEvent::BusOff => self.bus_off(),
+            LinkEvent::ModeSet(_) => self.queue_again(),
+            LinkEvent::BusError(BusErrorKind::Ack) => self.not_acknowledged(),
+            LinkEvent::Overrun { lost } => {
+                self.counters.frames_lost = self.counters.frames_lost.saturating_add(lost.max(1));
+                self.raise(AccessEvent::FramesLost { count: lost });
+            }
+            LinkEvent::Refused(kind) => self.refused(kind),
+            // Counters, warnings, other errors: the controller deals with them. The enumeration may grow.
+            _ => {}
+        }
+    }
+
+    fn up(&mut self) {
+        self.told = None;
+        match &mut self.state {
+            State::NonExistent => {
+                self.quick_connect.active = self.quick_connect.stored;
+                self.restart(Cause::LinkUp);
+            }
+            State::SendingDupMac { stage: stage @ SendStage::Restarting { .. }, .. } => {
+                *stage = SendStage::Queued { unacknowledged: false };
+            }
+            State::SendingDupMac { .. } => self.queue_again(),
+            State::WaitingDupMac { .. } | State::OnLine { .. } | State::CommFault { .. } => {}
+        }
+    }
+
+    /// The controller is ready again for the request that it gave back.
+    pub(super) fn queue_again(&mut self) {
+        if let State::SendingDupMac { stage: stage @ SendStage::GivenBack, .. } = &mut self.state {
+            *stage = SendStage::Queued { unacknowledged: false };
+            self.timers.clear(Timer::BackOff);
+        }
+    }
+
+    fn bus_off(&mut self) {
+        // Told twice, or told of a controller that the node does not use.
+        if self.state.is_off_the_bus() || self.state == State::NonExistent {
+            return;
+        }
+        self.bus_off_counter = self.bus_off_counter.saturating_add(1);
+        let restarts = self.bus_off_interrupt
+            && match self.state {
+                State::OnLine { .. } => true,
+                State::SendingDupMac { .. } | State::WaitingDupMac { .. } => {
+                    self.config.bus_off_while_checking == BusOffWhileChecking::FollowInterrupt
+                }
+                State::NonExistent | State::CommFault { .. } => false,
+            };
+        if restarts {
+            let next = State::SendingDupMac { request: CheckRequest::First, stage: SendStage::BackOff };
+            self.enter(next, Cause::BusOffRestart);
+        } else {
+            self.enter(State::faulted(Fault::BusOff), Cause::BusOff);
+        }
+    }
+
+    fn not_acknowledged(&mut self) {
+        if let State::SendingDupMac { stage: SendStage::Queued { unacknowledged }, .. } = &mut self.state {
+            self.counters.unacknowledged = self.counters.unacknowledged.saturating_add(1);
+            let first = !core::mem::replace(unacknowledged, true);
+            self.stay(Cause::NotAcknowledged);
+            if first {
+                self.raise(AccessEvent::NotAcknowledged);
+            }
+        }
+    }
+
+    fn refused(&mut self, kind: LinkCommandKind) {
+        count(&mut self.counters.refused);
+        self.raise(AccessEvent::LinkRefused(kind));
+        let restarting =
+            matches!(self.state, State::SendingDupMac { stage: SendStage::Restarting { .. }, .. });
+        if restarting && kind == LinkCommandKind::Reset {
+            self.enter(State::faulted(Fault::BusOff), Cause::BusOff);
+        }
+    }
+
+    fn discard(&mut self) {
+        self.counters.discarded = self.counters.discarded.saturating_add(1);
+    }
+
+    pub(super) fn bad_frame(&mut self, id: Identifier, error: ParseError) {
+        count(&mut self.counters.bad_frames);
+        self.raise(AccessEvent::BadFrame { id, error });
+    }
+}
