@@ -92,6 +92,49 @@ fn binary_formats_hold_every_kind_of_frame() {
     }
 }
 
+/// One run of traffic, recorded by candump with each of its options.
+#[test]
+fn every_form_of_the_candump_screen_agrees_with_its_log() {
+    let log = read("candump/log.log").1;
+    let start = log[0].at;
+    let without_rate_switch = |content: &Content| match content {
+        Content::Fd(fd) => Content::Fd(Box::new(FdFrame::new(fd.id(), fd.data(), false, false).unwrap())),
+        other => other.clone(),
+    };
+    for name in ["plain", "ta", "ta-c", "ta-e", "ta-i", "ta-S", "ta-x-a", "tA", "tz", "td"] {
+        let (format, frames) = read(&format!("candump/{name}.txt"));
+        assert_eq!(format, Format::CandumpScreen, "{name}");
+        assert_eq!(frames.len(), log.len(), "{name}");
+        for (found, logged) in frames.iter().zip(&log) {
+            let time = match name {
+                "plain" => Instant::ZERO,
+                "tz" | "td" => Instant::ZERO + logged.at.saturating_since(start),
+                _ => logged.at,
+            };
+            assert_eq!(found.at, time, "{name}, frame {}", logged.n);
+            match name {
+                "ta-x-a" => assert_eq!(found.content, logged.content, "{name}"),
+                _ => assert_eq!(found.content, without_rate_switch(&logged.content), "{name}"),
+            }
+        }
+    }
+}
+
+/// The same run as can-utils' `log2asc` converts it, which keeps no class of an error.
+#[test]
+fn asc_agrees_with_the_log_it_was_made_from() {
+    let log = read("candump/log.log").1;
+    let (format, frames) = read("candump/log2asc.asc");
+    assert_eq!((format, frames.len()), (Format::Asc, log.len()));
+    for (found, logged) in frames.iter().zip(&log) {
+        assert_eq!(found.at, Instant::ZERO + logged.at.saturating_since(log[0].at));
+        match &logged.content {
+            Content::Error(_) => assert_eq!(found.content, Content::Error(ErrorFrame::UNSPECIFIED)),
+            content => assert_eq!(found.content, *content),
+        }
+    }
+}
+
 #[test]
 fn interfaces_keep_their_names() {
     let mut recording = Recording::open(&capture("candump-L-mixed.log")).unwrap();

@@ -32,6 +32,11 @@ impl<'a> Scanner<'a> {
         found
     }
 
+    /// Goes on by a byte, if there is one.
+    pub(super) fn skip(&mut self) {
+        self.at += usize::from(self.at < self.line.len());
+    }
+
     #[inline]
     pub(super) fn expect(&mut self, byte: u8, expected: &'static str) -> Result<(), Fault> {
         if self.eat(byte) { Ok(()) } else { Err(self.fault(expected)) }

@@ -7,8 +7,9 @@
 //!   can0  453  [12]  00 01 02 03 04 05 06 07 08 09 0A 0B
 //!   can0  RX - -  456   [2]  01 4B   '.K'
 //! ```
-//! Two digits in the brackets mean CAN FD, braces a raw data length code (`-8`). What follows the data, such as the
-//! text column of `-a`, is ignored, as are the lines that explain an error frame (`-e`), which begin with a tab.
+//! Two digits in the brackets mean CAN FD, braces a raw data length code (`-8`). Colours (`-c`), binary (`-i`) and
+//! swapped data (`-S`) are read as well. What follows the data, such as the text column of `-a`, is ignored, as are the
+//! lines that explain an error frame (`-e`), which begin with a tab.
 
 use core::time::Duration;
 
@@ -33,8 +34,9 @@ impl Screen {
         let mut times = beginning.split(|byte| *byte == b'\n').filter_map(|line| {
             let mut scan = Scanner::new(line);
             scan.skip_blanks();
-            let is_date = line.contains(&b'-');
-            (!is_date && scan.eat(b'(')).then(|| scan.seconds().ok())?.map(|(at, _)| at)
+            let (at, _) = scan.eat(b'(').then(|| scan.seconds().ok())??;
+            // Otherwise the year of a date.
+            scan.eat(b')').then_some(at)
         });
         let mut last = times.next().unwrap_or(Instant::ZERO);
         let starts_at_zero = last == Instant::ZERO;
@@ -55,21 +57,17 @@ impl Screen {
             scan.expect(b')', "\")\" after the time")?;
             scan.skip_blanks();
         }
+        skip_colours(&mut scan);
         let interface = scan;
         let name = scan.word();
         if name.is_empty() {
             return Err(scan.fault("an interface name"));
         }
         scan.skip_blanks();
-        if matches!(scan.peek_word(), b"RX" | b"TX") {
-            for _ in 0..3 {
-                scan.word();
-                scan.skip_blanks();
-            }
-        }
+        let fd_flags = fd_flags(&mut scan);
         let id = scan.can_id()?;
         scan.skip_blanks();
-        let content = content(&mut scan, id)?;
+        let content = content(&mut scan, id, fd_flags)?;
         // Only a whole line may name a channel: prose begins with a word as well.
         let channel =
             channels.intern(name).ok_or_else(|| interface.fault("at most 255 interfaces, named in UTF-8"))?;
@@ -81,7 +79,31 @@ impl Screen {
     }
 }
 
-fn content(scan: &mut Scanner<'_>, id: CanId) -> Result<Content, Fault> {
+/// `ESC [ 34 m`, which `-c` puts before the interface.
+fn skip_colours(scan: &mut Scanner<'_>) {
+    while scan.eat(0x1B) {
+        while scan.peek().is_some_and(|byte| byte != b'm') {
+            scan.skip();
+        }
+        scan.skip();
+    }
+}
+
+/// The direction, `B` or `-` for the bit rate switch, `E` or `-` for the error state (`-x`).
+fn fd_flags(scan: &mut Scanner<'_>) -> [bool; 2] {
+    if !matches!(scan.peek_word(), b"RX" | b"TX") {
+        return [false; 2];
+    }
+    let mut word = || {
+        let word = scan.word();
+        scan.skip_blanks();
+        word
+    };
+    word();
+    [word() == b"B", word() == b"E"]
+}
+
+fn content(scan: &mut Scanner<'_>, id: CanId, fd_flags: [bool; 2]) -> Result<Content, Fault> {
     let start = *scan;
     let close = match scan.peek() {
         Some(b'[') => b']',
@@ -101,23 +123,19 @@ fn content(scan: &mut Scanner<'_>, id: CanId) -> Result<Content, Fault> {
     let length = usize::try_from(length).ok().filter(|length| *length <= if is_fd { 64 } else { 8 });
     let length = length.ok_or_else(|| start.fault("a length of at most 8, of CAN FD at most 64"))?;
     scan.skip_blanks();
-    if scan.peek_word() == b"remote" {
+    if scan.peek_word().starts_with(b"remote") {
         let CanId::Frame { id, .. } = id else { return Err(scan.fault("data of an error frame")) };
         let dlc = raw_dlc.unwrap_or(length as u8);
         return Frame::remote(id, dlc)
             .map(Content::Classic)
             .ok_or_else(|| start.fault("a length of at most 8"));
     }
-    let mut data = [0; FdFrame::MAX_DATA];
-    for slot in &mut data[..length] {
-        scan.skip_blanks();
-        *slot = scan.hex_byte().ok_or_else(|| scan.fault("two hexadecimal digits"))?;
-    }
+    let data = data(scan, length)?;
     let eight = || *data.first_chunk::<8>().unwrap_or(&[0; 8]);
     match id {
         CanId::Error { class } => Ok(Content::Error(ErrorFrame { class, data: eight() })),
         CanId::Frame { id, .. } if is_fd => {
-            let frame = FdFrame::new(id, &data[..length], false, false);
+            let frame = FdFrame::new(id, &data[..length], fd_flags[0], fd_flags[1]);
             let frame = frame.ok_or_else(|| start.fault("a length that CAN FD has"))?;
             Ok(Content::Fd(Box::new(frame)))
         }
@@ -129,6 +147,34 @@ fn content(scan: &mut Scanner<'_>, id: CanId) -> Result<Content, Fault> {
             frame.map(Content::Classic).ok_or_else(|| start.fault("a length of at most 8"))
         }
     }
+}
+
+/// Bytes in hexadecimal, in hexadecimal and from the last to the first with grave accents between them (`-S`), or in
+/// binary (`-i`).
+fn data(scan: &mut Scanner<'_>, length: usize) -> Result<[u8; FdFrame::MAX_DATA], Fault> {
+    let mut data = [0; FdFrame::MAX_DATA];
+    let is_binary =
+        scan.peek_word().len() == 8 && scan.peek_word().iter().all(|bit| matches!(bit, b'0' | b'1'));
+    let mut is_swapped = false;
+    for (index, slot) in data[..length].iter_mut().enumerate() {
+        is_swapped |= index > 0 && scan.eat(b'`');
+        scan.skip_blanks();
+        if is_binary {
+            let bits = *scan;
+            let word = scan.word();
+            let byte = word.iter().try_fold(0u8, |byte, bit| match bit {
+                b'0' | b'1' => Some(byte << 1 | (bit - b'0')),
+                _ => None,
+            });
+            *slot = byte.filter(|_| word.len() == 8).ok_or_else(|| bits.fault("eight binary digits"))?;
+        } else {
+            *slot = scan.hex_byte().ok_or_else(|| scan.fault("two hexadecimal digits"))?;
+        }
+    }
+    if is_swapped {
+        data[..length].reverse();
+    }
+    Ok(data)
 }
 
 /// Seconds, or a date and a time of day (`-tA`), which is taken for UTC: the file does not say.
