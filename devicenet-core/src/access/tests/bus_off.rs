@@ -50,6 +50,21 @@ fn with_boi_the_controller_is_restarted_after_the_back_off_and_the_check_begins_
     assert_eq!(bus.node.bus_off_counter(), 1);
 }
 
+/// The restart timer of a driver, for example.
+#[test]
+fn a_controller_that_comes_back_by_itself_does_not_shorten_the_back_off() {
+    let mut bus = Bus::online(restarting());
+    bus.controller_restarts();
+    bus.link(LinkEvent::BusOff);
+    bus.wait(50);
+    bus.link(LinkEvent::Up);
+    bus.sends_nothing();
+    bus.wait(50);
+    assert_eq!(bus.controller_restarts(), 1);
+    bus.link(LinkEvent::Up);
+    bus.sends(CHECK, &REQUEST);
+}
+
 #[test]
 fn what_was_in_flight_at_bus_off_is_dropped_by_the_controller() {
     for dropped_first in [false, true] {

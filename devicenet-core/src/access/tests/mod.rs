@@ -4,6 +4,7 @@ mod bus;
 mod bus_off;
 mod commands;
 pub(super) mod edges;
+mod exhaustive;
 mod faults;
 mod offline;
 mod online;
