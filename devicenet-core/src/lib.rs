@@ -8,6 +8,7 @@
 //! | [`id`] | MAC IDs, the 2048 identifiers, receive filters |
 //! | [`message`] | the data field of every message, with its byte table |
 //! | [`access`] | network access: the duplicate MAC ID check, bus-off, the offline connection set of a faulted node |
+//! | [`monitor`] | the passive decoder: it learns connections from the traffic and says what each frame means |
 //!
 //! A machine is told what happens as [`Input`](link_core::Input), and hands out what is to be done as
 //! [`Action`](link_core::Action): see [`link_core`]. What drives it is a transport: a simulated bus, SocketCAN, a
@@ -63,8 +64,7 @@
 //!
 //! Any frame, in any state, at any time: nothing panics, nothing is allocated, and the work for one input is bounded. A
 //! malformed frame is a counter and a typed event; a command that cannot be carried out is a typed error. Machines are
-//! `Clone + Eq + Hash`, so that the real code can be model-checked. A dissector that reads other people's traffic needs
-//! only [`id`] and [`message`].
+//! `Clone + Eq + Hash`, so that the real code can be model-checked.
 //!
 //! # Features
 //!

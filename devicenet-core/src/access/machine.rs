@@ -1,24 +1,29 @@
 //! The network access machine.
 //!
 //! ```text
-//!                  power-up (1)
-//!  +-------------+     |       +---------------+   request sent (2)    +---------------+
-//!  | NonExistent |-----+------>| SendingDupMac |---------------------->| WaitingDupMac |
-//!  +-------------+             | not acked (3) |<----------------------| others (8)    |
-//!         ^                    +---------------+  1 s over, first (4)  +---------------+
-//!         | network power lost    ^    |    |                           |    |
-//!         | from every state (15) |    |    | Quick Connect (2)         |    | 1 s over,
-//!         |                       |    |    +------------------+        |    | second (5)
-//!                                 |    |                       v        |    v
-//!     bus-off with BOI = 1 (12),  |    | duplicate (6)    +------------------------+
-//!     reset, MAC ID set (1)       +----|------------------|         OnLine         |
-//!                                 |    | bus-off (7)      | defends its MAC ID (9) |
-//!                                 |    v                  +------------------------+
-//!                                +-----------+                |
-//!     Change_MAC_ID (13),        | CommFault |<---------------+
-//!     reset (14): upwards        | silent    |  duplicate response (10),
-//!                                +-----------+  bus-off with BOI = 0 (11)
+//!                 power-up (1)
+//! +-------------+             +---------------+   request sent (2)   +---------------+
+//! | NonExistent |------------>| SendingDupMac |--------------------->| WaitingDupMac |
+//! +-------------+             | stays: (3)(8) |<---------------------| stays: (8)    |
+//!        ^                    +---------------+  1 s over, first (4) +---------------+
+//!        |                      |   ^   |                              |          |
+//!   network power lost,         |   |   | request sent,                |          | 1 s over,
+//!   from every state (15)       |   |   | Quick Connect (2)            |          | second (5)
+//!                               |   |   |                duplicate (6) |          |
+//!                               |   |   |                bus-off (7)   |          v
+//!            duplicate (6)      |   |   +------------------------------|-->+------------+
+//!            bus-off (7)        |   +----------------------------------|---|   OnLine   |
+//!                               |    bus-off with BOI = 1 (12),        |   | stays: (9) |
+//!                               |    reset, MAC ID set (1)             |   +------------+
+//!                               v                                      v          |
+//!                             +------------------------------------------+        |
+//!                             |                CommFault                 |<-------+
+//!                             +------------------------------------------+  duplicate response (10),
+//!                                   |                                       bus-off with BOI = 0 (11)
+//!                                   +--> SendingDupMac: Change_MAC_ID (13), reset (14)
 //! ```
+//!
+//! The numbers are the rows of the transition table, [`EDGES`].
 //!
 //! What is to be sent follows from the state alone; there is no queue. At most one frame is in flight. This file has the
 //! machine and its one door between states, `input` what it does with what it hears, `output` what it sends.

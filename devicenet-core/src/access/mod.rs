@@ -51,4 +51,6 @@ pub use config::{BusOffWhileChecking, Config, CounterSetMode, MacIdSource, MaskP
 pub use event::{AccessEvent, Counters, Outgoing};
 pub use indicator::NetworkStatus;
 pub use machine::Access;
-pub use state::{Cause, CheckRequest, EDGES, Edge, Fault, State, StateKind};
+pub use state::{
+    Cause, CheckRequest, EDGES, Edge, Fault, OfflineNode, SecondRequest, SendStage, State, StateKind,
+};

@@ -13,7 +13,8 @@ use link_core::{
 };
 
 use super::super::{
-    Access, AccessEvent, BusOffWhileChecking, Cause, CheckRequest, Config, Counters, State, StateKind,
+    Access, AccessEvent, BusOffWhileChecking, Cause, CheckRequest, Config, Counters, SendStage, State,
+    StateKind,
 };
 use super::bus::*;
 
@@ -179,7 +180,7 @@ fn no_order_of_inputs_leads_astray() {
                 }
                 let link_awaited = !matches!(
                     next.node.state(),
-                    State::SendingDupMac { stage: super::super::state::SendStage::Queued { .. }, .. }
+                    State::SendingDupMac { stage: SendStage::Queued { .. }, .. }
                         | State::WaitingDupMac { .. }
                 );
                 let step = if link_awaited {
