@@ -11,6 +11,7 @@
 //! | [`args`] | the command line |
 //! | [`decode`] | `devicenet decode` |
 //! | [`recording`] | readers and writers of recordings of a CAN bus, streaming, the format found in the content |
+//! | [`scenario`] | scenario files: model, parser, diagnostics |
 //! | [`trace`] | the one text form of bus traffic |
 //! | [`output`], [`exit`] | standard output, messages, exit codes |
 
@@ -19,6 +20,7 @@ pub mod decode;
 pub mod exit;
 pub mod output;
 pub mod recording;
+pub mod scenario;
 mod text;
 pub mod trace;
 

@@ -1,0 +1,247 @@
+//! From what the file says to what it means, or to what is wrong with it.
+
+mod action;
+mod expect;
+mod fault;
+mod node;
+
+use core::ops::Range;
+use core::time::Duration;
+use std::collections::HashMap;
+use std::path::Path;
+
+use link_core::{BitRate, Frame, Instant, StandardId};
+use toml::Spanned;
+
+use super::diagnostic::ScenarioError;
+use super::model::{Bus, NodeIndex, Note, Scenario};
+use super::raw::{RawBus, RawNote, RawScenario, Table};
+use super::values::Time;
+
+/// Reads and checks the text of a scenario. Files that it names are looked for in `folder`.
+pub(super) fn scenario(file: &str, text: &str, folder: &Path) -> Result<Scenario, ScenarioError> {
+    let raw: RawScenario = toml::from_str(text).map_err(|error| {
+        let span = error.span().unwrap_or_default();
+        let message = error.message().replace("expected i64", "expected a whole number");
+        ScenarioError::at(
+            file,
+            text,
+            &span,
+            message.replace("expected f64", "expected a number such as 1e-4"),
+        )
+    })?;
+    let mut check = Checker { file, text, folder, names: HashMap::new(), end: Instant::ZERO };
+
+    let Some(bus) = &raw.bus else {
+        return Err(ScenarioError::of_file(
+            file,
+            "there is no table [bus]; expected [bus] and at least one [[node]]",
+        ));
+    };
+    let bus = check.bus(bus)?;
+    check.end = Instant::ZERO + bus.duration;
+
+    let mut nodes = Vec::new();
+    for table in &raw.node {
+        check.node(table, bus.bit_rate, &mut nodes)?;
+    }
+    if nodes.is_empty() {
+        return Err(ScenarioError::of_file(file, "there is no [[node]]; expected at least one"));
+    }
+    Ok(Scenario {
+        file: file.to_owned(),
+        title: raw.title,
+        actions: each(&raw.action, |table| check.action(table, &nodes))?,
+        faults: each(&raw.fault, |table| check.fault(table))?,
+        expectations: each(&raw.expect, |table| check.expectation(table, &nodes))?,
+        notes: each(&raw.note, |table| check.note(table))?,
+        bus,
+        nodes,
+    })
+}
+
+fn each<T, U>(items: &[T], check: impl Fn(&T) -> Result<U, ScenarioError>) -> Result<Vec<U>, ScenarioError> {
+    items.iter().map(check).collect()
+}
+
+/// What the checks share.
+struct Checker<'a> {
+    file: &'a str,
+    text: &'a str,
+    folder: &'a Path,
+    /// The nodes of each name; several when the node has a `count`.
+    names: HashMap<String, Vec<NodeIndex>>,
+    /// The end of the run.
+    end: Instant,
+}
+
+impl Checker<'_> {
+    fn fail<T>(&self, span: &Range<usize>, message: impl Into<String>) -> Result<T, ScenarioError> {
+        Err(ScenarioError::at(self.file, self.text, span, message))
+    }
+
+    /// The value of a key that must be there.
+    fn required<'v, T>(
+        &self,
+        value: Option<&'v Spanned<T>>,
+        table: &Range<usize>,
+        what: &str,
+    ) -> Result<&'v Spanned<T>, ScenarioError> {
+        match value {
+            Some(value) => Ok(value),
+            None => self.fail(table, format!("{what} is missing")),
+        }
+    }
+
+    /// Refuses every key but those that mean something here.
+    fn only(&self, table: &impl Table, allowed: &[&str], here: &str) -> Result<(), ScenarioError> {
+        match table.keys().into_iter().find(|(key, _)| !allowed.contains(key)) {
+            None => Ok(()),
+            Some((key, span)) => {
+                self.fail(&span, format!("`{key}` means nothing for {here}; expected {}", list(allowed)))
+            }
+        }
+    }
+
+    /// A number in a range.
+    fn number<T: TryFrom<i64>>(
+        &self,
+        key: &str,
+        value: &Spanned<i64>,
+        least: i64,
+        greatest: i64,
+        what: &str,
+    ) -> Result<T, ScenarioError> {
+        let found = *value.get_ref();
+        match T::try_from(found) {
+            Ok(number) if (least..=greatest).contains(&found) => Ok(number),
+            _ => self.fail(&value.span(), format!("`{key}` is {found}; expected {what}")),
+        }
+    }
+
+    fn mac_id(&self, key: &str, value: &Spanned<i64>) -> Result<u8, ScenarioError> {
+        self.number(key, value, 0, 63, "a MAC ID, 0 to 63")
+    }
+
+    fn bit_rate(&self, key: &str, value: &Spanned<i64>) -> Result<BitRate, ScenarioError> {
+        match u32::try_from(*value.get_ref()).ok().filter(|rate| BIT_RATES.contains(rate)) {
+            Some(rate) => Ok(BitRate(rate)),
+            None => self.fail(
+                &value.span(),
+                format!(
+                    "`{key}` is {}; expected a bit rate in bit/s: {}",
+                    value.get_ref(),
+                    list(&BIT_RATES.map(|rate| rate.to_string()))
+                ),
+            ),
+        }
+    }
+
+    fn ppm(&self, key: &str, value: &Spanned<i64>) -> Result<i32, ScenarioError> {
+        self.number(key, value, -100_000, 100_000, "millionths, -100000 to 100000")
+    }
+
+    fn probability(&self, value: &Spanned<f64>) -> Result<f64, ScenarioError> {
+        match *value.get_ref() {
+            rate if (0.0..=1.0).contains(&rate) => Ok(rate),
+            rate => self.fail(&value.span(), format!("`rate` is {rate}; expected a probability, 0 to 1")),
+        }
+    }
+
+    /// `7ED#0A4D341245230000`, as candump writes a frame: three or eight hex digits, `#`, data.
+    fn frame(&self, value: &Spanned<String>) -> Result<Frame, ScenarioError> {
+        match parse_frame(value.get_ref()) {
+            Some(frame) => Ok(frame),
+            None => self.fail(
+                &value.span(),
+                format!(
+                    "`{}` is not a frame; expected one such as \"7ED#0A4D341245230000\"",
+                    value.get_ref()
+                ),
+            ),
+        }
+    }
+
+    /// A moment of the run.
+    fn moment(&self, key: &str, value: &Spanned<Time>) -> Result<Instant, ScenarioError> {
+        let Time(time) = *value.get_ref();
+        let at = Instant::ZERO + time;
+        if at > self.end {
+            let (time, end) = (Time(time), Time(self.end.saturating_since(Instant::ZERO)));
+            return self.fail(
+                &value.span(),
+                format!("`{key}` is {time}, after the end of the run; expected at most the duration, {end}"),
+            );
+        }
+        Ok(at)
+    }
+
+    /// The nodes of a name.
+    fn nodes(&self, name: &str, span: &Range<usize>) -> Result<Vec<NodeIndex>, ScenarioError> {
+        if let Some(nodes) = self.names.get(name) {
+            return Ok(nodes.clone());
+        }
+        let mut known: Vec<&str> = self.names.keys().map(String::as_str).collect();
+        known.sort_unstable();
+        self.fail(span, format!("there is no node `{name}`; expected {}", list(&known)))
+    }
+
+    fn named(&self, name: &Spanned<String>) -> Result<Vec<NodeIndex>, ScenarioError> {
+        self.nodes(name.get_ref(), &name.span())
+    }
+
+    fn bus(&self, bus: &RawBus) -> Result<Bus, ScenarioError> {
+        let bit_rate = match &bus.bit_rate {
+            Some(rate) => self.bit_rate("bit_rate", rate)?,
+            None => BitRate::K125,
+        };
+        let seed = match &bus.seed {
+            Some(seed) => self.number("seed", seed, 0, i64::MAX, "a number from 0")?,
+            None => 1,
+        };
+        let duration = match &bus.duration {
+            None => Duration::from_secs(10),
+            Some(time) if time.get_ref().0 <= LONGEST_RUN && !time.get_ref().0.is_zero() => time.get_ref().0,
+            Some(time) => {
+                let (found, longest) = (time.get_ref(), Time(LONGEST_RUN));
+                return self.fail(
+                    &time.span(),
+                    format!("`duration` is {found}; expected more than 0s, at most {longest}"),
+                );
+            }
+        };
+        Ok(Bus { bit_rate, seed, duration })
+    }
+
+    fn note(&self, table: &Spanned<RawNote>) -> Result<Note, ScenarioError> {
+        let (note, span) = (table.get_ref(), table.span());
+        let at = self.moment("at", self.required(note.at.as_ref(), &span, "`at`, the time of the note,")?)?;
+        let text = self.required(note.text.as_ref(), &span, "`text`, the words of the note,")?;
+        Ok(Note { at, text: text.get_ref().clone() })
+    }
+}
+
+/// `a, b or c`
+fn list<T: AsRef<str>>(items: &[T]) -> String {
+    let quoted: Vec<String> = items.iter().map(|item| format!("`{}`", item.as_ref())).collect();
+    match quoted.split_last() {
+        None => "nothing".to_owned(),
+        Some((last, [])) => last.clone(),
+        Some((last, others)) => format!("{} or {last}", others.join(", ")),
+    }
+}
+
+fn parse_frame(text: &str) -> Option<Frame> {
+    let (id, data) = text.split_once('#')?;
+    let number = u32::from_str_radix(id, 16).ok()?;
+    let bytes = super::values::hex_bytes(data)?;
+    match id.len() {
+        3 => Frame::new(StandardId::new(u16::try_from(number).ok()?)?, &bytes),
+        8 => Frame::new(link_core::ExtendedId::new(number)?, &bytes),
+        _ => None,
+    }
+}
+
+/// 10 kbit/s to 1 Mbit/s in the steps that CAN networks use; a bit is a whole number of nanoseconds in each.
+const BIT_RATES: [u32; 8] = [10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 1_000_000];
+const LONGEST_RUN: Duration = Duration::from_secs(24 * 3_600);

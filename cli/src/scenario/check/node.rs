@@ -1,0 +1,267 @@
+//! `[[node]]`
+
+use core::ops::Range;
+use core::time::Duration;
+
+use link_core::BitRate;
+use toml::Spanned;
+
+use super::{Checker, list};
+use crate::scenario::diagnostic::ScenarioError;
+use crate::scenario::model::{AccessNode, Node, NodeIndex, Role};
+use crate::scenario::raw::{RawIdentity, RawNode};
+use crate::scenario::replay;
+use crate::scenario::values::RateSetting;
+
+impl Checker<'_> {
+    /// Checks one table and appends its nodes: one, or as many as `count` says.
+    pub(super) fn node(
+        &mut self,
+        table: &Spanned<RawNode>,
+        bus_rate: BitRate,
+        nodes: &mut Vec<Node>,
+    ) -> Result<(), ScenarioError> {
+        let (raw, span) = (table.get_ref(), table.span());
+        let name = self.required(raw.name.as_ref(), &span, "`name` of the node")?;
+        if name.get_ref().is_empty() || name.get_ref().chars().any(|c| c.is_whitespace() || c.is_control()) {
+            return self.fail(
+                &name.span(),
+                format!("the name is {:?}; expected one or more characters without spaces", name.get_ref()),
+            );
+        }
+        let role = self.role(raw, &span)?;
+        let bit_rate = match &raw.bit_rate {
+            None => bus_rate,
+            Some(setting) => match setting.get_ref() {
+                RateSetting::Fixed(rate) => {
+                    self.bit_rate("bit_rate", &Spanned::new(setting.span(), *rate))?
+                }
+                RateSetting::Auto => {
+                    return self.fail(
+                        &setting.span(),
+                        "`bit_rate` is \"auto\", and no role detects the bit rate; expected a rate in bit/s",
+                    );
+                }
+            },
+        };
+        let node = Node {
+            name: name.get_ref().clone(),
+            role,
+            power_up: raw.power_up.as_ref().map(|time| *time.get_ref()).unwrap_or_default(),
+            reaction: raw.reaction.as_ref().map(|time| *time.get_ref()).unwrap_or_default(),
+            bit_rate,
+            clock_ppm: raw.clock_ppm.as_ref().map(|ppm| self.ppm("clock_ppm", ppm)).transpose()?.unwrap_or(0),
+        };
+        match &raw.count {
+            None => self.add(node, name, &[], nodes),
+            Some(count) => {
+                let count: usize = self.number("count", count, 1, 64, "a number of nodes, 1 to 64")?;
+                let copies = copies(&node, count);
+                for copy in copies {
+                    self.add(copy, name, &[name.get_ref()], nodes)?;
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// Appends a node under its own name, and under the name of its group.
+    fn add(
+        &mut self,
+        node: Node,
+        place: &Spanned<String>,
+        groups: &[&String],
+        nodes: &mut Vec<Node>,
+    ) -> Result<(), ScenarioError> {
+        let index = NodeIndex(nodes.len());
+        if self.names.contains_key(&node.name)
+            || (groups.is_empty() && self.names.contains_key(place.get_ref()))
+        {
+            return self.fail(
+                &place.span(),
+                format!("there are two nodes `{}`; expected a name of its own for each", node.name),
+            );
+        }
+        if let Some(power_up) = nodes.len().checked_sub(MOST_NODES) {
+            return self.fail(
+                &place.span(),
+                format!("there are {} nodes; expected at most {MOST_NODES}", MOST_NODES + power_up + 1),
+            );
+        }
+        self.names.insert(node.name.clone(), vec![index]);
+        for group in groups {
+            self.names.entry((*group).clone()).or_default().push(index);
+        }
+        nodes.push(node);
+        Ok(())
+    }
+
+    fn role(&self, raw: &RawNode, table: &Range<usize>) -> Result<Role, ScenarioError> {
+        let role = self.required(raw.role.as_ref(), table, "`role` of the node")?;
+        let only = |own: &[&str]| {
+            let keys = [ANY_ROLE, own].concat();
+            self.only(raw, &keys, &format!("the role `{}`", role.get_ref()))
+        };
+        match role.get_ref().as_str() {
+            "access" => {
+                only(&["mac", "identity", "port", "boi", "quick_connect", "offline_set"])?;
+                self.protocol(raw, table)?;
+                self.access(raw, table).map(Role::Access)
+            }
+            "replay" => {
+                only(&["file", "log", "only"])?;
+                self.replay(raw, table)
+            }
+            "listener" => only(&[]).map(|()| Role::Listener),
+            "external" => only(&[]).map(|()| Role::External),
+            "babbler" => {
+                only(&["frame", "period"])?;
+                let frame = self.frame(self.required(raw.frame.as_ref(), table, "`frame`, what it sends,")?)?;
+                let period = raw.period.as_ref().map_or(Duration::ZERO, |period| period.get_ref().0);
+                Ok(Role::Babbler { frame, period })
+            }
+            io @ ("slave" | "master") => self.fail(
+                &role.span(),
+                format!(
+                    "a {io} needs connections and I/O, which are not simulated; expected {} (`access` gets on \
+                     line and defends its MAC ID)",
+                    list(ROLES)
+                ),
+            ),
+            nex @ ("device" | "manager") => self.fail(
+                &role.span(),
+                format!("`{nex}` is a role of DeviceNeX, which is not simulated; expected {}", list(ROLES)),
+            ),
+            other => self.fail(&role.span(), format!("there is no role `{other}`; expected {}", list(ROLES))),
+        }
+    }
+
+    fn protocol(&self, raw: &RawNode, table: &Range<usize>) -> Result<(), ScenarioError> {
+        let protocol =
+            self.required(raw.protocol.as_ref(), table, "`protocol = \"devicenet\"` of the node")?;
+        match protocol.get_ref().as_str() {
+            "devicenet" => Ok(()),
+            "devicenex" => self.fail(&protocol.span(), "`devicenex` is not simulated; expected `devicenet`"),
+            other => {
+                self.fail(&protocol.span(), format!("there is no protocol `{other}`; expected `devicenet`"))
+            }
+        }
+    }
+
+    fn access(&self, raw: &RawNode, table: &Range<usize>) -> Result<AccessNode, ScenarioError> {
+        let flag = |value: &Option<Spanned<bool>>| value.as_ref().is_some_and(|flag| *flag.get_ref());
+        let mac =
+            self.mac_id("mac", self.required(raw.mac.as_ref(), table, "`mac`, the MAC ID of the node,")?)?;
+        let identity = self.required(
+            raw.identity.as_ref(),
+            table,
+            "`identity = { vendor = .., serial = .. }` of the node",
+        )?;
+        let (vendor, serial) = self.identity(identity)?;
+        Ok(AccessNode {
+            mac,
+            vendor,
+            serial,
+            port: match &raw.port {
+                Some(port) => self.number("port", port, 0, 127, "a physical port number, 0 to 127")?,
+                None => 0,
+            },
+            boi: flag(&raw.boi),
+            quick_connect: flag(&raw.quick_connect),
+            offline_set: flag(&raw.offline_set),
+        })
+    }
+
+    /// Vendor ID and serial number. The rest is checked too, though network access never shows it.
+    fn identity(&self, table: &Spanned<RawIdentity>) -> Result<(u16, u32), ScenarioError> {
+        let (raw, span) = (table.get_ref(), table.span());
+        for (key, value) in [("device_type", &raw.device_type), ("product", &raw.product)] {
+            if let Some(value) = value {
+                self.number::<u16>(key, value, 0, 0xFFFF, "a number of 16 bits")?;
+            }
+        }
+        if let Some(revision) = &raw.revision
+            && revision.get_ref().iter().any(|part| !(0..=255).contains(part))
+        {
+            return self.fail(
+                &revision.span(),
+                "`revision` is out of range; expected [major, minor], 0 to 255 each",
+            );
+        }
+        if let Some(name) = &raw.name
+            && name.get_ref().len() > 32
+        {
+            return self
+                .fail(&name.span(), "`name` is too long; expected a product name of at most 32 bytes");
+        }
+        let vendor = self.required(raw.vendor.as_ref(), &span, "`vendor` of the identity")?;
+        let serial = self.required(raw.serial.as_ref(), &span, "`serial` of the identity")?;
+        Ok((
+            self.number("vendor", vendor, 0, 0xFFFF, "a Vendor ID, 0 to 0xFFFF")?,
+            self.number("serial", serial, 0, 0xFFFF_FFFF, "a serial number, 0 to 0xFFFF_FFFF")?,
+        ))
+    }
+
+    fn replay(&self, raw: &RawNode, table: &Range<usize>) -> Result<Role, ScenarioError> {
+        let frames = match (&raw.file, &raw.log) {
+            (Some(file), None) => {
+                let path = self.folder.join(file.get_ref());
+                let opened = std::fs::read(&path);
+                let bytes = match opened {
+                    Ok(bytes) => bytes,
+                    Err(error) => {
+                        return self.fail(
+                            &file.span(),
+                            format!(
+                                "the recording {} cannot be read: {error}; expected a candump log",
+                                path.display()
+                            ),
+                        );
+                    }
+                };
+                replay::frames(&path.display().to_string(), &bytes)
+                    .or_else(|error| self.fail(&file.span(), error))?
+            }
+            (None, Some(log)) => replay::frames("`log`", log.get_ref().trim_start().as_bytes())
+                .or_else(|error| self.fail(&log.span(), error))?,
+            (Some(_), Some(log)) => {
+                return self.fail(&log.span(), "there are both `file` and `log`; expected one of them");
+            }
+            (None, None) => {
+                return self.fail(table, "a replay has neither `file` nor `log`; expected one of them");
+            }
+        };
+        let Some(only) = &raw.only else { return Ok(Role::Replay(frames)) };
+        let mut kept = Vec::new();
+        for id in only.get_ref() {
+            match u32::try_from(*id) {
+                Ok(id) if id <= 0x1FFF_FFFF => kept.push(id),
+                _ => {
+                    return self.fail(
+                        &only.span(),
+                        format!("`only` has {id}; expected identifiers, 0 to 0x1FFF_FFFF"),
+                    );
+                }
+            }
+        }
+        Ok(Role::Replay(frames.into_iter().filter(|played| kept.contains(&played.frame.raw_id())).collect()))
+    }
+}
+
+/// The nodes of a `count`: named `name-1`, `name-2` and so on, each with the next serial number.
+fn copies(node: &Node, count: usize) -> Vec<Node> {
+    let width = count.to_string().len();
+    let copy = |n: usize| {
+        let mut copy = Node { name: format!("{}-{:0width$}", node.name, n + 1), ..node.clone() };
+        if let Role::Access(access) = &mut copy.role {
+            access.serial = access.serial.wrapping_add(u32::try_from(n).unwrap_or(0));
+        }
+        copy
+    };
+    (0..count).map(copy).collect()
+}
+
+const ROLES: &[&str] = &["access", "replay", "listener", "babbler", "external"];
+const ANY_ROLE: &[&str] =
+    &["name", "count", "protocol", "role", "power_up", "reaction", "bit_rate", "clock_ppm"];
+const MOST_NODES: usize = 256;

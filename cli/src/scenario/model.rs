@@ -1,0 +1,319 @@
+//! A scenario that has been checked: every name resolved, every number in its range.
+
+use core::time::Duration;
+
+use link_core::{BitRate, Frame, Instant};
+
+use super::values::{Comparison, TimeRange};
+
+/// What is simulated, what happens to it, and what is expected of it.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Scenario {
+    /// The file as the user named it.
+    pub file: String,
+    /// `title`
+    pub title: Option<String>,
+    /// `[bus]`
+    pub bus: Bus,
+    /// `[[node]]`, in the order of the file; one with a `count` is that many nodes.
+    pub nodes: Vec<Node>,
+    /// `[[action]]`, in the order of the file.
+    pub actions: Vec<Action>,
+    /// `[[fault]]`
+    pub faults: Vec<Fault>,
+    /// `[[expect]]`
+    pub expectations: Vec<Expectation>,
+    /// `[[note]]`
+    pub notes: Vec<Note>,
+}
+
+/// `[bus]`
+#[derive(Clone, PartialEq, Debug)]
+pub struct Bus {
+    /// The rate of every node that does not say otherwise.
+    pub bit_rate: BitRate,
+    /// Of everything random.
+    pub seed: u64,
+    /// How long the scenario runs.
+    pub duration: Duration,
+}
+
+/// The place of a node in [`Scenario::nodes`].
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct NodeIndex(pub usize);
+
+/// `[[node]]`
+#[derive(Clone, PartialEq, Debug)]
+pub struct Node {
+    /// Unique.
+    pub name: String,
+    /// What it does.
+    pub role: Role,
+    /// When it is switched on; of a range the seed draws.
+    pub power_up: TimeRange,
+    /// From the end of a frame to the earliest answer; of a range the seed draws each time.
+    pub reaction: TimeRange,
+    /// Its own switch.
+    pub bit_rate: BitRate,
+    /// How much its clock runs fast (or slow, when negative), in millionths.
+    pub clock_ppm: i32,
+}
+
+/// What a node does.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Role {
+    /// A DeviceNet node that gets on the line and defends its MAC ID, no more.
+    Access(AccessNode),
+    /// Plays a recording.
+    Replay(Vec<Recorded>),
+    /// Receives, and never disturbs the bus: listen-only.
+    Listener,
+    /// Sends one frame over and over.
+    Babbler {
+        /// What it sends.
+        frame: Frame,
+        /// From the start of one to the start of the next; zero is as fast as the bus takes them.
+        period: Duration,
+    },
+    /// Attached from outside.
+    External,
+}
+
+impl Role {
+    /// The name in the file.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Access(_) => "access",
+            Self::Replay(_) => "replay",
+            Self::Listener => "listener",
+            Self::Babbler { .. } => "babbler",
+            Self::External => "external",
+        }
+    }
+}
+
+/// A node with `role = "access"`.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct AccessNode {
+    /// The MAC ID switch, 0 to 63.
+    pub mac: u8,
+    /// Vendor ID.
+    pub vendor: u16,
+    /// Serial number.
+    pub serial: u32,
+    /// Physical port number, 0 to 127.
+    pub port: u8,
+    /// Bus-off interrupt: after bus-off reset the controller and begin anew.
+    pub boi: bool,
+    /// Quick Connect: on line with the first duplicate MAC ID check request.
+    pub quick_connect: bool,
+    /// It can be found and repaired through the offline connection set.
+    pub offline_set: bool,
+}
+
+/// A frame that a replay node plays, `after` its power-up.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Recorded {
+    /// From power-up.
+    pub after: Duration,
+    /// What is sent.
+    pub frame: Frame,
+}
+
+/// `[[action]]`
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Action {
+    /// When.
+    pub at: Instant,
+    /// To whom; several when the node has a `count`.
+    pub nodes: Vec<NodeIndex>,
+    /// What.
+    pub what: Do,
+}
+
+/// What an action does.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Do {
+    /// Takes the plug out of the bus; the node keeps its power.
+    Cut,
+    /// Puts it back.
+    Plug,
+    /// Switches the node off.
+    PowerOff,
+    /// Switches it on.
+    PowerOn,
+    /// Both, one after the other.
+    PowerCycle,
+    /// Turns the MAC ID switch.
+    SetMac(u8),
+    /// Turns the bit rate switch.
+    SetBitRate(BitRate),
+    /// Resets the device, as its Identity object's Reset service does.
+    Reset,
+}
+
+/// `[[fault]]`
+#[derive(Clone, PartialEq, Debug)]
+pub struct Fault {
+    /// From when.
+    pub from: Instant,
+    /// Until when; `None` is the end of the run.
+    pub to: Option<Instant>,
+    /// What is wrong.
+    pub kind: FaultKind,
+}
+
+/// What a fault does.
+#[derive(Clone, PartialEq, Debug)]
+pub enum FaultKind {
+    /// Bits are flipped, each with probability `rate`; on the whole bus, or in what these nodes hear.
+    BitError {
+        /// Per bit.
+        rate: f64,
+        /// Empty: the bus.
+        nodes: Vec<NodeIndex>,
+    },
+    /// Frames do not arrive at these nodes though they arrive at all others, each with probability `rate`.
+    LostFrame {
+        /// Per frame.
+        rate: f64,
+        /// Who misses them.
+        nodes: Vec<NodeIndex>,
+    },
+    /// The bus is dominant without pause: nothing gets through.
+    Noise,
+    /// A frame is sent over and over by a node that is none of the scenario's.
+    Babble {
+        /// What it sends.
+        frame: Frame,
+        /// From one to the next; zero is as fast as the bus takes them.
+        period: Duration,
+    },
+    /// The clocks of these nodes are off.
+    Clock {
+        /// Millionths.
+        ppm: i32,
+        /// Whose.
+        nodes: Vec<NodeIndex>,
+    },
+    /// These nodes are a segment of their own, apart from all others.
+    Segment {
+        /// Who.
+        nodes: Vec<NodeIndex>,
+    },
+}
+
+/// `[[expect]]`
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Expectation {
+    /// The line of the file.
+    pub line: usize,
+    /// Of whom; empty is every node, and then only what [`When::Never`] says.
+    pub nodes: Vec<NodeIndex>,
+    /// When.
+    pub when: When,
+    /// What; all of it at the same moment.
+    pub what: What,
+}
+
+/// When something is expected.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum When {
+    /// At some moment from the first to the second, both included.
+    Within(Instant, Instant),
+    /// At this moment, after everything that happens at it.
+    At(Instant),
+    /// At no moment from the first to the second.
+    Never(Instant, Instant),
+    /// At every moment from the first to the second.
+    Always(Instant, Instant),
+}
+
+/// What is expected: all that is given.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct What {
+    /// The state of network access.
+    pub state: Option<StateName>,
+    /// The transmit error counter.
+    pub tec: Option<Comparison>,
+    /// The receive error counter.
+    pub rec: Option<Comparison>,
+    /// Whether the controller is bus-off.
+    pub bus_off: Option<bool>,
+    /// Something that happens in this moment.
+    pub event: Option<EventName>,
+}
+
+/// Declares a closed set of names that a file may use.
+macro_rules! names {
+    ($(#[$doc:meta])* $name:ident { $($(#[$item_doc:meta])* $item:ident = $text:literal),* $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+        pub enum $name { $($(#[$item_doc])* $item),* }
+
+        impl $name {
+            /// All of them.
+            pub const ALL: &'static [Self] = &[$(Self::$item),*];
+
+            /// The name in the file.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$item => $text),* }
+            }
+        }
+
+        impl core::fmt::Display for $name {
+            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                f.write_str(self.name())
+            }
+        }
+    };
+}
+
+names! {
+    /// The states of network access.
+    StateName {
+        /// No power.
+        Nonexistent = "nonexistent",
+        /// A duplicate MAC ID check request waits for being sent.
+        SendingDupMac = "sending_dup_mac",
+        /// A request was sent, the second runs.
+        WaitingDupMac = "waiting_dup_mac",
+        /// On line.
+        OnLine = "online",
+        /// Off line, because of a duplicate MAC ID or bus-off.
+        CommFault = "comm_fault",
+    }
+}
+
+names! {
+    /// What can happen to a node.
+    EventName {
+        /// It was on the bus with a frame, acknowledged.
+        Sent = "sent",
+        /// An error counter reached 96.
+        ErrorWarning = "error_warning",
+        /// An error counter exceeds 127.
+        ErrorPassive = "error_passive",
+        /// Both error counters are below 128 again.
+        ErrorActive = "error_active",
+        /// TEC exceeds 255.
+        BusOff = "bus_off",
+        /// Network access changed its state.
+        StateChanged = "state_changed",
+        /// The node answered a duplicate MAC ID check request.
+        Defended = "defended",
+        /// Its MAC ID is taken.
+        DuplicateMacId = "duplicate_mac_id",
+    }
+}
+
+/// `[[note]]`: a heading in the trace.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Note {
+    /// When.
+    pub at: Instant,
+    /// What it says.
+    pub text: String,
+}

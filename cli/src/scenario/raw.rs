@@ -1,0 +1,147 @@
+//! The scenario file as serde reads it: every key optional and with its place, nothing checked but types and names.
+
+use core::ops::Range;
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::values::{Comparison, RateSetting, Time, TimeRange};
+
+/// A table of the file.
+pub(super) trait Table {
+    /// The keys that the file has here, with the places of their values.
+    fn keys(&self) -> Vec<(&'static str, Range<usize>)>;
+}
+
+/// Declares a [`Table`] whose keys are all optional: which are required depends on the others.
+macro_rules! table {
+    ($(#[$doc:meta])* $name:ident { $($key:ident $(as $text:literal)?: $type:ty),* $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Deserialize, Debug)]
+        #[serde(deny_unknown_fields)]
+        pub(super) struct $name {
+            $($(#[serde(rename = $text)])? pub(super) $key: Option<Spanned<$type>>),*
+        }
+
+        impl Table for $name {
+            fn keys(&self) -> Vec<(&'static str, Range<usize>)> {
+                let mut keys = Vec::new();
+                $(if let Some(value) = &self.$key {
+                    keys.push((table!(@name $key $($text)?), value.span()));
+                })*
+                keys
+            }
+        }
+    };
+    (@name $key:ident) => { stringify!($key) };
+    (@name $key:ident $text:literal) => { $text };
+}
+
+/// The file.
+#[derive(Deserialize, Debug)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawScenario {
+    pub(super) title: Option<String>,
+    pub(super) bus: Option<RawBus>,
+    #[serde(default)]
+    pub(super) node: Vec<Spanned<RawNode>>,
+    #[serde(default)]
+    pub(super) action: Vec<Spanned<RawAction>>,
+    #[serde(default)]
+    pub(super) fault: Vec<Spanned<RawFault>>,
+    #[serde(default)]
+    pub(super) expect: Vec<Spanned<RawExpect>>,
+    #[serde(default)]
+    pub(super) note: Vec<Spanned<RawNote>>,
+}
+
+table! { /** `[bus]` */ RawBus { bit_rate: i64, seed: i64, duration: Time } }
+
+table! {
+    /// `[[node]]`
+    RawNode {
+        name: String,
+        count: i64,
+        protocol: String,
+        role: String,
+        mac: i64,
+        oa: i64,
+        power_up: TimeRange,
+        reaction: TimeRange,
+        bit_rate: RateSetting,
+        clock_ppm: i64,
+        identity: RawIdentity,
+        port: i64,
+        boi: bool,
+        quick_connect: bool,
+        offline_set: bool,
+        poll: toml::Value,
+        bit_strobe: toml::Value,
+        cos: toml::Value,
+        cyclic: toml::Value,
+        multicast_poll: toml::Value,
+        input: String,
+        scan: toml::Value,
+        file: String,
+        log: String,
+        only: Vec<i64>,
+        frame: String,
+        period: Time,
+    }
+}
+
+table! {
+    /// `identity = { .. }`
+    RawIdentity {
+        vendor: i64,
+        device_type: i64,
+        product: i64,
+        revision: [i64; 2],
+        serial: i64,
+        name: String,
+    }
+}
+
+table! {
+    /// `[[action]]`
+    RawAction { at: Time, node: String, action as "do": String, value: toml::Value }
+}
+
+table! {
+    /// `[[fault]]`
+    RawFault {
+        from: Time,
+        to: Time,
+        kind: String,
+        node: String,
+        nodes: Vec<Spanned<String>>,
+        rate: f64,
+        ppm: i64,
+        frame: String,
+        period: Time,
+    }
+}
+
+table! {
+    /// `[[expect]]`
+    RawExpect {
+        by: Time,
+        at: Time,
+        from: Time,
+        to: Time,
+        never: bool,
+        always: bool,
+        node: String,
+        state: String,
+        tec: Comparison,
+        rec: Comparison,
+        bus_off: bool,
+        event: String,
+        connection: String,
+        connection_state: String,
+        input: String,
+        output: String,
+    }
+}
+
+table! { /** `[[note]]` */ RawNote { at: Time, text: String } }
