@@ -21,6 +21,7 @@ pub mod exit;
 pub mod output;
 pub mod recording;
 pub mod scenario;
+mod simulate;
 mod text;
 pub mod trace;
 
