@@ -1,1 +1,3 @@
+mod expectations;
 mod socketcand;
+mod svg;
