@@ -332,7 +332,8 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_few() {
-        for (millis, step) in [(10_000, 1_000_000_000), (13_000, 2_000_000_000), (120_000, 10_000_000_000), (7, 1_000_000)]
+        for (millis, step) in
+            [(10_000, 1_000_000_000), (13_000, 2_000_000_000), (120_000, 10_000_000_000), (7, 1_000_000)]
         {
             assert_eq!(tick_step(Instant::from_millis(millis)), step, "{millis}");
         }

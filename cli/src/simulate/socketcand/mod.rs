@@ -1,2 +1,3 @@
 mod message;
+mod server;
 mod session;
