@@ -326,7 +326,7 @@ kind = "gremlin""#,
         VALVE,
         r#"[[fault]]
 kind = "bit_error""#,
-        "8:1: `rate`, the probability per bit, is missing",
+        "8:1: `rate` per bit, or `bit` of one frame, is missing",
     );
     refused(
         VALVE,
@@ -340,7 +340,7 @@ rate = 2.0"#,
         r#"[[fault]]
 kind = "noise"
 rate = 0.5"#,
-        "10:8: `rate` means nothing for the fault `noise`; expected `from`, `to` or `kind`",
+        "10:8: `rate` means nothing for the fault `noise`; expected `from`, `to`, `kind`, `gap`, `length`, `node` or `nodes`",
     );
     refused(
         VALVE,

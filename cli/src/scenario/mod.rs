@@ -55,12 +55,12 @@
 //!
 //! | `kind` | keys besides `from` (default the start) and `to` (default the end) |
 //! |---|---|
-//! | `bit_error` | `rate` per bit; `node` or `nodes`: only what these hear |
-//! | `lost_frame` | `node` or `nodes`, `rate` per frame (default 1): they miss what all others receive |
-//! | `noise` | none: the bus is dominant |
-//! | `babble` | `frame`, `period` |
+//! | `bit_error` | `rate` per bit, or `bit` (0 is the start of frame) of one `frame` (0 is the next); `node` or `nodes`: only what these hear |
+//! | `lost_frame` | `node` or `nodes`, `rate` per frame (default 1), `id`: they miss what all others receive, because they see the last bit but one of the frame wrong, or with `overrun = true` because they are too slow to read it |
+//! | `noise` | `length` of a burst, mean `gap` between them; `node` or `nodes`: only what these hear |
+//! | `babble` | `pull`, `every`: a transceiver holds the bus dominant, so long and so often; without them for good |
 //! | `clock` | `ppm`, `node` or `nodes` |
-//! | `segment` | `node` or `nodes`: they are apart from all others |
+//! | `segment` | `node` or `nodes`: they are apart from all others; of these faults only one at a time |
 //!
 //! # `[[expect]]`
 //!

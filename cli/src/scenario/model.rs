@@ -167,28 +167,48 @@ pub struct Fault {
 /// What a fault does.
 #[derive(Clone, PartialEq, Debug)]
 pub enum FaultKind {
-    /// Bits are flipped, each with probability `rate`; on the whole bus, or in what these nodes hear.
-    BitError {
+    /// Bits are flipped, each with probability `rate`.
+    BitErrors {
         /// Per bit.
         rate: f64,
-        /// Empty: the bus.
+        /// Only what these hear; empty: the bus.
         nodes: Vec<NodeIndex>,
     },
-    /// Frames do not arrive at these nodes though they arrive at all others, each with probability `rate`.
+    /// One bit of one frame is flipped.
+    BitError {
+        /// Which attempt to send: 0 is the first that begins after `from`.
+        frame: u64,
+        /// Which bit, 0 is the start of frame, stuff bits count.
+        bit: u32,
+        /// Only what these hear; empty: the bus.
+        nodes: Vec<NodeIndex>,
+    },
+    /// Frames do not arrive at these nodes though they arrive at all others.
     LostFrame {
-        /// Per frame.
+        /// The probability per frame.
         rate: f64,
+        /// Only this identifier.
+        id: Option<u32>,
+        /// They are lost after they were acknowledged; else these nodes see the last bit but one of the frame wrong.
+        overrun: bool,
         /// Who misses them.
         nodes: Vec<NodeIndex>,
     },
-    /// The bus is dominant without pause: nothing gets through.
-    Noise,
-    /// A frame is sent over and over by a node that is none of the scenario's.
+    /// Bursts in which each bit is flipped with probability one half.
+    Noise {
+        /// Mean time from one burst to the next.
+        gap: Duration,
+        /// Length of a burst.
+        length: Duration,
+        /// Only what these hear; empty: the bus.
+        nodes: Vec<NodeIndex>,
+    },
+    /// A transceiver pulls the bus dominant.
     Babble {
-        /// What it sends.
-        frame: Frame,
-        /// From one to the next; zero is as fast as the bus takes them.
-        period: Duration,
+        /// How long.
+        pull: Duration,
+        /// From one pull to the next; `pull` or less is a bus that is dominant for good.
+        every: Duration,
     },
     /// The clocks of these nodes are off.
     Clock {

@@ -116,9 +116,15 @@ table! {
         node: String,
         nodes: Vec<Spanned<String>>,
         rate: f64,
+        frame: i64,
+        bit: i64,
+        id: i64,
+        overrun: bool,
+        gap: Time,
+        length: Time,
+        pull: Time,
+        every: Time,
         ppm: i64,
-        frame: String,
-        period: Time,
     }
 }
 

@@ -52,7 +52,7 @@ pub(super) fn scenario(file: &str, text: &str, folder: &Path) -> Result<Scenario
         file: file.to_owned(),
         title: raw.title,
         actions: each(&raw.action, |table| check.action(table, &nodes))?,
-        faults: each(&raw.fault, |table| check.fault(table))?,
+        faults: check.faults(&raw.fault)?,
         expectations: each(&raw.expect, |table| check.expectation(table, &nodes))?,
         notes: each(&raw.note, |table| check.note(table))?,
         bus,
