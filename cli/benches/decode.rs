@@ -58,7 +58,7 @@ fn read(bencher: Bencher<'_, '_>, file: &'static [u8]) {
 fn decode(bencher: Bencher<'_, '_>, options: &[&str]) {
     let command_line = [&["devicenet", "decode", "-"], options].concat();
     let cli = Cli::try_parse_from(command_line).unwrap();
-    let Command::Decode(args) = &cli.command;
+    let Command::Decode(args) = &cli.command else { unreachable!("the command line says decode") };
     bencher.counter(ItemsCount::new(FRAMES)).bench(|| {
         let mut recording = Recording::from_reader(&CANDUMP[..]).unwrap();
         let mut decoder = Decoder::new(args, cli.json, false);

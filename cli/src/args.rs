@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::simulate::SimulateArgs;
+
 /// DeviceNet (CIP on CAN) on the command line
 #[derive(Parser, Clone, Debug)]
 #[command(
@@ -17,8 +19,9 @@ Exit codes:
   3  the bus or the interface failed
   4  refused to transmit
 
-Example:
-  devicenet decode recording.log"
+Examples:
+  devicenet decode recording.log
+  devicenet simulate"
 )]
 pub struct Cli {
     /// What to do.
@@ -34,6 +37,8 @@ pub struct Cli {
 pub enum Command {
     /// Decode a recording: one line a frame
     Decode(DecodeArgs),
+    /// Simulate a network on a bus that is exact to the bit
+    Simulate(SimulateArgs),
 }
 
 /// `devicenet decode`.

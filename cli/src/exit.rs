@@ -31,6 +31,12 @@ pub enum Failure {
     /// The command line or a file is wrong; the message says what to do.
     #[error("{0}")]
     Usage(String),
+    /// It would have let others transmit without permission; the message says how to give it.
+    #[error("{0}")]
+    Refused(String),
+    /// The bus, an interface or an address cannot be used.
+    #[error("{0}")]
+    Transport(String),
     /// The output cannot be written.
     #[error("cannot write: {0}")]
     Output(#[from] io::Error),
@@ -43,6 +49,8 @@ impl Failure {
         match self {
             Self::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => Exit::Done,
             Self::Usage(_) | Self::Output(_) => Exit::Usage,
+            Self::Refused(_) => Exit::Refused,
+            Self::Transport(_) => Exit::Transport,
         }
     }
 }

@@ -12,6 +12,7 @@
 //! | [`decode`] | `devicenet decode` |
 //! | [`recording`] | readers and writers of recordings of a CAN bus, streaming, the format found in the content |
 //! | [`scenario`] | scenario files: model, parser, diagnostics |
+//! | [`simulate`] | `devicenet simulate` |
 //! | [`trace`] | the one text form of bus traffic |
 //! | [`output`], [`exit`] | standard output, messages, exit codes |
 
@@ -21,7 +22,7 @@ pub mod exit;
 pub mod output;
 pub mod recording;
 pub mod scenario;
-mod simulate;
+pub mod simulate;
 mod text;
 pub mod trace;
 
@@ -35,5 +36,6 @@ use exit::{Exit, Failure};
 pub fn run(cli: &Cli) -> Result<Exit, Failure> {
     match &cli.command {
         Command::Decode(args) => decode::run(args, cli.json),
+        Command::Simulate(args) => simulate::run(args, cli.json),
     }
 }

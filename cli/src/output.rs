@@ -92,6 +92,11 @@ impl Read for Attentive {
     }
 }
 
+/// Prints `note: ...` on standard error.
+pub fn note(message: impl core::fmt::Display) {
+    say(AnsiColor::Cyan, "note", message);
+}
+
 /// Prints `warning: ...` on standard error.
 pub fn warn(message: impl core::fmt::Display) {
     say(AnsiColor::Yellow, "warning", message);

@@ -43,6 +43,13 @@ impl Trace {
         Self { coloured, time_width: TIME_WIDTH, node_width: NODE_WIDTH }
     }
 
+    /// The same, with room for names of this width from the first line on.
+    #[must_use]
+    pub fn with_node_width(mut self, width: usize) -> Self {
+        self.node_width = self.node_width.max(width);
+        self
+    }
+
     /// A frame that `node` sent.
     #[inline]
     pub fn frame(

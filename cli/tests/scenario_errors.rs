@@ -1,3 +1,4 @@
+#![allow(clippy::panic, clippy::unwrap_used, reason = "a test may panic")]
 //! Every defect of a scenario is told with line, column, what was found and what was expected.
 
 use std::path::Path;

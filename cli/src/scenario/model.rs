@@ -224,6 +224,53 @@ pub enum FaultKind {
     },
 }
 
+impl FaultKind {
+    /// What is wrong, in words.
+    #[must_use]
+    pub fn words(&self, scenario: &Scenario) -> String {
+        let heard = |nodes: &[NodeIndex]| match nodes {
+            [] => "on the bus".to_owned(),
+            nodes => format!("in what {} hears", scenario.names(nodes)),
+        };
+        match self {
+            Self::BitErrors { rate, nodes } => format!("bit errors {}, {rate} per bit", heard(nodes)),
+            Self::BitError { frame, bit, nodes } => {
+                format!("an error {} in bit {bit} of frame {frame} from now", heard(nodes))
+            }
+            Self::LostFrame { overrun: true, nodes, .. } => {
+                format!("{} is too slow to read its frames", scenario.names(nodes))
+            }
+            Self::LostFrame { nodes, .. } => {
+                format!("the end of frames is wrong {}", heard(nodes))
+            }
+            Self::Noise { nodes, .. } => format!("noise {}", heard(nodes)),
+            Self::Babble { .. } => "a transceiver holds the bus dominant".to_owned(),
+            Self::Clock { ppm, nodes } => {
+                format!("the clock of {} is off by {ppm} ppm", scenario.names(nodes))
+            }
+            Self::Segment { nodes } => format!("{} apart", scenario.names(nodes)),
+        }
+    }
+}
+
+impl Scenario {
+    /// `left, right and 2 more`
+    #[must_use]
+    pub fn names(&self, nodes: &[NodeIndex]) -> String {
+        let named: Vec<&str> = nodes
+            .iter()
+            .take(MOST_NAMES)
+            .filter_map(|node| Some(self.nodes.get(node.0)?.name.as_str()))
+            .collect();
+        match nodes.len().saturating_sub(MOST_NAMES) {
+            0 => named.join(", "),
+            more => format!("{} and {more} more", named.join(", ")),
+        }
+    }
+}
+
+const MOST_NAMES: usize = 4;
+
 /// `[[expect]]`
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Expectation {
@@ -326,6 +373,10 @@ names! {
         Defended = "defended",
         /// Its MAC ID is taken.
         DuplicateMacId = "duplicate_mac_id",
+        /// Nobody acknowledges its duplicate MAC ID check request.
+        NotAcknowledged = "not_acknowledged",
+        /// A tool gave it a MAC ID.
+        MacIdAssigned = "mac_id_assigned",
     }
 }
 

@@ -1,3 +1,194 @@
+//! `devicenet simulate`: a scenario on the simulated bus, in words, as JSON, as figures, as a recording, as a picture, or
+//! with programs from outside sitting on it.
+
+mod args;
+mod build;
+mod event;
 mod expectations;
+mod json;
+mod record;
+mod run;
+mod shared;
+mod sight;
 mod socketcand;
+mod summary;
 mod svg;
+mod text;
+mod timeline;
+
+use std::fs;
+use std::io::{self, Write as _};
+use std::net::{SocketAddr, ToSocketAddrs as _};
+use std::path::Path;
+
+use link_core::Instant;
+
+pub use args::SimulateArgs;
+pub use build::Settings;
+pub use expectations::{Failure as FailedExpectation, Status, Verdict};
+pub use run::Outcome;
+pub use summary::{BusSummary, NodeSummary, Summary};
+
+use crate::exit::{Exit, Failure};
+use crate::output::{self, Output};
+use crate::scenario::{Node, Role, Scenario, TimeRange};
+use json::JsonView;
+use record::RecordView;
+use run::Run;
+use shared::{FirstError, SharedBuffer};
+use sight::View;
+use socketcand::Server;
+use text::TextView;
+use timeline::TimelineView;
+
+/// The built-in plant, which `devicenet simulate` runs without an argument.
+pub const PLANT: &str = include_str!("../../scenarios/plant.toml");
+
+/// Runs a scenario and tells what it has come to.
+#[must_use]
+pub fn outcome(scenario: &Scenario, settings: Settings) -> Outcome {
+    let mut run = Run::new(scenario, settings, Vec::new(), false);
+    // Nothing is written, so nothing can fail.
+    let _ = run.at_full_speed(|| Ok(()));
+    run.finish()
+}
+
+/// Runs a scenario, and tells what happened in the words of the trace and what it has come to.
+#[must_use]
+pub fn trace(scenario: &Scenario, settings: Settings) -> (String, Outcome) {
+    let buffer = SharedBuffer::default();
+    let view = TextView::new(buffer.clone(), false, &scenario.nodes);
+    let mut run = Run::new(scenario, settings, vec![Box::new(view)], false);
+    let _ = run.at_full_speed(|| Ok(()));
+    let outcome = run.finish();
+    let mut text = Vec::new();
+    buffer.drain_into(&mut text);
+    (String::from_utf8_lossy(&text).into_owned(), outcome)
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// [`Failure`] when the scenario has a defect, or a file or an address cannot be used.
+pub fn run(args: &SimulateArgs, json: bool) -> Result<Exit, Failure> {
+    let mut scenario = match &args.scenario {
+        Some(path) => Scenario::load(path),
+        None => Scenario::parse("(built-in plant)", PLANT, Path::new("")),
+    }
+    .map_err(|error| Failure::Usage(error.to_string()))?;
+    let server =
+        args.serve.as_deref().map(|address| serve(address, args.allow_remote, &mut scenario)).transpose()?;
+    let settings = Settings { seed: args.seed, until: args.until.map(|time| time.0) };
+
+    let mut output = Output::new();
+    let (buffer, first_error) = (SharedBuffer::default(), FirstError::default());
+    let mut views: Vec<Box<dyn View + '_>> = Vec::new();
+    match (json, args.summary) {
+        (_, true) => {}
+        (true, false) => views.push(Box::new(JsonView::new(buffer.clone()))),
+        (false, false) => {
+            views.push(Box::new(TextView::new(buffer.clone(), output.is_coloured(), &scenario.nodes)));
+        }
+    }
+    if let Some(path) = &args.record {
+        let view = RecordView::create(path, first_error.clone());
+        views.push(Box::new(view.map_err(|error| unwritable(path, &error))?));
+    }
+    let end = Instant::ZERO + settings.until.unwrap_or(scenario.bus.duration);
+    let picture = args.svg.as_ref().map(|path| {
+        let (view, picture) = TimelineView::new(&scenario, end);
+        views.push(Box::new(view));
+        (path, picture)
+    });
+
+    let is_live = args.realtime || server.is_some();
+    let mut run = Run::new(&scenario, settings, views, server.is_some());
+    let mut write_out = || -> io::Result<()> {
+        buffer.drain_into(&mut output.buffer);
+        if is_live { output.flush() } else { output.line_done() }
+    };
+    if is_live {
+        run.by_the_clock(server, &mut write_out)?
+    } else {
+        run.at_full_speed(&mut write_out)?
+    }
+    // The last views drop here, and tell what they have kept back.
+    let outcome = run.finish();
+    buffer.drain_into(&mut output.buffer);
+    if let Some(path) = &args.record {
+        first_error.take().map_err(|error| unwritable(path, &error))?;
+    }
+    if let Some((path, picture)) = picture {
+        fs::write(path, svg::draw(&picture.borrow())).map_err(|error| unwritable(path, &error))?;
+    }
+    conclude(&mut output, &outcome, args.summary, json, &scenario);
+    output.flush()?;
+    Ok(if outcome.verdict.failures.is_empty() { Exit::Done } else { Exit::Findings })
+}
+
+/// Figures and expectations, at the end.
+fn conclude(output: &mut Output, outcome: &Outcome, with_summary: bool, json: bool, scenario: &Scenario) {
+    let verdict = &outcome.verdict;
+    let out = &mut output.buffer;
+    if json {
+        json::push_end(out, outcome.end, verdict, &outcome.summary);
+        return;
+    }
+    if with_summary {
+        out.extend_from_slice(outcome.summary.table(scenario.bus.bit_rate).as_bytes());
+    }
+    if verdict.held + verdict.failures.len() + verdict.unjudged == 0 {
+        return;
+    }
+    // Writing to a vector cannot fail.
+    let _ = writeln!(out);
+    for failure in &verdict.failures {
+        let _ = writeln!(out, "expectation failed: {}, {failure}", scenario.file);
+    }
+    let _ = write!(out, "{} of {} expectations held", verdict.held, verdict.held + verdict.failures.len());
+    let _ = match verdict.unjudged {
+        0 => writeln!(out),
+        more => writeln!(out, ", {more} lie after the end of the run"),
+    };
+}
+
+/// Opens the server, and tells where. A scenario without an external node gets one.
+fn serve(address: &str, allow_remote: bool, scenario: &mut Scenario) -> Result<Server, Failure> {
+    let resolved: Vec<SocketAddr> = (address.to_socket_addrs())
+        .map_err(|error| Failure::Usage(format!("--serve {address}: {error}; expected HOST:PORT")))?
+        .collect();
+    if !allow_remote && resolved.iter().any(|address| !address.ip().is_loopback()) {
+        return Err(Failure::Refused(format!(
+            "{address} can be reached by other machines, which may then send on the bus; say --allow-remote, or use \
+             127.0.0.1"
+        )));
+    }
+    let is_external = |node: &&Node| node.role == Role::External;
+    if !scenario.nodes.iter().any(|node| is_external(&node)) {
+        scenario.nodes.push(Node {
+            name: free_name(scenario),
+            role: Role::External,
+            power_up: TimeRange::default(),
+            reaction: TimeRange::default(),
+            bit_rate: scenario.bus.bit_rate,
+            clock_ppm: 0,
+        });
+    }
+    let channels: Vec<String> =
+        scenario.nodes.iter().filter(is_external).map(|node| node.name.clone()).collect();
+    let names = channels.join(", ");
+    let server = Server::bind(resolved.as_slice(), channels)
+        .map_err(|error| Failure::Transport(format!("cannot serve at {address}: {error}")))?;
+    output::note(format_args!("serving {names} at {}", server.address()));
+    Ok(server)
+}
+
+/// `can0`, or the first of its kind that no node has.
+fn free_name(scenario: &Scenario) -> String {
+    let is_free = |name: &String| scenario.nodes.iter().all(|node| node.name != *name);
+    (0..).map(|number| format!("can{number}")).find(is_free).unwrap_or_default()
+}
+
+fn unwritable(path: &Path, error: &io::Error) -> Failure {
+    Failure::Usage(format!("{}: {error}", path.display()))
+}

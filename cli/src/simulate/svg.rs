@@ -76,12 +76,12 @@ impl Shade {
 pub(super) fn draw(picture: &Picture) -> String {
     let layout = Layout::of(picture);
     let mut svg = String::new();
-    let _ = write!(
+    let _ = writeln!(
         svg,
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{}\" viewBox=\"0 0 {WIDTH} {}\" \
          font-family=\"system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif\" font-size=\"12\" fill=\"#212529\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n\
-         <text x=\"{MARGIN}\" y=\"30\" font-size=\"18\" font-weight=\"600\">{}</text>\n",
+         <text x=\"{MARGIN}\" y=\"30\" font-size=\"18\" font-weight=\"600\">{}</text>",
         layout.height,
         layout.height,
         escape(&picture.title)
@@ -105,6 +105,8 @@ struct Layout {
     row: f64,
     load_top: f64,
     height: f64,
+    /// Of each heading.
+    lanes: Vec<usize>,
 }
 
 impl Layout {
@@ -112,37 +114,43 @@ impl Layout {
         let row = if picture.rows.len() > CROWD { 13.0 } else { 26.0 };
         let longest = picture.rows.iter().map(|row| row.name.len() + row.detail.len() + 2).max().unwrap_or(0);
         let left = (longest as f64 * 6.9 + 2.0 * MARGIN).max(110.0);
-        let lanes = picture.notes.len().min(MOST_LANES) as f64;
-        let rows_top = 78.0 + lanes * LANE;
+        let x = |at: Instant| place(at, left, picture.end);
+        let lanes = lanes(&picture.notes, x);
+        let count = lanes.iter().max().map_or(0, |last| last + 1);
+        let rows_top = NOTES_TOP + count as f64 * LANE;
         let load_top = rows_top + picture.rows.len() as f64 * row + 34.0;
-        Self { left, end: picture.end, rows_top, row, load_top, height: load_top + LOAD_HEIGHT + 52.0 }
+        Self { left, end: picture.end, rows_top, row, load_top, height: load_top + LOAD_HEIGHT + 52.0, lanes }
     }
 
     /// Where a moment is.
     fn x(&self, at: Instant) -> f64 {
-        let share = at.min(self.end).as_nanos() as f64 / self.end.as_nanos().max(1) as f64;
-        self.left + share * (WIDTH - MARGIN - self.left)
+        place(at, self.left, self.end)
     }
+}
+
+fn place(at: Instant, left: f64, end: Instant) -> f64 {
+    let share = at.min(end).as_nanos() as f64 / end.as_nanos().max(1) as f64;
+    left + share * (WIDTH - MARGIN - left)
 }
 
 fn legend(svg: &mut String, picture: &Picture) {
     let shown = |shade: Shade| picture.rows.iter().any(|row| row.states.iter().any(|(_, own)| *own == shade));
     let mut x = MARGIN;
     for (shade, words) in Shade::LEGEND.iter().filter(|(shade, _)| shown(*shade)) {
-        let _ = write!(
+        let _ = writeln!(
             svg,
             "<rect x=\"{x:.1}\" y=\"46\" width=\"14\" height=\"14\" rx=\"3\" fill=\"{}\"/>\
-             <text x=\"{:.1}\" y=\"57.5\">{words}</text>\n",
+             <text x=\"{:.1}\" y=\"57.5\">{words}</text>",
             shade.colour(),
             x + 20.0
         );
         x += 20.0 + words.len() as f64 * 6.6 + 22.0;
     }
     for (colour, words) in [(LOAD_COLOUR, "bus load"), (ERROR_COLOUR, "of it destroyed by errors")] {
-        let _ = write!(
+        let _ = writeln!(
             svg,
             "<rect x=\"{x:.1}\" y=\"50\" width=\"14\" height=\"6\" fill=\"{colour}\"/>\
-             <text x=\"{:.1}\" y=\"57.5\">{words}</text>\n",
+             <text x=\"{:.1}\" y=\"57.5\">{words}</text>",
             x + 20.0
         );
         x += 20.0 + words.len() as f64 * 6.6 + 22.0;
@@ -157,10 +165,10 @@ fn axis(svg: &mut String, layout: &Layout) {
     while at <= layout.end {
         let x = layout.x(at);
         let seconds = at.as_nanos() as f64 / 1e9;
-        let _ = write!(
+        let _ = writeln!(
             svg,
             "<line x1=\"{x:.1}\" y1=\"{:.1}\" x2=\"{x:.1}\" y2=\"{bottom:.1}\" stroke=\"#dee2e6\"/>\
-             <text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\" fill=\"#495057\">{seconds}</text>\n",
+             <text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\" fill=\"#495057\">{seconds}</text>",
             layout.rows_top,
             bottom + 16.0
         );
@@ -178,10 +186,10 @@ fn node(svg: &mut String, layout: &Layout, index: usize, row: &Row) {
     let y = layout.rows_top + index as f64 * layout.row;
     let height = layout.row * 0.72;
     let size = if layout.row < 20.0 { 9.5 } else { 12.0 };
-    let _ = write!(
+    let _ = writeln!(
         svg,
         "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" font-size=\"{size}\">{} \
-         <tspan fill=\"#868e96\">{}</tspan></text>\n",
+         <tspan fill=\"#868e96\">{}</tspan></text>",
         layout.left - 10.0,
         y + layout.row / 2.0 + size * 0.36,
         escape(&row.name),
@@ -209,10 +217,10 @@ fn load(svg: &mut String, layout: &Layout, picture: &Picture) {
     let (all, errors) = (shares(picture, false), shares(picture, true));
     for (percent, words) in [(0, "0 %"), (50, "50 %"), (100, "100 %")] {
         let y = bottom - LOAD_HEIGHT * f64::from(percent) / 100.0;
-        let _ = write!(
+        let _ = writeln!(
             svg,
             "<line x1=\"{:.1}\" y1=\"{y:.1}\" x2=\"{:.1}\" y2=\"{y:.1}\" stroke=\"#dee2e6\"/>\
-             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" fill=\"#495057\">{words}</text>\n",
+             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" fill=\"#495057\">{words}</text>",
             layout.left,
             WIDTH - MARGIN,
             layout.left - 10.0,
@@ -261,26 +269,42 @@ fn shares(picture: &Picture, errors_only: bool) -> Vec<f64> {
     busy.into_iter().map(|busy| busy as f64 / slice as f64).collect()
 }
 
-/// Each in a lane of its own, so that neighbours do not cover each other.
+/// The headings, each with a line through everything. Of a heading the picture has what stands before the colon.
 fn notes(svg: &mut String, layout: &Layout, picture: &Picture) {
-    for (index, (at, text)) in picture.notes.iter().enumerate() {
-        let x = layout.x(*at);
-        let y = 78.0 + (index % MOST_LANES) as f64 * LANE;
-        // Near the right edge the words stand to the left of their line.
-        let fits = x + text.chars().count() as f64 * 6.4 < WIDTH - 4.0;
-        let (anchor, shift) = if fits { ("start", 4.0) } else { ("end", -4.0) };
-        let _ = write!(
+    for ((at, text), lane) in picture.notes.iter().zip(&layout.lanes) {
+        let (x, y) = (layout.x(*at), NOTES_TOP + *lane as f64 * LANE);
+        let _ = writeln!(
             svg,
             "<line x1=\"{x:.1}\" y1=\"{:.1}\" x2=\"{x:.1}\" y2=\"{:.1}\" stroke=\"#343a40\" \
              stroke-dasharray=\"3 3\" stroke-opacity=\"0.55\"/>\
-             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\" font-size=\"11\" fill=\"#343a40\">{}</text>\n",
+             <text x=\"{:.1}\" y=\"{:.1}\" font-size=\"11\" fill=\"#343a40\">{}</text>",
             y - 4.0,
             layout.load_top + LOAD_HEIGHT,
-            x + shift,
+            x + 4.0,
             y + 5.0,
-            escape(text)
+            escape(short(text))
         );
     }
+}
+
+fn short(heading: &str) -> &str {
+    heading.split_once(':').map_or(heading, |(short, _)| short)
+}
+
+/// For each heading the first lane that is free at its place.
+fn lanes(notes: &[(Instant, String)], x: impl Fn(Instant) -> f64) -> Vec<usize> {
+    let mut ends: Vec<f64> = Vec::new();
+    let place = |(at, text): &(Instant, String)| {
+        let from = x(*at);
+        let to = from + short(text).chars().count() as f64 * NOTE_LETTER + 12.0;
+        let lane = ends.iter().position(|end| *end <= from).unwrap_or(ends.len());
+        match ends.get_mut(lane) {
+            Some(end) => *end = to,
+            None => ends.push(to),
+        }
+        lane
+    };
+    notes.iter().map(place).collect()
 }
 
 /// 1, 2 or 5 times a power of ten, in nanoseconds, so that there are at most twelve.
@@ -303,7 +327,8 @@ fn escape(text: &str) -> String {
 const WIDTH: f64 = 1200.0;
 const MARGIN: f64 = 20.0;
 const LANE: f64 = 16.0;
-const MOST_LANES: usize = 8;
+const NOTES_TOP: f64 = 78.0;
+const NOTE_LETTER: f64 = 6.2;
 const LOAD_HEIGHT: f64 = 110.0;
 const LOAD_COLOUR: &str = "#4a6fa5";
 const ERROR_COLOUR: &str = "#d64545";

@@ -4,6 +4,7 @@ use core::time::Duration;
 
 use link_core::{Frame, Id, Instant};
 
+use super::broadcast::{Job, Subscription, received};
 use super::message::{self, Command};
 
 /// What a session wants done.
@@ -44,26 +45,6 @@ pub(super) struct Session {
     statistics: Option<Statistics>,
     received: Count,
     sent: Count,
-}
-
-/// A frame that is sent in cycles.
-#[derive(Debug)]
-struct Job {
-    frame: Frame,
-    every: Duration,
-    next: Instant,
-}
-
-#[derive(Debug)]
-struct Subscription {
-    id: Id,
-    /// At most one frame in this time; zero is no limit.
-    every: Duration,
-    /// Only when one of these bits has changed; `None` is always.
-    mask: Option<[u8; 8]>,
-    last: Option<(Instant, Frame)>,
-    /// The newest frame of a time that is not over.
-    held: Option<Frame>,
 }
 
 #[derive(Debug)]
@@ -180,11 +161,7 @@ impl Session {
             job.next = (job.next + job.every).max(now + Duration::from_nanos(1));
         }
         for subscription in &mut self.subscriptions {
-            if subscription.due().is_some_and(|due| due <= now)
-                && let Some(frame) = subscription.held.take()
-            {
-                subscription.deliver(now, &frame, effects);
-            }
+            subscription.tick(now, effects);
         }
         if let Some(statistics) = self.statistics.as_mut().filter(|statistics| statistics.next <= now) {
             statistics.next = now + statistics.every;
@@ -292,58 +269,9 @@ impl Session {
         if self.subscriptions.len() == MOST_ENTRIES {
             return Err(format!("at most {MOST_ENTRIES} subscriptions"));
         }
-        self.subscriptions.push(Subscription { id, every, mask, last: None, held: None });
+        self.subscriptions.push(Subscription::new(every, id, mask));
         Ok(())
     }
-}
-
-impl Subscription {
-    fn take(&mut self, now: Instant, frame: &Frame, effects: &mut Vec<Effect>) {
-        if let (Some(mask), Some((_, last))) = (&self.mask, &self.last)
-            && !differ(last, frame, mask)
-        {
-            self.held = None;
-            return;
-        }
-        match self.last {
-            Some((then, _)) if now < then + self.every => self.held = Some(*frame),
-            _ => self.deliver(now, frame, effects),
-        }
-    }
-
-    fn deliver(&mut self, now: Instant, frame: &Frame, effects: &mut Vec<Effect>) {
-        self.last = Some((now, *frame));
-        self.held = None;
-        effects.push(Effect::Reply(received(now, frame)));
-    }
-
-    /// When the frame that is held may go.
-    fn due(&self) -> Option<Instant> {
-        self.held?;
-        self.last.map(|(then, _)| then + self.every)
-    }
-}
-
-fn differ(one: &Frame, other: &Frame, mask: &[u8; 8]) -> bool {
-    let byte = |frame: &Frame, at: usize| frame.data().get(at).copied().unwrap_or(0);
-    one.dlc() != other.dlc()
-        || mask.iter().enumerate().any(|(at, mask)| (byte(one, at) ^ byte(other, at)) & mask != 0)
-}
-
-/// `< frame 123 23.424242 11223344 >`; clients expect the data in one word, and two spaces without data.
-fn received(at: Instant, frame: &Frame) -> String {
-    use core::fmt::Write;
-    let mut text = String::from(if frame.is_remote() { "< rtr " } else { "< frame " });
-    let width = if frame.is_extended() { 8 } else { 3 };
-    let _ = write!(text, "{:0width$X} {at:.6} ", frame.raw_id());
-    if frame.is_remote() {
-        let _ = write!(text, "{:X}", frame.dlc());
-    }
-    for byte in frame.data() {
-        let _ = write!(text, "{byte:02X}");
-    }
-    text.push_str(" >");
-    text
 }
 
 fn error(problem: &str) -> Effect {

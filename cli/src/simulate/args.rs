@@ -1,0 +1,63 @@
+//! `devicenet simulate` on the command line.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::scenario::Time;
+
+/// `devicenet simulate`.
+#[derive(Args, Clone, Debug, Default)]
+#[command(
+    long_about = "\
+Simulate a network on a bus that is exact to the bit, and hold it against what the scenario expects.
+
+A scenario is a TOML file: nodes, what happens to them, faults of the bus, expectations. Without one, the built-in plant is \
+simulated, which shows how nodes get on line and what goes wrong when two have one MAC ID. The same scenario and seed give \
+the same output, byte for byte.",
+    after_long_help = "\
+Exit codes:
+  0  every expectation held
+  1  an expectation failed
+  2  wrong usage, or a defect of the scenario
+  3  the address to serve at cannot be used
+  4  refused to serve at an address that other machines can reach
+
+Examples:
+  devicenet simulate
+  devicenet simulate --summary --svg plant.svg
+  devicenet simulate --seed 7 --until 10s --record plant.pcapng scenario.toml
+  devicenet simulate --json scenario.toml | jq -c 'select(.event == \"state\")'
+  devicenet simulate --serve 127.0.0.1:29536 scenario.toml
+
+With --serve, python-can sits on the bus:
+  can.Bus(interface=\"socketcand\", host=\"127.0.0.1\", port=29536, channel=\"can0\")"
+)]
+pub struct SimulateArgs {
+    /// The scenario; without one, the built-in plant
+    pub scenario: Option<PathBuf>,
+    /// The seed of everything random, instead of that of the scenario
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// How long to run, instead of the duration of the scenario, such as 10s or 250ms
+    #[arg(long, value_name = "TIME")]
+    pub until: Option<Time>,
+    /// Record the bus: pcapng for a name that ends so, else a candump log; failed attempts become error frames
+    #[arg(long, short = 'o', value_name = "FILE")]
+    pub record: Option<PathBuf>,
+    /// Instead of the trace, what each node and the bus have come to
+    #[arg(long)]
+    pub summary: bool,
+    /// Draw a time line of the states of the nodes and the load of the bus
+    #[arg(long, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
+    /// Run by the clock on the wall, instead of as fast as possible
+    #[arg(long)]
+    pub realtime: bool,
+    /// Offer the bus to socketcand clients such as python-can; implies --realtime. Port 0 is any
+    #[arg(long, value_name = "HOST:PORT")]
+    pub serve: Option<String>,
+    /// Serve at an address that other machines can reach: they may then send on the simulated bus
+    #[arg(long, requires = "serve")]
+    pub allow_remote: bool,
+}

@@ -1,0 +1,240 @@
+//! The run as JSON, one object a line.
+//!
+//! Every object has `event` and `t` (seconds). By `event`:
+//!
+//! | `event` | other fields |
+//! |---|---|
+//! | `frame` | `nodes` (who sent it) and the fields of `devicenet decode --json`: `n`, `id`, `ext`, `rtr`, `dlc`, `data`, `protocol`, `kind` and so on |
+//! | `error_frame` | `nodes` (who tried to send), `id`, `ext`, `rtr`, `dlc`, `data`, `error` (`bit`, `stuff`, `crc`, `form`, `ack`), `bit`, `field`, `by` (who saw it first), `flag` (`active`, `passive`, `none`); `error` is absent when the sender left the bus |
+//! | `state` | `node`, `from`, `to`, `cause`: network access changed its state |
+//! | `node` | `node`, `text`: something else that a node tells |
+//! | `error_state` | `node`, `state` (`error-active`, `error warning`, `error-passive`, `bus-off`), `tec`, `rec` |
+//! | `change` | `node` (absent for the bus), `text`: what was done to it |
+//! | `violation` | `node`, `text`: a rule of the bus was broken |
+//! | `note` | `text`: a heading of the scenario |
+//! | `expectation` | `line`, `node`, `expected`, `found`: it failed |
+//! | `summary` | `nodes`, `bus`, `held`, `failed`, `unjudged`: comes last |
+
+use devicenet_core::access::AccessEvent;
+use devicenet_core::monitor::Reading;
+use link_core::{BusErrorKind, Frame, Instant};
+use serde::Serialize;
+use transport_mock::Flag;
+use transport_mock::bus::SenderOutcome;
+use transport_mock::record::{FrameRecord, Outcome};
+
+use super::event::NodeEvent;
+use super::expectations::Verdict;
+use super::shared::SharedBuffer;
+use super::sight::{Nodes, Sight, View, index, state_name};
+use super::summary::Summary;
+use super::text::field_name;
+
+/// Writes the objects.
+pub(super) struct JsonView {
+    out: SharedBuffer,
+}
+
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+enum Line<'a> {
+    Frame {
+        t: f64,
+        n: u64,
+        nodes: Vec<&'a str>,
+        #[serde(flatten)]
+        wire: Wire,
+        #[serde(flatten)]
+        reading: &'a Reading<'a>,
+    },
+    ErrorFrame {
+        t: f64,
+        nodes: Vec<&'a str>,
+        #[serde(flatten)]
+        wire: Wire,
+        #[serde(flatten)]
+        error: Option<ErrorFields<'a>>,
+    },
+    State {
+        t: f64,
+        node: &'a str,
+        from: &'static str,
+        to: &'static str,
+        cause: &'static str,
+    },
+    Node {
+        t: f64,
+        node: &'a str,
+        text: String,
+    },
+    ErrorState {
+        t: f64,
+        node: &'a str,
+        state: &'static str,
+        tec: u16,
+        rec: u16,
+    },
+    Change {
+        t: f64,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        node: Option<&'a str>,
+        text: &'a str,
+    },
+    Violation {
+        t: f64,
+        node: &'a str,
+        text: &'a str,
+    },
+    Note {
+        t: f64,
+        text: &'a str,
+    },
+    Expectation {
+        t: f64,
+        line: usize,
+        node: &'a str,
+        expected: &'a str,
+        found: &'a str,
+    },
+    Summary {
+        t: f64,
+        #[serde(flatten)]
+        summary: &'a Summary,
+        held: usize,
+        failed: usize,
+        unjudged: usize,
+    },
+}
+
+/// The fields of every frame, as `decode` names them.
+#[derive(Serialize)]
+struct Wire {
+    id: u32,
+    ext: bool,
+    rtr: bool,
+    dlc: u8,
+    data: String,
+}
+
+#[derive(Serialize)]
+struct ErrorFields<'a> {
+    error: BusErrorKind,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bit: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    field: Option<&'static str>,
+    by: &'a str,
+    flag: &'static str,
+}
+
+impl JsonView {
+    pub(super) const fn new(out: SharedBuffer) -> Self {
+        Self { out }
+    }
+}
+
+impl View for JsonView {
+    fn see(&mut self, nodes: &Nodes<'_>, sight: &Sight<'_>) {
+        let line = match sight {
+            Sight::Frame { record, reading: Some(reading) } => Line::Frame {
+                t: seconds(record.end),
+                n: reading.n,
+                nodes: senders(nodes, record),
+                wire: Wire::of(record.frame),
+                reading,
+            },
+            Sight::Frame { record, reading: None } => Line::ErrorFrame {
+                t: seconds(record.end),
+                nodes: senders(nodes, record),
+                wire: Wire::of(record.frame),
+                error: error(nodes, record),
+            },
+            Sight::Event { at, node, event } => node_event(seconds(*at), nodes.name(*node), event),
+            Sight::Level { at, node, level, counters } => Line::ErrorState {
+                t: seconds(*at),
+                node: nodes.name(*node),
+                state: level.name(),
+                tec: counters.tec,
+                rec: counters.rec,
+            },
+            Sight::Change { at, node, what } => {
+                Line::Change { t: seconds(*at), node: node.map(|node| nodes.name(node)), text: what }
+            }
+            Sight::Broken { at, node, rule } => {
+                Line::Violation { t: seconds(*at), node: nodes.name(*node), text: rule }
+            }
+            Sight::Note { at, text } => Line::Note { t: seconds(*at), text },
+        };
+        self.out.write(|out| push(out, &line));
+    }
+}
+
+/// What comes at the end: the expectations that failed, and the summary.
+pub(super) fn push_end(out: &mut Vec<u8>, end: Instant, verdict: &Verdict, summary: &Summary) {
+    let t = seconds(end);
+    for failure in &verdict.failures {
+        let (node, expected, found) = (&failure.node, &failure.expected, &failure.found);
+        push(out, &Line::Expectation { t, line: failure.line, node, expected, found });
+    }
+    let (held, failed, unjudged) = (verdict.held, verdict.failures.len(), verdict.unjudged);
+    push(out, &Line::Summary { t, summary, held, failed, unjudged });
+}
+
+fn push(out: &mut Vec<u8>, line: &Line<'_>) {
+    // Neither writing to a vector nor these types can fail.
+    let _ = serde_json::to_writer(&mut *out, line);
+    out.push(b'\n');
+}
+
+fn node_event<'a>(t: f64, node: &'a str, event: &NodeEvent) -> Line<'a> {
+    match event {
+        NodeEvent::Access(AccessEvent::StateChanged { from, to, cause }) => Line::State {
+            t,
+            node,
+            from: state_name(*from).name(),
+            to: state_name(*to).name(),
+            cause: cause.name(),
+        },
+        NodeEvent::Access(event) => Line::Node { t, node, text: event.to_string() },
+    }
+}
+
+fn senders<'a>(nodes: &'a Nodes<'_>, record: &FrameRecord<'_>) -> Vec<&'a str> {
+    (record.senders.iter())
+        .filter(|sender| !matches!(sender.outcome, SenderOutcome::LostArbitration { .. }))
+        .map(|sender| nodes.name(index(sender.node)))
+        .collect()
+}
+
+fn error<'a>(nodes: &'a Nodes<'_>, record: &FrameRecord<'_>) -> Option<ErrorFields<'a>> {
+    let Outcome::Error(error) = record.outcome else { return None };
+    Some(ErrorFields {
+        error: error.kind,
+        bit: error.place.map(|(bit, _)| bit),
+        field: error.place.map(|(_, field)| field_name(field)),
+        by: nodes.name(index(error.node)),
+        flag: match error.flag {
+            Flag::Active => "active",
+            Flag::Passive => "passive",
+            Flag::None => "none",
+        },
+    })
+}
+
+impl Wire {
+    fn of(frame: &Frame) -> Self {
+        let mut data = Vec::new();
+        crate::text::push_hex(&mut data, frame.data(), crate::text::LOWER);
+        Self {
+            id: frame.raw_id(),
+            ext: frame.is_extended(),
+            rtr: frame.is_remote(),
+            dlc: frame.dlc(),
+            data: String::from_utf8(data).unwrap_or_default(),
+        }
+    }
+}
+
+fn seconds(at: Instant) -> f64 {
+    at.as_nanos() as f64 / 1e9
+}

@@ -1,0 +1,320 @@
+//! What a run shows, digested: records of the bus turned into what the views print, count and draw.
+
+use devicenet_core::access::{AccessEvent, StateKind};
+use devicenet_core::monitor::{Monitor, MonitorConfig, Reading};
+use link_core::Instant;
+use transport_mock::bus::SenderOutcome;
+use transport_mock::change::ChangeKind;
+use transport_mock::record::{FrameRecord, Outcome};
+use transport_mock::{Counters, ErrorState, FaultId, Interest, NodeId, Record, Sink};
+
+use super::build;
+
+use super::event::NodeEvent;
+use super::expectations::{Judge, Status, Verdict};
+use crate::scenario::{EventName, NodeIndex, Role, Scenario, StateName};
+
+/// One thing that happened.
+#[derive(Debug)]
+pub(super) enum Sight<'a> {
+    /// An attempt to send a frame is over. A frame that got through is read.
+    Frame { record: &'a FrameRecord<'a>, reading: Option<Reading<'a>> },
+    /// A node tells something.
+    Event { at: Instant, node: NodeIndex, event: &'a NodeEvent },
+    /// The error counters of a node have changed its part in the bus.
+    Level { at: Instant, node: NodeIndex, level: Level, counters: Counters },
+    /// Somebody interferes. `node` is `None` for what concerns the bus.
+    Change { at: Instant, node: Option<NodeIndex>, what: String },
+    /// A rule that every node must keep was broken.
+    Broken { at: Instant, node: NodeIndex, rule: &'a str },
+    /// A heading of the scenario.
+    Note { at: Instant, text: &'a str },
+}
+
+/// What part a controller takes by its error counters.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(super) enum Level {
+    Active,
+    Warning,
+    Passive,
+    BusOff,
+}
+
+impl Level {
+    /// What a controller becomes when its counters change; `None` when it stays what it was. What drops below 96 is not
+    /// told: no controller reports it.
+    fn entered(before: Counters, now: Counters) -> Option<Self> {
+        match (before.state(), now.state()) {
+            (ErrorState::Active, ErrorState::Active) => {
+                (now.warning() && !before.warning()).then_some(Self::Warning)
+            }
+            (_, ErrorState::Active) => Some(Self::Active),
+            (ErrorState::Passive, ErrorState::Passive) | (ErrorState::BusOff, ErrorState::BusOff) => None,
+            (_, ErrorState::Passive) => Some(Self::Passive),
+            (_, ErrorState::BusOff) => Some(Self::BusOff),
+        }
+    }
+
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Active => "error-active",
+            Self::Warning => "error warning",
+            Self::Passive => "error-passive",
+            Self::BusOff => "bus-off",
+        }
+    }
+
+    const fn event(self) -> EventName {
+        match self {
+            Self::Active => EventName::ErrorActive,
+            Self::Warning => EventName::ErrorWarning,
+            Self::Passive => EventName::ErrorPassive,
+            Self::BusOff => EventName::BusOff,
+        }
+    }
+}
+
+/// Whoever looks at a run.
+pub(super) trait View {
+    /// Sees what happened. `nodes` tells what the nodes are now.
+    fn see(&mut self, nodes: &Nodes<'_>, sight: &Sight<'_>);
+}
+
+/// The nodes as they are at the moment.
+#[derive(Debug)]
+pub(super) struct Nodes<'a> {
+    pub(super) scenario: &'a Scenario,
+    judge: &'a Judge,
+    attached: &'a [Attached],
+}
+
+/// Whether a node has power, and its cable.
+#[derive(Clone, Copy, Debug)]
+struct Attached {
+    power: bool,
+    cable: bool,
+}
+
+impl Nodes<'_> {
+    pub(super) fn name(&self, node: NodeIndex) -> &str {
+        &self.scenario.nodes[node.0].name
+    }
+
+    pub(super) fn status(&self, node: NodeIndex) -> Status {
+        self.judge.status(node)
+    }
+
+    /// Whether it has power and is on the cable.
+    pub(super) fn is_attached(&self, node: NodeIndex) -> bool {
+        let Attached { power, cable } = self.attached[node.0];
+        power && cable
+    }
+}
+
+/// Turns records into sights, and keeps the judge informed.
+pub(super) struct Observer<'a> {
+    scenario: &'a Scenario,
+    monitor: Box<Monitor>,
+    judge: Judge,
+    attached: Vec<Attached>,
+    /// The highest transmit error counter of each node.
+    highest: Vec<u16>,
+    frames: u64,
+    pub(super) views: Vec<Box<dyn View + 'a>>,
+}
+
+impl<'a> Observer<'a> {
+    pub(super) fn new(scenario: &'a Scenario, views: Vec<Box<dyn View + 'a>>) -> Self {
+        let initial = |node: NodeIndex| Status {
+            state: matches!(scenario.nodes[node.0].role, Role::Access(_)).then_some(StateName::Nonexistent),
+            ..Status::default()
+        };
+        let judge = Judge::new(scenario, initial);
+        let attached = vec![Attached { power: false, cable: true }; scenario.nodes.len()];
+        let monitor = Box::new(Monitor::new(MonitorConfig::default()));
+        let highest = vec![0; scenario.nodes.len()];
+        Self { scenario, monitor, judge, attached, highest, frames: 0, views }
+    }
+
+    /// The run is over.
+    pub(super) fn finish(self, end: Instant) -> Verdict {
+        self.judge.finish(end)
+    }
+
+    pub(super) fn status(&self, node: NodeIndex) -> Status {
+        self.judge.status(node)
+    }
+
+    /// The highest transmit error counter that a node had.
+    pub(super) fn highest_tec(&self, node: NodeIndex) -> u16 {
+        self.highest[node.0]
+    }
+
+    /// Takes a record of the bus.
+    fn take(&mut self, record: &Record<'_, NodeEvent>) {
+        match record {
+            Record::Frame(record) => self.frame(record),
+            Record::Counters { at, node, counters } => self.counters(*at, index(*node), *counters),
+            Record::Event { at, node, event } => self.event(*at, index(*node), event),
+            Record::Change { at, change } => self.change(*at, change),
+            Record::Violation(violation) => {
+                let rule = format!("{}: {}", violation.rule, violation.what);
+                self.show(&Sight::Broken { at: violation.at, node: index(violation.node), rule: &rule });
+            }
+            Record::Error(_) | Record::Request { .. } | Record::Done { .. } => {}
+        }
+    }
+
+    /// A heading is due.
+    pub(super) fn note(&mut self, at: Instant, text: &str) {
+        self.show(&Sight::Note { at, text });
+    }
+
+    /// What cannot be seen on the bus is done to a node or to the bus.
+    pub(super) fn announce(&mut self, at: Instant, node: Option<NodeIndex>, what: String) {
+        self.show(&Sight::Change { at, node, what });
+    }
+
+    fn frame(&mut self, record: &FrameRecord<'_>) {
+        for sender in record.senders {
+            if sender.outcome == SenderOutcome::Sent {
+                self.judge.happened(record.end, index(sender.node), EventName::Sent);
+            }
+        }
+        let reading = match record.outcome {
+            Outcome::Ok => {
+                self.frames += 1;
+                Some(self.monitor.observe(record.end, self.frames, record.frame))
+            }
+            Outcome::Error(_) | Outcome::Abandoned => None,
+        };
+        let nodes = Nodes { scenario: self.scenario, judge: &self.judge, attached: &self.attached };
+        let sight = Sight::Frame { record, reading };
+        self.views.iter_mut().for_each(|view| view.see(&nodes, &sight));
+    }
+
+    fn counters(&mut self, at: Instant, node: NodeIndex, counters: Counters) {
+        let before = self.judge.status(node);
+        let bus_off = counters.state() == ErrorState::BusOff;
+        self.judge.changed(at, node, Status { tec: counters.tec, rec: counters.rec, bus_off, ..before });
+        self.highest[node.0] = self.highest[node.0].max(counters.tec);
+        if let Some(level) = Level::entered(Counters { tec: before.tec, rec: before.rec }, counters) {
+            self.judge.happened(at, node, level.event());
+            self.show(&Sight::Level { at, node, level, counters });
+        }
+    }
+
+    fn event(&mut self, at: Instant, node: NodeIndex, event: &NodeEvent) {
+        let NodeEvent::Access(access) = event;
+        let happened = match access {
+            AccessEvent::StateChanged { to, .. } => {
+                self.enter(at, node, state_name(*to));
+                Some(EventName::StateChanged)
+            }
+            AccessEvent::Duplicate { .. } => Some(EventName::DuplicateMacId),
+            AccessEvent::Challenged { .. } => Some(EventName::Defended),
+            AccessEvent::NotAcknowledged => Some(EventName::NotAcknowledged),
+            AccessEvent::MacIdAssigned { .. } => Some(EventName::MacIdAssigned),
+            AccessEvent::NotSent { .. }
+            | AccessEvent::MacIdLocked { .. }
+            | AccessEvent::Identify { .. }
+            | AccessEvent::BadFrame { .. }
+            | AccessEvent::FramesLost { .. }
+            | AccessEvent::LinkRefused(_) => None,
+        };
+        if let Some(happened) = happened {
+            self.judge.happened(at, node, happened);
+        }
+        self.show(&Sight::Event { at, node, event });
+    }
+
+    fn change(&mut self, at: Instant, change: &ChangeKind<'_>) {
+        match change {
+            ChangeKind::PowerOn(node) => self.attached[node.index()].power = true,
+            ChangeKind::PowerOff(node) => {
+                self.attached[node.index()].power = false;
+                self.enter(at, index(*node), StateName::Nonexistent);
+            }
+            ChangeKind::Plug(node) => self.attached[node.index()].cable = true,
+            ChangeKind::Cut(node) => self.attached[node.index()].cable = false,
+            _ => {}
+        }
+        if let Some((node, what)) = self.words(change) {
+            self.show(&Sight::Change { at, node, what });
+        }
+    }
+
+    fn enter(&mut self, at: Instant, node: NodeIndex, state: StateName) {
+        let before = self.judge.status(node);
+        if before.state.is_some() {
+            self.judge.changed(at, node, Status { state: Some(state), ..before });
+        }
+    }
+
+    fn show(&mut self, sight: &Sight<'_>) {
+        let nodes = Nodes { scenario: self.scenario, judge: &self.judge, attached: &self.attached };
+        self.views.iter_mut().for_each(|view| view.see(&nodes, sight));
+    }
+
+    fn words(&self, change: &ChangeKind<'_>) -> Option<(Option<NodeIndex>, String)> {
+        let of = |node: &NodeId, what: &str| Some((Some(index(*node)), what.to_owned()));
+        let names = |nodes: &[NodeId]| {
+            let names: Vec<&str> =
+                nodes.iter().map(|node| self.scenario.nodes[node.index()].name.as_str()).collect();
+            names.join(", ")
+        };
+        match change {
+            ChangeKind::Cut(node) => of(node, "cable unplugged"),
+            ChangeKind::Plug(node) => of(node, "cable plugged"),
+            ChangeKind::PowerOff(node) => of(node, "power off"),
+            ChangeKind::PowerOn(node) => of(node, "power on"),
+            ChangeKind::Mode(node, mode) if mode.listen_only => {
+                of(node, &format!("bit rate {}, listen-only", mode.bit_rate))
+            }
+            ChangeKind::Mode(node, mode) => of(node, &format!("bit rate {}", mode.bit_rate)),
+            ChangeKind::Clock(node, ppm) => of(node, &format!("clock off by {ppm} ppm")),
+            ChangeKind::FaultOn(id, _) => Some((None, format!("fault begins: {}", self.fault(*id)?))),
+            ChangeKind::FaultOff(id) => Some((None, format!("fault ends: {}", self.fault(*id)?))),
+            ChangeKind::Split(nodes) => Some((None, format!("the bus is cut: {} apart", names(nodes)))),
+            ChangeKind::Join => Some((None, "the bus is whole again".to_owned())),
+            _ => None,
+        }
+    }
+
+    /// A fault of several nodes is several on the bus; the first speaks for all.
+    fn fault(&self, id: FaultId) -> Option<String> {
+        let (fault, part) = build::fault_of(id);
+        let fault = self.scenario.faults.get(fault).filter(|_| part == 0)?;
+        Some(fault.kind.words(self.scenario))
+    }
+}
+
+impl Sink<NodeEvent> for Observer<'_> {
+    fn interest(&self) -> Interest {
+        Interest::FRAMES | Interest::COUNTERS | Interest::EVENTS | Interest::CHANGES | Interest::VIOLATIONS
+    }
+
+    fn record(&mut self, record: &Record<'_, NodeEvent>) {
+        self.take(record);
+    }
+}
+
+/// Nodes of the network are added in the order of the scenario.
+pub(super) fn index(node: NodeId) -> NodeIndex {
+    NodeIndex(node.index())
+}
+
+pub(super) const fn state_name(state: StateKind) -> StateName {
+    match state {
+        StateKind::NonExistent => StateName::Nonexistent,
+        StateKind::SendingDupMac => StateName::SendingDupMac,
+        StateKind::WaitingDupMac => StateName::WaitingDupMac,
+        StateKind::OnLine => StateName::OnLine,
+        StateKind::CommFault => StateName::CommFault,
+    }
+}
+
+/// The time that a frame occupied the bus, in nanoseconds.
+pub(super) fn length(record: &FrameRecord<'_>) -> u64 {
+    record.end.as_nanos().saturating_sub(record.start.as_nanos())
+}

@@ -1,0 +1,232 @@
+//! The trace in words. What repeats itself is told once and counted.
+
+use core::fmt::Write as _;
+
+use link_core::wire::Field;
+use link_core::{Frame, Instant};
+use transport_mock::Flag;
+use transport_mock::bus::{BusError, Sender, SenderOutcome};
+use transport_mock::record::{FrameRecord, Outcome};
+
+use super::shared::SharedBuffer;
+use super::sight::{Level, Nodes, Sight, View, index};
+use crate::scenario::NodeIndex;
+use crate::trace::{Emphasis, Trace};
+
+/// Prints the trace.
+pub(super) struct TextView {
+    out: SharedBuffer,
+    trace: Trace,
+    /// The attempts that failed since a frame got through.
+    storm: Option<Storm>,
+    is_first: bool,
+}
+
+/// Attempts that fail one after the other. Each is told if it fails otherwise than the one before, up to a limit; the
+/// others are counted.
+struct Storm {
+    frame: Frame,
+    senders: Vec<Sender>,
+    error: Failed,
+    /// How many were told.
+    told: usize,
+    /// How many were not told since the last line.
+    silent: u64,
+    /// Whether all these were like the last that was told.
+    alike: bool,
+    last: Instant,
+    /// What the counters of the senders have come to.
+    counters: String,
+    who: String,
+}
+
+/// An error without its time.
+type Failed = Option<(usize, transport_mock::NodeId, link_core::BusErrorKind, Option<(u32, Field)>, Flag)>;
+
+impl TextView {
+    pub(super) fn new(out: SharedBuffer, coloured: bool, nodes: &[crate::scenario::Node]) -> Self {
+        let widest = nodes.iter().map(|node| node.name.len()).max().unwrap_or(0).min(WIDEST_NAME);
+        Self { out, trace: Trace::new(coloured).with_node_width(widest), storm: None, is_first: true }
+    }
+
+    fn frame(&mut self, nodes: &Nodes<'_>, record: &FrameRecord<'_>, words: Option<String>) {
+        let error = match record.outcome {
+            Outcome::Ok => {
+                self.flush();
+                self.storm = None;
+                self.line(nodes, record, Emphasis::Normal, &words.unwrap_or_default());
+                return;
+            }
+            Outcome::Abandoned => None,
+            Outcome::Error(error) => Some((error.segment, error.node, error.kind, error.place, error.flag)),
+        };
+        let counters = counters(nodes, record.senders);
+        let who = senders(nodes, record.senders);
+        let told = match &mut self.storm {
+            None => 0,
+            Some(storm) => {
+                let again =
+                    storm.frame == *record.frame && storm.senders == record.senders && storm.error == error;
+                if again || storm.told == MOST_TOLD {
+                    storm.alike = again && (storm.alike || storm.silent == 0);
+                    storm.silent += 1;
+                    (storm.last, storm.counters, storm.who) = (record.end, counters, who);
+                    return;
+                }
+                storm.told
+            }
+        };
+        self.flush();
+        let words = match record.outcome {
+            Outcome::Error(error) => describe(nodes, &error, record.senders),
+            Outcome::Ok | Outcome::Abandoned => "broken off".to_owned(),
+        };
+        self.line(nodes, record, Emphasis::Problem, &format!("{words}; {counters}"));
+        self.storm = Some(Storm {
+            frame: *record.frame,
+            senders: record.senders.to_vec(),
+            error,
+            told: told + 1,
+            silent: 0,
+            alike: true,
+            last: record.end,
+            counters,
+            who,
+        });
+    }
+
+    fn line(&mut self, nodes: &Nodes<'_>, record: &FrameRecord<'_>, emphasis: Emphasis, words: &str) {
+        let who = senders(nodes, record.senders);
+        let content = crate::recording::Content::Classic(*record.frame);
+        self.out.write(|out| self.trace.entry(out, record.end, &who, &content, emphasis, words));
+    }
+
+    /// Tells how many failures were not told.
+    fn flush(&mut self) {
+        let Some(storm) = self.storm.as_mut().filter(|storm| storm.silent > 0) else { return };
+        let times = if storm.silent == 1 { "once".to_owned() } else { format!("{} times", storm.silent) };
+        let what = if storm.alike { "the same" } else { "an error" };
+        let words = format!("{what} {times} more; {}", storm.counters);
+        (storm.silent, storm.alike) = (0, true);
+        self.out.write(|out| self.trace.event(out, storm.last, &storm.who, Emphasis::Problem, &words));
+    }
+
+    fn event(
+        &mut self,
+        nodes: &Nodes<'_>,
+        at: Instant,
+        node: Option<NodeIndex>,
+        emphasis: Emphasis,
+        words: &str,
+    ) {
+        self.flush();
+        let name = node.map_or("-", |node| nodes.name(node));
+        self.out.write(|out| self.trace.event(out, at, name, emphasis, words));
+    }
+}
+
+impl View for TextView {
+    fn see(&mut self, nodes: &Nodes<'_>, sight: &Sight<'_>) {
+        match sight {
+            Sight::Broken { at, node, rule } => {
+                self.event(nodes, *at, Some(*node), Emphasis::Problem, rule);
+            }
+            Sight::Frame { record, reading } => {
+                self.frame(nodes, record, reading.as_ref().map(ToString::to_string));
+            }
+            Sight::Event { at, node, event } => {
+                let emphasis = if event.is_problem() { Emphasis::Problem } else { Emphasis::Normal };
+                self.event(nodes, *at, Some(*node), emphasis, &event.to_string());
+            }
+            Sight::Level { at, node, level, counters } => {
+                let words = format!("{}: TEC {}, REC {}", level.name(), counters.tec, counters.rec);
+                let emphasis = if *level == Level::Active { Emphasis::Normal } else { Emphasis::Problem };
+                self.event(nodes, *at, Some(*node), emphasis, &words);
+            }
+            Sight::Change { at, node, what } => self.event(nodes, *at, *node, Emphasis::Normal, what),
+            Sight::Note { text, .. } => {
+                self.flush();
+                let blank = if self.is_first { "" } else { "\n" };
+                self.out.write(|out| out.extend_from_slice(format!("{blank}{text}\n").as_bytes()));
+            }
+        }
+        self.is_first = false;
+    }
+}
+
+impl Drop for TextView {
+    fn drop(&mut self) {
+        self.flush();
+    }
+}
+
+/// `left`, `left+right`, `twin-01+62`; of those that lost arbitration nobody speaks, unless all did.
+fn senders(nodes: &Nodes<'_>, senders: &[Sender]) -> String {
+    let has_lost = |sender: &&Sender| matches!(sender.outcome, SenderOutcome::LostArbitration { .. });
+    let all_have = senders.iter().all(|sender| has_lost(&sender));
+    let names: Vec<&str> = (senders.iter())
+        .filter(|sender| all_have || !has_lost(sender))
+        .map(|sender| nodes.name(index(sender.node)))
+        .collect();
+    match names.as_slice() {
+        [] => "-".to_owned(),
+        [one] => (*one).to_owned(),
+        [one, other] => format!("{one}+{other}"),
+        [one, others @ ..] => format!("{one}+{}", others.len()),
+    }
+}
+
+/// `TEC 8`, `TEC left 8, right 8`
+fn counters(nodes: &Nodes<'_>, senders: &[Sender]) -> String {
+    let tec = |sender: &Sender| nodes.status(index(sender.node)).tec;
+    if let [sender] = senders {
+        return format!("TEC {}", tec(sender));
+    }
+    let named = |sender: &Sender| format!("{} {}", nodes.name(index(sender.node)), tec(sender));
+    let named: Vec<String> = senders.iter().take(MOST_COUNTERS).map(named).collect();
+    match senders.len().saturating_sub(MOST_COUNTERS) {
+        0 => format!("TEC {}", named.join(", ")),
+        more => format!("TEC {} and {more} more", named.join(", ")),
+    }
+}
+
+/// `collision: bit error in bit 52 (data)`
+fn describe(nodes: &Nodes<'_>, error: &BusError, senders: &[Sender]) -> String {
+    let mut words = String::new();
+    let colliding = senders.iter().filter(|sender| matches!(sender.outcome, SenderOutcome::Error(_))).count();
+    if colliding > 1 {
+        words.push_str("collision: ");
+    }
+    let _ = write!(words, "{}", error.kind);
+    if let Some((bit, field)) = error.place {
+        let _ = write!(words, " in bit {bit} ({})", field_name(field));
+    }
+    if !error.sender {
+        let _ = write!(words, " at {}", nodes.name(index(error.node)));
+    }
+    words.push_str(match error.flag {
+        Flag::Active => "",
+        Flag::Passive => ", passive flag",
+        Flag::None => ", no flag",
+    });
+    words
+}
+
+pub(super) const fn field_name(field: Field) -> &'static str {
+    match field {
+        Field::StartOfFrame => "start of frame",
+        Field::Arbitration => "arbitration",
+        Field::Control => "control",
+        Field::Data => "data",
+        Field::Crc => "CRC",
+        Field::CrcDelimiter => "CRC delimiter",
+        Field::AckSlot => "ACK slot",
+        Field::AckDelimiter => "ACK delimiter",
+        Field::EndOfFrame => "end of frame",
+    }
+}
+
+const WIDEST_NAME: usize = 16;
+const MOST_COUNTERS: usize = 4;
+/// Failures that are told between two frames that get through.
+const MOST_TOLD: usize = 12;
