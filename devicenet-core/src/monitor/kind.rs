@@ -63,6 +63,37 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// All kinds, in the order of the table of names.
+    pub const ALL: [Self; 27] = [
+        Self::DupMacRequest,
+        Self::DupMacResponse,
+        Self::ExplicitRequest,
+        Self::ExplicitResponse,
+        Self::UnconnectedRequest,
+        Self::UnconnectedResponse,
+        Self::Group2UnconnectedRequest,
+        Self::Fragment,
+        Self::FragmentAck,
+        Self::PollCommand,
+        Self::PollResponse,
+        Self::MulticastPollCommand,
+        Self::MulticastPollResponse,
+        Self::BitStrobeCommand,
+        Self::BitStrobeResponse,
+        Self::CosCyclic,
+        Self::CosCyclicAck,
+        Self::Io,
+        Self::Heartbeat,
+        Self::Shutdown,
+        Self::OfflineFaultRequest,
+        Self::OfflineFaultResponse,
+        Self::OfflineOwnershipRequest,
+        Self::OfflineOwnershipResponse,
+        Self::Reserved,
+        Self::Invalid,
+        Self::Foreign,
+    ];
+
     /// The machine-readable name: lower case with underscores.
     #[must_use]
     pub const fn name(self) -> &'static str {
