@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use devicenet_core::monitor::Kind;
 
 use crate::simulate::SimulateArgs;
 
@@ -71,12 +73,12 @@ pub struct DecodeArgs {
     /// Which protocol the frames belong to
     #[arg(long, value_enum, default_value_t = Protocol::Auto)]
     pub protocol: Protocol,
-    /// Only frames to or from this node (MAC ID 0 to 63)
+    /// Only frames to or from this node (MAC ID 0 to 63); bit-strobe commands are to every node
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=63))]
     pub mac: Option<u8>,
     /// Only frames of this kind, named as in the JSON output; may be given more than once
-    #[arg(long, value_name = "KIND")]
-    pub kind: Vec<String>,
+    #[arg(long, value_name = "KIND", value_parser = kind_parser(), hide_possible_values = true)]
+    pub kind: Vec<Kind>,
     /// Instead of the frames, a summary for each node and connection
     #[arg(long)]
     pub summary: bool,
@@ -106,6 +108,12 @@ pub enum Protocol {
     Auto,
     /// DeviceNet: a frame that cannot be is a problem
     Devicenet,
+}
+
+/// The names of [`Kind`].
+fn kind_parser() -> impl TypedValueParser<Value = Kind> {
+    PossibleValuesParser::new(Kind::ALL.map(Kind::name))
+        .try_map(|name| Kind::ALL.into_iter().find(|kind| kind.name() == name).ok_or("no such kind"))
 }
 
 /// `125k`, `125000`, `125_000`, `1M`.

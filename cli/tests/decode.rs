@@ -107,6 +107,112 @@ fn json_keeps_every_digit_of_the_time() {
 }
 
 #[test]
+fn json_has_the_fields_of_a_response() {
+    let output = run(&["decode", "--json", &capture("slave-01-startup-poll.log")]);
+    let response = json_lines(&output).swap_remove(5);
+    let expected = serde_json::json!({
+        "t": 1_700_000_006.020_3, "n": 6, "id": 0x453, "ext": false, "rtr": false, "dlc": 4, "data": "0190c409",
+        "channel": "can0", "protocol": "devicenet", "group": 2, "msg": 3, "src": 10, "dst": 1,
+        "kind": "explicit_response", "service": 0x10, "service_name": "Set_Attribute_Single",
+        "class": 5, "instance": 1, "attribute": 9, "attribute_name": "expected_packet_rate",
+        "value": "c409", "value_text": "EPR 2500 ms", "request": { "n": 5, "latency": 0.0003 },
+        "text": "10 -> 1  Set_Attribute_Single: EPR 2500 ms",
+    });
+    assert_eq!(response, expected);
+}
+
+#[test]
+fn json_has_the_fields_of_what_is_no_devicenet() {
+    let objects = json_lines(&run(&["decode", "--json", &capture("candump-L-mixed.log")]));
+    let expected = serde_json::json!({
+        "t": 1_700_000_000.000_5, "n": 6, "id": 4, "ext": false, "rtr": false, "dlc": 8, "data": "0004000000000000",
+        "channel": "can0", "protocol": "unknown", "kind": "foreign",
+        "problem": "error frame: controller problem", "text": "error frame: controller problem",
+    });
+    assert_eq!(objects[5], expected);
+    assert_eq!((&objects[6]["kind"], &objects[6]["dlc"]), (&"foreign".into(), &9.into()));
+}
+
+#[test]
+fn text_is_aligned_and_tells_who_and_what() {
+    let output = run(&["decode", &capture("icpdas-can8124-poll.log")]);
+    let expected = "\
+1700000000.000000    10       44E  0A 4B 03 01 07 0A        | 10 -> 9  Allocate explicit + poll + bit-strobe, master 10
+1700000000.001000     9       44B  0A CB 00                 | 9 -> 10  Allocate: body format 8/8
+1700000000.002000    10       44C  0A 10 05 02 09 0A 0E     | 10 -> 9  Set_Attribute_Single Connection 2 EPR 3594 ms
+1700000000.003000     9       44B  0A 90 10 0E              | 9 -> 10  Set_Attribute_Single: EPR 3600 ms (3594 ms requested)
+";
+    assert_eq!(stdout(&output), expected);
+    assert_exit(&output, 0);
+}
+
+#[test]
+fn filters_by_node_and_kind() {
+    let file = capture("session-two-slaves-on-vcan.log");
+    let all = json_lines(&run(&["decode", "--json", &file]));
+    let of_60 = json_lines(&run(&["decode", "--json", "--mac", "60", &file]));
+    let expected: Vec<_> = all.iter().filter(|object| object["src"] == 60 || object["dst"] == 60).collect();
+    assert!(!expected.is_empty() && expected.len() < all.len());
+    assert_eq!(of_60.iter().collect::<Vec<_>>(), expected);
+    let polls = ["decode", "--json", "--kind", "poll_command", "--kind", "poll_response", &file];
+    let kinds: Vec<_> = json_lines(&run(&polls)).iter().map(|object| object["kind"].clone()).collect();
+    assert_eq!(kinds, ["poll_command", "poll_response", "poll_command", "poll_response"]);
+    let unknown = run(&["decode", "--kind", "pol_command", &file]);
+    assert_exit(&unknown, 2);
+    assert!(stderr(&unknown).contains("poll_command"), "it suggests one: {}", stderr(&unknown));
+}
+
+#[test]
+fn findings_are_those_of_the_frames_shown() {
+    let file = capture("slave-04-fragmented-response.log");
+    assert_exit(&run(&["decode", &file]), 1);
+    assert_exit(&run(&["decode", "--kind", "dup_mac_request", &file]), 0);
+    assert_exit(&run(&["decode", "--summary", &file]), 1);
+}
+
+#[test]
+fn the_summary_counts_nodes_and_connections() {
+    let file = capture("slave-01-startup-poll.log");
+    let output = run(&["decode", "--summary", "--bit-rate", "125k", &file]);
+    let expected = "\
+can0: 30 frames in 4.210 s, 0 with a problem
+bus load 0.45 % at 125 kbit/s, stuff bits and intermission included
+
+node  frames  bytes  problems    load  response p50       p99       max  access   device
+   1      15     50         0  0.22 %             -         -         -  on line
+  10      15     54         0  0.23 %      0.299 ms  0.299 ms  0.300 ms  on line  vendor 4660, serial 0x00002345
+
+node  connection              frames  bytes  problems    load  response p50       p99       max  states seen
+  10  duplicate MAC ID check       2     14         0  0.04 %             -         -         -
+  10  explicit                    13     59         0  0.22 %      0.299 ms  0.299 ms  0.300 ms  non-existent, established
+  10  poll                        11     15         0  0.13 %      0.299 ms  0.299 ms  0.300 ms  non-existent, configuring, established
+  10  unconnected port             4     16         0  0.06 %      0.299 ms  0.299 ms  0.300 ms
+";
+    assert_eq!(stdout(&output), expected);
+    let objects = json_lines(&run(&["decode", "--summary", "--json", &file]));
+    let what: Vec<_> = objects.iter().map(|object| object["summary"].as_str().unwrap()).collect();
+    assert_eq!(what, ["bus", "node", "node", "connection", "connection", "connection", "connection"]);
+    assert_eq!(
+        objects[2]["response"],
+        serde_json::json!({ "count": 13, "p50": 0.000_299_008, "p99": 0.000_299_008, "max": 0.0003 })
+    );
+    assert_eq!(objects[5]["states"], serde_json::json!(["non_existent", "configuring", "established"]));
+}
+
+/// The load is that of the frames on the wire: 100 frames of 8 bytes a second at 125 kbit/s.
+#[test]
+fn the_bus_load_is_exact() {
+    let log: String =
+        (0..=100).map(|n| format!("({}.{:02}0000) can0 455#5555555555555555\n", n / 100, n % 100)).collect();
+    let objects = json_lines(&run_with_input(&["decode", "--summary", "--json", "-"], &log));
+    // No stuff bits but those of identifier and CRC: the frame is the same each time.
+    let frame = link_core::Frame::new(link_core::frame::standard_id(0x455), &[0x55; 8]).unwrap();
+    let expected = 101.0 * f64::from(frame.bit_len() + 3) / 125_000.0;
+    assert_eq!(objects[0]["load"], expected);
+    assert_eq!(objects[0]["bit_rate"], 125_000);
+}
+
+#[test]
 fn formats_of_the_same_traffic_decode_to_the_same_words() {
     let lines = |name| {
         let output = run(&["decode", &capture(name)]);

@@ -1,16 +1,22 @@
 //! From a recorded frame to a line of text, a JSON object, or an entry in the summary.
 
+use core::fmt;
+
+use devicenet_core::monitor::{Kind, Monitor, MonitorConfig, Reading};
+
+use super::json;
+use super::outside::Outside;
+use super::summary::Summary;
 use crate::args::DecodeArgs;
 use crate::recording::{Channels, Content, RecordedFrame};
 use crate::text::push_number;
 use crate::trace::{Emphasis, Trace};
 
-use super::json;
-use super::outside::Outside;
-use super::summary::{Observation, Summary};
-
 /// Decodes frame after frame; constant memory.
 pub struct Decoder {
+    filter: Filter,
+    /// One for each channel: every channel is a bus of its own.
+    monitors: Vec<Box<Monitor>>,
     view: View,
     node: Vec<u8>,
 }
@@ -38,6 +44,18 @@ pub enum Verdict {
     Problem,
 }
 
+/// What a frame means.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is one at a time, on the stack, and it is nearly always the large one"
+)]
+pub(super) enum Meaning<'a> {
+    /// A classic frame, as the monitor reads it.
+    Read(Reading<'a>),
+    /// What no monitor is asked about.
+    Outside(Outside),
+}
+
 impl Decoder {
     /// As the command line says.
     #[must_use]
@@ -48,78 +66,117 @@ impl Decoder {
             (false, true) => View::Json,
             (false, false) => View::Text(Trace::new(coloured)),
         };
-        Self { view, node: Vec::new() }
+        Self { filter: Filter::new(args), monitors: Vec::new(), view, node: Vec::new() }
     }
 
     /// Decodes a frame, and appends its line to `out` unless there is to be a summary.
     #[inline]
     pub fn frame(&mut self, out: &mut Vec<u8>, frame: &RecordedFrame, channels: &Channels) -> Verdict {
-        let outside = Outside::of(&frame.content);
-        let verdict = if outside.is_some() { Verdict::Problem } else { Verdict::Fine };
+        let bus = frame.channel.map_or(0, |channel| channel.index());
+        let meaning = match &frame.content {
+            Content::Classic(classic) => {
+                Meaning::Read(monitor(&mut self.monitors, bus).observe(frame.at, frame.n, classic))
+            }
+            Content::Error(error) => Meaning::Outside(Outside::Error(*error)),
+            Content::Fd(_) => Meaning::Outside(Outside::Fd),
+        };
+        if !self.filter.accepts(&meaning) {
+            return Verdict::Hidden;
+        }
+        let verdict = if meaning.has_problem() { Verdict::Problem } else { Verdict::Fine };
         let name = frame.channel.map(|channel| channels.name(channel));
         match &mut self.view {
             View::Text(trace) => {
-                self.node.clear();
-                // A recording of several buses names all but the first of them.
-                if let (Some(channel), Some(name)) = (frame.channel, name)
-                    && channel.index() > 0
-                {
-                    self.node.extend_from_slice(name.as_bytes());
-                    self.node.push(b'/');
-                }
-                match None::<u8> {
-                    Some(mac) => push_number(&mut self.node, mac),
-                    None => self.node.push(b'-'),
-                }
-                let emphasis = match verdict {
-                    Verdict::Problem => Emphasis::Problem,
-                    Verdict::Fine | Verdict::Hidden => Emphasis::Normal,
-                };
-                match outside {
-                    Some(outside) => {
-                        trace.entry(out, frame.at, &self.node, &frame.content, emphasis, outside)
-                    }
-                    None => trace.entry(out, frame.at, &self.node, &frame.content, emphasis, ""),
-                }
+                write_node(&mut self.node, &meaning, name.filter(|_| bus > 0));
+                let emphasis = if meaning.has_problem() { Emphasis::Problem } else { Emphasis::Normal };
+                trace.entry(out, frame.at, &self.node, &frame.content, emphasis, meaning);
             }
-            View::Json => {
-                json::begin(out, frame, name);
-                if let Some(outside) = outside {
-                    json::outside(out, outside);
-                }
-                json::end(out);
-            }
-            View::Summary { summary, .. } => {
-                let (bits, bytes) = match &frame.content {
-                    Content::Classic(frame) => (frame.bit_len() + INTERMISSION, frame.data().len()),
-                    Content::Error(_) => (0, 0),
-                    Content::Fd(frame) => (0, frame.data().len()),
-                };
-                summary.observe(&Observation {
-                    bus: frame.channel.map_or(0, |channel| channel.index()),
-                    at: frame.at,
-                    bits,
-                    bytes,
-                    source: None,
-                    connection: None,
-                    state: None,
-                    latency: None,
-                    has_problem: verdict == Verdict::Problem,
-                });
-            }
+            View::Json => json::object(out, frame, name, &meaning),
+            View::Summary { summary, .. } => summary.observe(bus, frame, &meaning),
             View::Silent => {}
         }
         verdict
     }
 
-    /// Appends the summary, if that is what is wanted.
-    pub fn finish(&self, out: &mut Vec<u8>, channels: &Channels, file: &str) {
-        let View::Summary { summary, json } = &self.view else { return };
-        let name = |index| channels.iter().nth(index).unwrap_or(file).to_owned();
+    /// Appends the summary, if that is what is wanted. `file` names a bus that has no name.
+    pub fn finish(&mut self, out: &mut Vec<u8>, channels: &Channels, file: &str) {
+        let View::Summary { summary, json } = &mut self.view else { return };
+        for (bus, monitor) in self.monitors.iter().enumerate() {
+            summary.learn(bus, monitor);
+        }
+        let name = |bus| channels.iter().nth(bus).unwrap_or(file).to_owned();
         let text = if *json { summary.json(name) } else { summary.text(name) };
         out.extend_from_slice(text.as_bytes());
     }
 }
 
-/// Bits between two frames.
-const INTERMISSION: u32 = 3;
+fn monitor(monitors: &mut Vec<Box<Monitor>>, bus: usize) -> &mut Monitor {
+    while monitors.len() <= bus {
+        monitors.push(Box::new(Monitor::new(MonitorConfig::default())));
+    }
+    &mut monitors[bus]
+}
+
+/// The MAC ID of the sender, after the channel in a recording of several buses, all but the first of which are named.
+fn write_node(node: &mut Vec<u8>, meaning: &Meaning<'_>, channel: Option<&str>) {
+    node.clear();
+    if let Some(name) = channel {
+        node.extend_from_slice(name.as_bytes());
+        node.push(b'/');
+    }
+    match meaning.source() {
+        Some(mac) => push_number(node, mac),
+        None => node.push(b'-'),
+    }
+}
+
+impl Meaning<'_> {
+    /// The MAC ID of the sender, where it is known.
+    pub(super) fn source(&self) -> Option<u8> {
+        match self {
+            Self::Read(reading) => reading.src.map(u8::from),
+            Self::Outside(_) => None,
+        }
+    }
+
+    pub(super) fn has_problem(&self) -> bool {
+        match self {
+            Self::Read(reading) => reading.problem.is_some(),
+            Self::Outside(_) => true,
+        }
+    }
+}
+
+impl fmt::Display for Meaning<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Read(reading) => reading.fmt(f),
+            Self::Outside(outside) => outside.fmt(f),
+        }
+    }
+}
+
+/// Which frames are shown.
+struct Filter {
+    mac: Option<u8>,
+    kinds: Vec<Kind>,
+}
+
+impl Filter {
+    fn new(args: &DecodeArgs) -> Self {
+        Self { mac: args.mac, kinds: args.kind.clone() }
+    }
+
+    #[inline]
+    fn accepts(&self, meaning: &Meaning<'_>) -> bool {
+        let (kind, ends) = match meaning {
+            Meaning::Read(reading) => (reading.kind, [reading.src, reading.dst]),
+            Meaning::Outside(_) => (Kind::Foreign, [None, None]),
+        };
+        let is_of_node = self.mac.is_none_or(|mac| {
+            // The only command that is for all.
+            kind == Kind::BitStrobeCommand || ends.iter().any(|end| end.map(u8::from) == Some(mac))
+        });
+        is_of_node && (self.kinds.is_empty() || self.kinds.contains(&kind))
+    }
+}

@@ -4,12 +4,34 @@ use core::fmt::{self, Display, Write as _};
 
 use link_core::Id;
 
-use super::outside::Outside;
+use super::decoder::Meaning;
 use crate::recording::{Content, RecordedFrame};
 use crate::text::{LOWER, push_hex, push_number, push_seconds};
 
-/// Begins an object with the fields that every frame has: `t`, `n`, `channel` where there is one, `id`, `ext`, `rtr`, `dlc`, `data`.
-pub(super) fn begin(out: &mut Vec<u8>, frame: &RecordedFrame, channel: Option<&str>) {
+/// Writes an object with the fields that every frame has, `t`, `n`, `id`, `ext`, `rtr`, `dlc`, `data`, then `channel`
+/// where the recording names one, then those that tell its meaning.
+pub(super) fn object(out: &mut Vec<u8>, frame: &RecordedFrame, channel: Option<&str>, meaning: &Meaning<'_>) {
+    begin(out, frame, channel);
+    match meaning {
+        Meaning::Read(reading) => {
+            // Its object goes on where ours stops.
+            let joint = out.len();
+            // Numbers, names and words: nothing in it can fail, nor can the vector.
+            let _ = serde_json::to_writer(&mut *out, reading);
+            out[joint] = b',';
+            out.push(b'\n');
+        }
+        Meaning::Outside(words) => {
+            out.extend_from_slice(b",\"protocol\":\"unknown\",\"kind\":\"foreign\",\"problem\":");
+            push_display(out, words);
+            out.extend_from_slice(b",\"text\":");
+            push_display(out, words);
+            out.extend_from_slice(b"}\n");
+        }
+    }
+}
+
+fn begin(out: &mut Vec<u8>, frame: &RecordedFrame, channel: Option<&str>) {
     out.extend_from_slice(b"{\"t\":");
     push_seconds(out, frame.at, frame.digits);
     out.extend_from_slice(b",\"n\":");
@@ -37,24 +59,6 @@ pub(super) fn begin(out: &mut Vec<u8>, frame: &RecordedFrame, channel: Option<&s
         out.extend_from_slice(b",\"channel\":");
         push_string(out, channel);
     }
-}
-
-/// The fields of an entry that is no DeviceNet frame.
-pub(super) fn outside(out: &mut Vec<u8>, outside: Outside) {
-    out.extend_from_slice(b",\"protocol\":\"unknown\",\"kind\":\"foreign\",\"problem\":");
-    push_display(out, outside);
-    text(out, outside);
-}
-
-/// The words, which come last.
-pub(super) fn text(out: &mut Vec<u8>, words: impl Display) {
-    out.extend_from_slice(b",\"text\":");
-    push_display(out, words);
-}
-
-/// Ends the object and its line.
-pub(super) fn end(out: &mut Vec<u8>) {
-    out.extend_from_slice(b"}\n");
 }
 
 fn push_display(out: &mut Vec<u8>, words: impl Display) {

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::recording::{Content, ErrorFrame};
+use crate::recording::ErrorFrame;
 
 /// An entry of a recording that no monitor is asked about.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -11,17 +11,6 @@ pub(super) enum Outside {
     Error(ErrorFrame),
     /// A CAN FD frame, which every DeviceNet node answers with an error frame.
     Fd,
-}
-
-impl Outside {
-    /// `None` for a classic frame.
-    pub(super) fn of(content: &Content) -> Option<Self> {
-        match content {
-            Content::Classic(_) => None,
-            Content::Error(error) => Some(Self::Error(*error)),
-            Content::Fd(_) => Some(Self::Fd),
-        }
-    }
 }
 
 impl fmt::Display for Outside {

@@ -1,43 +1,20 @@
 //! `decode --summary`: what each node and each connection did, in constant memory.
 
+mod connection;
 mod histogram;
 mod table;
 
 use core::time::Duration;
 
+use devicenet_core::monitor::{ConnectionState, Kind, Monitor, NodeRecord};
 use link_core::Instant;
 use serde::Serialize;
 
+use super::decoder::Meaning;
+use crate::recording::{Content, RecordedFrame};
+use connection::ConnectionKey;
 use histogram::Histogram;
 use table::{Cell, Table};
-
-/// What the summary takes from one frame.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Observation<'a> {
-    /// Which bus: the index of the channel.
-    pub(super) bus: usize,
-    pub(super) at: Instant,
-    /// Bits on the wire with stuff bits and intermission, 0 where they are not known.
-    pub(super) bits: u32,
-    pub(super) bytes: usize,
-    /// The node that sent it.
-    pub(super) source: Option<u8>,
-    /// What it belongs to.
-    pub(super) connection: Option<ConnectionKey>,
-    /// The state of that connection after the frame.
-    pub(super) state: Option<&'a str>,
-    /// On a response, the time since the request.
-    pub(super) latency: Option<Duration>,
-    pub(super) has_problem: bool,
-}
-
-/// A connection of a node, or another exchange that belongs together.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub(super) struct ConnectionKey {
-    /// The node it belongs to: the slave of a master/slave connection; none for a command to all.
-    pub(super) node: Option<u8>,
-    pub(super) name: &'static str,
-}
 
 /// The counts of a recording.
 #[derive(Debug)]
@@ -46,13 +23,20 @@ pub(super) struct Summary {
     buses: Vec<Bus>,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Bus {
     span: Option<(Instant, Instant)>,
     total: Count,
     /// By MAC ID, and one more for frames whose sender is not known.
-    nodes: Vec<Count>,
+    nodes: Vec<Node>,
+    /// Sorted.
     connections: Vec<(ConnectionKey, Connection)>,
+}
+
+#[derive(Debug, Default)]
+struct Node {
+    count: Count,
+    record: Option<NodeRecord>,
 }
 
 #[derive(Debug, Default)]
@@ -64,10 +48,20 @@ struct Count {
     responses: Histogram,
 }
 
+/// What is counted of a frame.
+struct Seen {
+    /// Bits on the wire with stuff bits and intermission, 0 where they are not known.
+    bits: u32,
+    bytes: usize,
+    has_problem: bool,
+    /// On a response, the time since the request.
+    latency: Option<Duration>,
+}
+
 #[derive(Debug, Default)]
 struct Connection {
     count: Count,
-    states: Vec<Box<str>>,
+    states: Vec<ConnectionState>,
 }
 
 impl Summary {
@@ -75,30 +69,44 @@ impl Summary {
         Self { bit_rate, buses: Vec::new() }
     }
 
-    pub(super) fn observe(&mut self, seen: &Observation<'_>) {
-        if self.buses.len() <= seen.bus {
-            self.buses.resize_with(seen.bus + 1, Bus::default);
-        }
-        let bus = &mut self.buses[seen.bus];
-        let (first, last) = bus.span.unwrap_or((seen.at, seen.at));
-        bus.span = Some((first.min(seen.at), last.max(seen.at)));
-        bus.total.add(seen);
-        if bus.nodes.is_empty() {
-            bus.nodes.resize_with(NODES + 1, Count::default);
-        }
-        bus.nodes[seen.source.map_or(NODES, |mac| usize::from(mac).min(NODES))].add(seen);
-        let Some(key) = seen.connection else { return };
-        let index = bus.connections.binary_search_by_key(&key, |(key, _)| *key).unwrap_or_else(|index| {
-            bus.connections.insert(index, (key, Connection::default()));
-            index
-        });
-        let connection = &mut bus.connections[index].1;
-        connection.count.add(seen);
-        if let Some(state) = seen.state
-            && !connection.states.iter().any(|known| **known == *state)
+    /// Counts a frame of a bus.
+    pub(super) fn observe(&mut self, bus: usize, frame: &RecordedFrame, meaning: &Meaning<'_>) {
+        let bus = self.bus(bus);
+        let (first, last) = bus.span.unwrap_or((frame.at, frame.at));
+        bus.span = Some((first.min(frame.at), last.max(frame.at)));
+        let seen = Seen::new(frame, meaning);
+        bus.total.add(&seen);
+        bus.nodes[meaning.source().map_or(NODES, usize::from)].count.add(&seen);
+        if let Meaning::Read(reading) = meaning
+            && let Some(key) = ConnectionKey::of(reading)
         {
-            connection.states.push(state.into());
+            bus.connection(key).count.add(&seen);
         }
+    }
+
+    /// Takes over what the monitor of a bus has learned.
+    pub(super) fn learn(&mut self, bus: usize, monitor: &Monitor) {
+        let bus = self.bus(bus);
+        for record in monitor.nodes() {
+            let mac = usize::from(record.mac.number());
+            bus.nodes[mac].record = Some(record);
+        }
+        for record in monitor.connections() {
+            let key =
+                ConnectionKey { node: Some(record.server.number()), name: connection::name(record.name) };
+            // Only connections that had a frame among those shown.
+            if let Ok(index) = bus.connections.binary_search_by_key(&key, |(key, _)| *key) {
+                let states = &mut bus.connections[index].1.states;
+                states.extend(record.states().filter(|state| !states.contains(state)).collect::<Vec<_>>());
+            }
+        }
+    }
+
+    fn bus(&mut self, index: usize) -> &mut Bus {
+        if self.buses.len() <= index {
+            self.buses.resize_with(index + 1, Bus::new);
+        }
+        &mut self.buses[index]
     }
 
     /// As tables for people.
@@ -124,10 +132,14 @@ impl Summary {
     }
 
     fn node_table(&self, bus: &Bus) -> Table {
-        let mut table = Table::new(&[&["node"][..], &COUNT_COLUMNS].concat());
-        for (mac, count) in bus.nodes.iter().enumerate().filter(|(_, count)| count.frames > 0) {
-            let node = if mac < NODES { mac.to_string() } else { "-".to_owned() };
-            table.row([vec![Cell::right(node)], count.cells(bus.load(count, self.bit_rate))].concat());
+        let mut table = Table::new(&[&["node"][..], &COUNT_COLUMNS, &["access", "device"]].concat());
+        for (mac, Node { count, record }) in bus.senders() {
+            let node = vec![Cell::right(mac.map_or_else(|| "-".to_owned(), |mac| mac.to_string()))];
+            let known = match record {
+                Some(record) => vec![Cell::left(record.access.to_string()), Cell::left(device(record))],
+                None => vec![Cell::left(""), Cell::left("")],
+            };
+            table.row([node, count.cells(bus.load(count, self.bit_rate)), known].concat());
         }
         table
     }
@@ -137,8 +149,9 @@ impl Summary {
         for (key, Connection { count, states }) in &bus.connections {
             let node = key.node.map_or_else(|| "all".to_owned(), |mac| mac.to_string());
             let names = vec![Cell::right(node), Cell::left(key.name)];
-            let states = vec![Cell::left(states.join(", "))];
-            table.row([names, count.cells(bus.load(count, self.bit_rate)), states].concat());
+            let states = states.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+            table
+                .row([names, count.cells(bus.load(count, self.bit_rate)), vec![Cell::left(states)]].concat());
         }
         table
     }
@@ -159,14 +172,15 @@ impl Summary {
             let load = |count: &Count| bus.load(count, self.bit_rate);
             let bus_record = Record { seconds, bit_rate: Some(self.bit_rate), ..record("bus") };
             push(&bus_record.with_count(&bus.total, load(&bus.total)));
-            for (mac, count) in bus.nodes.iter().enumerate().filter(|(_, count)| count.frames > 0) {
-                let node = (mac < NODES).then_some(mac as u8);
-                push(&Record { node, ..record("node") }.with_count(count, load(count)));
+            for (node, Node { count, record: known }) in bus.senders() {
+                let node = Record { node, ..record("node") }.with_count(count, load(count));
+                push(&node.with_identity(known.as_ref()));
             }
             for (key, Connection { count, states }) in &bus.connections {
+                let states = Some(states.iter().map(|state| state.name()).collect());
                 let connection =
                     Record { node: key.node, connection: Some(key.name), ..record("connection") };
-                push(&Record { states: Some(states), ..connection }.with_count(count, load(count)));
+                push(&Record { states, ..connection }.with_count(count, load(count)));
             }
         }
         out
@@ -174,6 +188,26 @@ impl Summary {
 }
 
 impl Bus {
+    fn new() -> Self {
+        let nodes = core::iter::repeat_with(Node::default).take(NODES + 1).collect();
+        Self { span: None, total: Count::default(), nodes, connections: Vec::new() }
+    }
+
+    fn connection(&mut self, key: ConnectionKey) -> &mut Connection {
+        let index = self.connections.binary_search_by_key(&key, |(key, _)| *key).unwrap_or_else(|index| {
+            self.connections.insert(index, (key, Connection::default()));
+            index
+        });
+        &mut self.connections[index].1
+    }
+
+    /// The nodes that sent something; those not known last.
+    fn senders(&self) -> impl Iterator<Item = (Option<u8>, &Node)> {
+        let numbered =
+            (0u8..).zip(&self.nodes).map(|(mac, node)| ((usize::from(mac) < NODES).then_some(mac), node));
+        numbered.filter(|(_, node)| node.count.frames > 0)
+    }
+
     /// The part of the time between the first and the last frame that frames took, 0 to 1.
     fn load(&self, count: &Count, bit_rate: u32) -> Option<f64> {
         let (first, last) = self.span?;
@@ -182,8 +216,25 @@ impl Bus {
     }
 }
 
+impl Seen {
+    fn new(frame: &RecordedFrame, meaning: &Meaning<'_>) -> Self {
+        let (bits, bytes) = match &frame.content {
+            Content::Classic(frame) => (frame.bit_len() + INTERMISSION, frame.data().len()),
+            Content::Error(_) => (0, 0),
+            Content::Fd(frame) => (0, frame.data().len()),
+        };
+        let latency = match meaning {
+            // An acknowledge answers a fragment, but is no response.
+            Meaning::Read(reading) if reading.kind == Kind::FragmentAck => None,
+            Meaning::Read(reading) => reading.request.map(|request| request.latency),
+            Meaning::Outside(_) => None,
+        };
+        Self { bits, bytes, has_problem: meaning.has_problem(), latency }
+    }
+}
+
 impl Count {
-    fn add(&mut self, seen: &Observation<'_>) {
+    fn add(&mut self, seen: &Seen) {
         self.frames += 1;
         self.bytes += seen.bytes as u64;
         self.bits += u64::from(seen.bits);
@@ -233,7 +284,15 @@ struct Record<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     response: Option<Response>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    states: Option<&'a [Box<str>]>,
+    states: Option<Vec<&'static str>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    access: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    vendor: Option<u16>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    serial: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    product: Option<u16>,
 }
 
 #[derive(Serialize)]
@@ -257,67 +316,32 @@ impl Record<'_> {
         });
         self
     }
+
+    fn with_identity(mut self, known: Option<&NodeRecord>) -> Self {
+        if let Some(record) = known {
+            self.access = Some(record.access.name());
+            (self.vendor, self.serial) = (record.vendor.map(|vendor| vendor.0), record.serial);
+            self.product = record.product;
+        }
+        self
+    }
+}
+
+/// `Pressure gauge, vendor 4660, serial 0x00002345`, as far as it is known.
+fn device(record: &NodeRecord) -> String {
+    let name = record.product_name.iter().map(|&byte| char::from(byte)).collect::<String>();
+    let name = Some(name.trim().to_owned()).filter(|name| !name.is_empty());
+    let vendor = record.vendor.map(|vendor| format!("vendor {}", vendor.0));
+    let serial = record.serial.map(|serial| format!("serial 0x{serial:08X}"));
+    [name, vendor, serial].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 fn percent(load: Option<f64>) -> String {
     load.map_or_else(|| "-".to_owned(), |load| format!("{:.2} %", load * 100.0))
 }
 
+/// Bits between two frames.
+const INTERMISSION: u32 = 3;
 /// MAC IDs 0 to 63.
 const NODES: usize = 64;
 const COUNT_COLUMNS: [&str; 7] = ["frames", "bytes", "problems", "load", "response p50", "p99", "max"];
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const POLL: ConnectionKey = ConnectionKey { node: Some(10), name: "poll" };
-
-    fn summary() -> Summary {
-        let mut summary = Summary::new(125_000);
-        for n in 0..101 {
-            let is_response = n % 2 == 1;
-            summary.observe(&Observation {
-                bus: 0,
-                at: Instant::from_millis(n * 10),
-                bits: 100,
-                bytes: 2,
-                source: Some(if is_response { 10 } else { 1 }),
-                connection: Some(POLL),
-                state: Some(if n < 50 { "configuring" } else { "established" }),
-                latency: is_response.then_some(Duration::from_micros(300)),
-                has_problem: n == 7,
-            });
-        }
-        summary
-    }
-
-    #[test]
-    fn counts_and_computes_the_load() {
-        let text = summary().text(|_| "can0".to_owned());
-        let expected = "\
-can0: 101 frames in 1.000 s, 1 with a problem
-bus load 8.08 % at 125 kbit/s, stuff bits and intermission included
-
-node  frames  bytes  problems    load  response p50       p99       max
-   1      51    102         0  4.08 %             -         -         -
-  10      50    100         1  4.00 %      0.299 ms  0.299 ms  0.300 ms
-
-node  connection  frames  bytes  problems    load  response p50       p99       max  states seen
-  10  poll           101    202         1  8.08 %      0.299 ms  0.299 ms  0.300 ms  configuring, established
-";
-        assert_eq!(text, expected);
-    }
-
-    #[test]
-    fn json_has_a_line_for_each_row() {
-        let json = summary().json(|_| "can0".to_owned());
-        let lines: Vec<serde_json::Value> =
-            json.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-        let kinds: Vec<_> = lines.iter().map(|line| line["summary"].as_str().unwrap()).collect();
-        assert_eq!(kinds, ["bus", "node", "node", "connection"]);
-        assert_eq!(lines[0]["load"], 0.0808);
-        assert_eq!((&lines[3]["node"], &lines[3]["connection"]), (&10.into(), &"poll".into()));
-        assert_eq!(lines[3]["response"]["max"], 0.0003);
-    }
-}
