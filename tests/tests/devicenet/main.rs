@@ -11,6 +11,8 @@
 
 mod captures;
 mod harness;
+mod monitored;
+mod robustness;
 mod vectors;
 mod wire;
 mod worked;
