@@ -3,7 +3,7 @@
 
 use cip_core::fragment::{FragmentByte, FragmentKind};
 
-use super::connections::Flow;
+use super::connection::Flow;
 use super::explicit::{self, Route};
 use super::kind::Kind;
 use super::problem::Problem;

@@ -6,7 +6,8 @@ use cip_core::fragment::{AckStatus, FragmentByte, FragmentKind};
 use cip_core::message::BodyFormat;
 
 use super::bodies::{self, Parsed};
-use super::connections::{ConnectionState, Flow, Predefined};
+use super::connection::Flow;
+use super::connections::{ConnectionState, Predefined};
 use super::kind::Kind;
 use super::nodes::Roles;
 use super::pairing::{Seen, Transaction};

@@ -4,7 +4,8 @@ use cip_core::fragment::{FragmentByte, FragmentKind, IO_UNFRAGMENTED_LEN};
 use cip_core::message::AllocationChoice;
 
 use super::FragmentationGuess;
-use super::connections::{Connection, ConnectionState, Flow, Guess, Predefined};
+use super::connection::{Connection, Flow, Guess};
+use super::connections::{ConnectionState, Predefined};
 use super::kind::Kind;
 use super::nodes::{Node, Roles, Volley};
 use super::pairing::Seen;

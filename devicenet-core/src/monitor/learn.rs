@@ -5,7 +5,8 @@ use cip_core::epath::Epath;
 use cip_core::message::{AllocationChoice, BodyFormat};
 use link_core::Instant;
 
-use super::connections::{Connection, ConnectionState, EXPLICIT_EPR, Predefined};
+use super::connection::{Connection, EXPLICIT_EPR};
+use super::connections::{ConnectionState, Predefined};
 use super::explicit::{Channel, Knowledge};
 use super::nodes::{Allocation, Node, Roles};
 use super::pairing::Transaction;

@@ -64,6 +64,7 @@
 
 mod bodies;
 mod broadcast;
+mod connection;
 mod connections;
 mod dup_mac;
 mod dynamic;
@@ -78,6 +79,8 @@ mod offline;
 mod pairing;
 mod problem;
 mod reading;
+mod requests;
+mod responses;
 mod slots;
 mod state;
 #[cfg(test)]
@@ -94,11 +97,9 @@ pub use reading::{Answered, Detail, Fields, Frag, Message, Note, Reading};
 pub use state::Lost;
 pub use text::{ValueText, Words};
 
-use text::write_status;
-
 use link_core::{Frame, Instant};
 
-use connections::Flow;
+use connection::Flow;
 use io::Lane;
 use slots::Slots;
 use state::State;

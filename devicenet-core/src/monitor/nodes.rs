@@ -7,7 +7,8 @@ use cip_core::code::{DeviceType, VendorId};
 use cip_core::message::AllocationChoice;
 use link_core::Instant;
 
-use super::connections::{Connection, Predefined};
+use super::connection::Connection;
+use super::connections::Predefined;
 use super::explicit::Channel;
 use super::pairing::{Seen, Waiting};
 use crate::id::MacId;

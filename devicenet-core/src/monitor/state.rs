@@ -3,7 +3,8 @@
 use cip_core::code::InstanceId;
 use link_core::Instant;
 
-use super::connections::{Connection, ConnectionState, Flow, Predefined};
+use super::connection::{Connection, Flow};
+use super::connections::{ConnectionState, Predefined};
 use super::explicit::Channel;
 use super::nodes::{Node, Roles};
 use super::pairing::Seen;

@@ -3,8 +3,8 @@
 use cip_core::code::{AdditionalCode, ServiceCode};
 use cip_core::codec::Wire;
 
-use super::bodies::{self, problem_of};
-use super::connections::Connection;
+use super::bodies::problem_of;
+use super::connection::Connection;
 use super::explicit::Channel;
 use super::kind::Kind;
 use super::learn;
@@ -12,6 +12,7 @@ use super::nodes::Roles;
 use super::pairing::{Seen, Transaction};
 use super::problem::Problem;
 use super::reading::{Detail, Reading, Span};
+use super::responses;
 use super::state::{Dynamic, State};
 use crate::id::{Identifier, MacId};
 use crate::message::{CloseRequest, ExplicitHeader, FormatByte, GroupSelect, OpenRequest, OpenResponse};
@@ -100,7 +101,7 @@ pub(super) fn response<const N: usize>(
     let frame = reading.frame;
     let data = frame.data();
     let body = data.get(1..).unwrap_or_default();
-    match bodies::response(reading.kind, body, 1) {
+    match responses::read(reading.kind, body, 1) {
         Ok(parsed) => parsed.apply(reading),
         Err(parsed) => {
             parsed.apply(reading);

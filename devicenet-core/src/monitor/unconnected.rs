@@ -3,12 +3,12 @@
 use cip_core::code::ServiceCode;
 use cip_core::message::BodyFormat;
 
-use super::bodies;
 use super::kind::Kind;
 use super::nodes::Roles;
 use super::pairing::Seen;
 use super::problem::Problem;
 use super::reading::Reading;
+use super::requests;
 use super::state::State;
 use crate::id::MacId;
 use crate::message::ExplicitHeader;
@@ -36,7 +36,7 @@ pub(super) fn observe<const N: usize>(
     let seen = Seen { n: reading.n, at: reading.at };
     // Always addressed in the 8/8 format, whatever the explicit connection uses.
     let format = BodyFormat::Class8Instance8;
-    let (parsed, transaction) = bodies::request(reading.kind, format, seen, header.mac, header, body, 1);
+    let (parsed, transaction) = requests::request(reading.kind, format, seen, header.mac, header, body, 1);
     parsed.apply(reading);
     let Some(transaction) = transaction else { return };
     if !matches!(transaction.service, ServiceCode::ALLOCATE | ServiceCode::RELEASE) {

@@ -1,0 +1,186 @@
+//! What requests say, from the service byte on.
+
+use cip_core::code::{ClassId, ServiceCode};
+use cip_core::codec::Wire;
+use cip_core::message::{AllocateRequest, AllocationChoice, BodyFormat, ReleaseRequest, Request};
+
+use super::bodies::{Parsed, problem_of};
+use super::explicit::{Knowledge, Route};
+use super::kind::Kind;
+use super::pairing::{Seen, Transaction};
+use super::problem::Problem;
+use super::reading::{Detail, Span};
+use super::state::State;
+use crate::id::MacId;
+use crate::message::ExplicitHeader;
+
+/// Reads a request on an explicit connection.
+pub(super) fn connected<const N: usize>(
+    state: &mut State<N>,
+    route: &Route,
+    seen: Seen,
+    header: ExplicitHeader,
+    body: &[u8],
+    before: usize,
+) -> Parsed {
+    let channel = state.channel(route.link);
+    if channel.knowledge == Knowledge::None
+        && let Some(format) = likely_format(body)
+    {
+        channel.format = format;
+    }
+    let assumed = channel.knowledge != Knowledge::Told;
+    let (mut parsed, transaction) =
+        request(Kind::ExplicitRequest, channel.format, seen, route.client, header, body, before);
+    parsed.assumed = assumed;
+    channel.asked = true;
+    channel.pending = transaction.map(|transaction| Transaction { assumed, ..transaction });
+    parsed
+}
+
+/// Reads a request in a body format.
+pub(super) fn request(
+    kind: Kind,
+    format: BodyFormat,
+    seen: Seen,
+    requester: MacId,
+    header: ExplicitHeader,
+    body: &[u8],
+    before: usize,
+) -> (Parsed, Option<Transaction>) {
+    let mut parsed = Parsed::new(kind);
+    let Some((&byte, rest)) = body.split_first() else {
+        parsed.flag(Problem::TooShort { at_least: 2, found: 1 });
+        return (parsed, None);
+    };
+    let (service, is_response) = ServiceCode::split(byte);
+    parsed.fields.service = Some(service);
+    let mut transaction = Transaction {
+        seen,
+        requester,
+        xid: header.xid,
+        service,
+        class: None,
+        instance: None,
+        attribute: None,
+        argument: 0,
+        allocator: None,
+        assumed: false,
+    };
+    if is_response {
+        parsed.fields.value = Span::tail(body.len().saturating_add(before), rest.len());
+        parsed.flag(Problem::ResponseBitOnRequest);
+        return (parsed, Some(transaction));
+    }
+    let request = match Request::parse(format, body) {
+        Ok(request) => request,
+        Err(error) => {
+            parsed.fields.value = Span::tail(body.len().saturating_add(before), rest.len());
+            parsed.flag(problem_of(error, body.len()));
+            return (parsed, Some(transaction));
+        }
+    };
+    let (class, instance) = (request.target.class(), request.target.instance());
+    parsed.fields.class = class;
+    parsed.fields.instance = instance;
+    transaction.class = class;
+    transaction.instance = instance;
+    let mut value = request.data;
+    match (class, service) {
+        (Some(ClassId::DEVICENET), ServiceCode::ALLOCATE) => {
+            value = &[];
+            allocate(request.data, &mut parsed, &mut transaction);
+        }
+        (Some(ClassId::DEVICENET), ServiceCode::RELEASE) => {
+            value = &[];
+            release(request.data, &mut parsed, &mut transaction);
+        }
+        _ if names_attribute(service) => match request.attribute_access() {
+            Ok(access) => {
+                parsed.fields.attribute = Some(access.attribute);
+                transaction.attribute = Some(access.attribute);
+                transaction.argument = le16(access.value);
+                value = access.value;
+            }
+            Err(error) => parsed.flag(problem_of(error, request.data.len())),
+        },
+        _ => {}
+    }
+    parsed.fields.value = Span::tail(body.len().saturating_add(before), value.len());
+    (parsed, Some(transaction))
+}
+
+fn allocate(data: &[u8], parsed: &mut Parsed, transaction: &mut Transaction) {
+    match AllocateRequest::parse(data) {
+        Ok(AllocateRequest { choice, allocator }) => {
+            parsed.fields.choice = Some(choice);
+            parsed.fields.detail = Detail::Allocate { allocator };
+            transaction.argument = u16::from_le_bytes([choice.bits(), allocator]);
+            transaction.allocator = MacId::new(allocator);
+            if !AllocationChoice::all().contains(choice) {
+                parsed.flag(Problem::ReservedBits { field: "allocation choice" });
+            }
+            if transaction.allocator.is_none() {
+                parsed.flag(Problem::ReservedBits { field: "allocator's MAC ID" });
+            }
+        }
+        Err(error) => {
+            if let Some(&choice) = data.first() {
+                parsed.fields.choice = Some(AllocationChoice::from_bits_retain(choice));
+            }
+            parsed.flag(problem_of(error, data.len()));
+        }
+    }
+}
+
+fn release(data: &[u8], parsed: &mut Parsed, transaction: &mut Transaction) {
+    match ReleaseRequest::parse(data) {
+        Ok(ReleaseRequest { choice }) => {
+            parsed.fields.choice = Some(choice);
+            transaction.argument = choice.bits().into();
+            // Bit 6 is reserved as well, but products set it and receivers ignore it.
+            if !AllocationChoice::all().contains(choice) {
+                parsed.flag(Problem::ReservedBits { field: "release choice" });
+            }
+        }
+        Err(error) => {
+            if let Some(&choice) = data.first() {
+                parsed.fields.choice = Some(AllocationChoice::from_bits_retain(choice));
+            }
+            parsed.flag(problem_of(error, data.len()));
+        }
+    }
+}
+
+/// The services whose data begin with an attribute.
+fn names_attribute(service: ServiceCode) -> bool {
+    matches!(
+        service,
+        ServiceCode::GET_ATTRIBUTE_SINGLE
+            | ServiceCode::SET_ATTRIBUTE_SINGLE
+            | ServiceCode::GET_MEMBER
+            | ServiceCode::SET_MEMBER
+            | ServiceCode::INSERT_MEMBER
+            | ServiceCode::REMOVE_MEMBER
+    )
+}
+
+/// The body format that a Get_Attribute_Single of this length is in, for a connection whose opening was not seen.
+fn likely_format(body: &[u8]) -> Option<BodyFormat> {
+    match *body {
+        [0x0E, _, _, _] => Some(BodyFormat::Class8Instance8),
+        [0x0E, _, 0, _, _] => Some(BodyFormat::Class16Instance8),
+        [0x0E, _, _, 0, _] => Some(BodyFormat::Class8Instance16),
+        [0x0E, 3, 0x20, _, 0x24, _, 0x30, _] => Some(BodyFormat::CipPath),
+        [0x0E, _, high, _, 0 | 1, _] if high <= 4 => Some(BodyFormat::Class16Instance16),
+        _ => None,
+    }
+}
+
+fn le16(value: &[u8]) -> u16 {
+    match *value {
+        [] => 0,
+        [low] => low.into(),
+        [low, high, ..] => u16::from_le_bytes([low, high]),
+    }
+}

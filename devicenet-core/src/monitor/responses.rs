@@ -1,0 +1,164 @@
+//! What responses say, from the service byte on, and which request they answer.
+
+use cip_core::code::{ClassId, ServiceCode};
+use cip_core::codec::Wire;
+use cip_core::message::{AllocateResponse, AllocationChoice, BodyFormat, Response};
+
+use super::bodies::{Parsed, problem_of};
+use super::explicit::{Knowledge, Route};
+use super::kind::Kind;
+use super::learn;
+use super::pairing::{Seen, Transaction};
+use super::problem::Problem;
+use super::reading::{Detail, Span};
+use super::state::State;
+use crate::message::ExplicitHeader;
+
+/// Reads a response on an explicit connection, or one to the unconnected port, which shares the identifier.
+pub(super) fn connected<const N: usize>(
+    state: &mut State<N>,
+    route: &Route,
+    seen: Seen,
+    header: ExplicitHeader,
+    body: &[u8],
+    before: usize,
+) -> Parsed {
+    let (server, client) = (route.link.server, route.client);
+    let mut parsed = match read(Kind::ExplicitResponse, body, before) {
+        Ok(parsed) => parsed,
+        Err(parsed) => return parsed,
+    };
+    let service = parsed.fields.service.unwrap_or(ServiceCode::ERROR_RESPONSE);
+    let channel = state.channel(route.link);
+    let (pending, asked) = (channel.pending, channel.asked);
+    let connected = pending.filter(|request| request.is_answered_by(client, header.xid, service));
+    // Both the connection and the unconnected port answer on one identifier: the older request is answered first.
+    let port = match route.link.dynamic {
+        None => state.node(server).port.find(client, header.xid, service).copied(),
+        Some(_) => None,
+    };
+    let on_port = match (connected, port) {
+        (Some(connected), Some(port)) => port.seen.n < connected.seen.n,
+        (None, Some(_)) => true,
+        (_, None) => false,
+    };
+    let Some(transaction) = (if on_port { port } else { connected }) else {
+        unpaired(state, route, &mut parsed, pending.ok_or(asked), header, body);
+        return parsed;
+    };
+    if on_port {
+        state.node(server).port.remove(transaction.seen.n);
+        parsed.kind = Kind::UnconnectedResponse;
+    } else {
+        state.channel(route.link).pending = None;
+    }
+    parsed.request = Some(transaction.seen.answered(seen.at));
+    parsed.assumed = transaction.assumed;
+    fill(&mut parsed, &transaction, body);
+    if let Ok(Response::Success { data, .. }) = Response::parse(body) {
+        parsed.problem = parsed.problem.or(learn::success(state, server, &transaction, data, seen.at));
+    }
+    parsed
+}
+
+/// Reads the service byte and what follows it of a response; `Err` is a message that is none.
+pub(super) fn read(kind: Kind, body: &[u8], before: usize) -> Result<Parsed, Parsed> {
+    let mut parsed = Parsed::new(kind);
+    let total = body.len().saturating_add(before);
+    let Some((&byte, rest)) = body.split_first() else {
+        parsed.flag(Problem::TooShort { at_least: 2, found: 1 });
+        return Err(parsed);
+    };
+    let (service, is_response) = ServiceCode::split(byte);
+    parsed.fields.service = Some(service);
+    parsed.fields.value = Span::tail(total, rest.len());
+    if !is_response {
+        parsed.flag(Problem::RequestBitOnResponse);
+        return Err(parsed);
+    }
+    match Response::parse(body) {
+        Ok(Response::Success { .. }) => {}
+        Ok(Response::Error { status, additional }) => {
+            parsed.fields.value = None;
+            parsed.fields.status = Some(status);
+            parsed.fields.additional = Some(additional);
+        }
+        Err(error) => parsed.flag(problem_of(error, body.len())),
+    }
+    Ok(parsed)
+}
+
+/// Gives a response what only its request has said.
+fn fill(parsed: &mut Parsed, transaction: &Transaction, body: &[u8]) {
+    let fields = &mut parsed.fields;
+    fields.requested = Some(transaction.service);
+    fields.class = transaction.class;
+    fields.instance = transaction.instance;
+    fields.attribute = transaction.attribute;
+    let of_set = transaction.class == Some(ClassId::DEVICENET)
+        && matches!(transaction.service, ServiceCode::ALLOCATE | ServiceCode::RELEASE);
+    if of_set {
+        let [choice, _] = transaction.argument.to_le_bytes();
+        fields.choice = Some(AllocationChoice::from_bits_retain(choice));
+        if let (Some(status), Some(additional)) = (fields.status, fields.additional) {
+            parsed.flag(Problem::Refused { status, additional });
+            return;
+        }
+    }
+    let Ok(Response::Success { service, data }) = Response::parse(body) else { return };
+    let of_rate = transaction.class == Some(ClassId::CONNECTION)
+        && transaction.attribute.is_some_and(|attribute| attribute.0 == learn::EXPECTED_PACKET_RATE)
+        && service == ServiceCode::SET_ATTRIBUTE_SINGLE;
+    if of_set && service == ServiceCode::ALLOCATE {
+        allocated(parsed, data);
+    } else if of_rate && let &[low, high] = data {
+        let used = u16::from_le_bytes([low, high]);
+        parsed.fields.detail = Detail::PacketRate { requested: Some(transaction.argument), used };
+    }
+}
+
+/// A response whose request is not known: another one is pending, or none is, and whether one ever was.
+fn unpaired<const N: usize>(
+    state: &mut State<N>,
+    route: &Route,
+    parsed: &mut Parsed,
+    pending: Result<Transaction, bool>,
+    header: ExplicitHeader,
+    body: &[u8],
+) {
+    let client = route.client;
+    let service = parsed.fields.service.unwrap_or(ServiceCode::ERROR_RESPONSE);
+    match pending {
+        Ok(request) if request.requester != client => {
+            parsed.flag(Problem::WrongRequester { expected: request.requester });
+        }
+        Ok(request) if request.xid != header.xid => parsed.flag(Problem::TransactionMismatch),
+        Ok(request) if request.service != service => {
+            parsed.flag(Problem::ServiceMismatch { expected: request.service });
+        }
+        Ok(_) | Err(true) => parsed.flag(Problem::UnexpectedResponse),
+        Err(false) => parsed.assumed = true,
+    }
+    if let Ok(Response::Success { service: ServiceCode::ALLOCATE, data: &[format] }) = Response::parse(body) {
+        allocated(parsed, &[format]);
+        let channel = state.channel(route.link);
+        if channel.knowledge == Knowledge::None
+            && let Some(format) = BodyFormat::from_code(format)
+        {
+            channel.format = format;
+            channel.knowledge = Knowledge::Likely;
+        }
+    }
+}
+
+fn allocated(parsed: &mut Parsed, data: &[u8]) {
+    match AllocateResponse::parse(data) {
+        Ok(AllocateResponse { body_format }) => {
+            parsed.fields.detail = Detail::Allocated { format: body_format };
+            if BodyFormat::from_code(body_format).is_none() {
+                parsed.flag(Problem::ReservedValue { field: "body format", found: body_format.into() });
+            }
+        }
+        Err(error) => parsed.flag(problem_of(error, data.len())),
+    }
+}
