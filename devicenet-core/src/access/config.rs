@@ -104,8 +104,8 @@ pub enum MacIdSource {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum BusOffWhileChecking {
-    /// The communication fault, whatever BOI says: the transition table has no other row. Two twins that start at the
-    /// same moment destroy each other's requests, and restarting would go on for ever. The default.
+    /// The communication fault, whatever BOI says: the transition table has no other row, and a node that was thrown off
+    /// the bus by its own check had better be looked at. The default.
     #[default]
     Fault,
     /// What BOI says, as on line.

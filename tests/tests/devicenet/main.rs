@@ -9,6 +9,7 @@
 )]
 //! DeviceNet: golden vectors, captures, traces of networks.
 
+mod access;
 mod captures;
 mod harness;
 mod monitored;
