@@ -71,6 +71,8 @@ pub(crate) struct Attempt {
     pub(crate) sent: bool,
     /// When the outcome of a sender was known last.
     pub(crate) settled: Instant,
+    /// Receivers for which its end is spoilt.
+    pub(crate) spoilt: Vec<NodeId>,
 }
 
 impl Attempt {
@@ -86,6 +88,7 @@ impl Attempt {
             error: None,
             sent: false,
             settled: Instant::ZERO,
+            spoilt: Vec::new(),
         }
     }
 
@@ -135,8 +138,9 @@ impl Bus {
     pub(super) fn open_attempt(&mut self, segment: usize, at: Instant, bit: u64, first: &Frame) -> bool {
         self.close_attempt(segment, at);
         self.attempts += 1;
-        self.segments[segment].attempt.begin(self.attempts, at);
-        self.faults.frame_starts(at, bit, first)
+        let attempt = &mut self.segments[segment].attempt;
+        attempt.begin(self.attempts, at);
+        self.faults.frame_starts(at, bit, first, &mut attempt.spoilt)
     }
 
     /// A node begins to send in the bit that begins at `at`.
@@ -168,7 +172,7 @@ impl Bus {
     pub(super) fn spoil(&mut self, segment: usize) {
         for index in 0..self.segments[segment].members.len() {
             let node = self.segments[segment].members[index];
-            self.stations[node].engine.spoil_end = self.faults.spoilt().contains(&NodeId::new(node));
+            self.stations[node].engine.spoil_end = self.segments[segment].attempt.spoilt.contains(&NodeId::new(node));
         }
     }
 }

@@ -107,8 +107,6 @@ pub(crate) struct Faults {
     active: Vec<Active>,
     /// The earliest moment at which one of them disturbs the wire.
     next: Instant,
-    /// Receivers for which the end of the present frame is spoilt.
-    spoilt: Vec<NodeId>,
 }
 
 #[derive(Clone, Debug)]
@@ -126,7 +124,7 @@ struct Active {
 
 impl Faults {
     pub(crate) fn new(seed: u64, bit: u64) -> Self {
-        Self { seed, bit, active: Vec::new(), next: Instant::MAX, spoilt: Vec::new() }
+        Self { seed, bit, active: Vec::new(), next: Instant::MAX }
     }
 
     /// Switches a fault on; one of the same name is replaced.
@@ -170,9 +168,16 @@ impl Faults {
         self.next
     }
 
-    /// A frame starts. Returns whether it must be simulated bit by bit.
-    pub(crate) fn frame_starts(&mut self, at: Instant, bit_time: u64, frame: &Frame) -> bool {
-        self.spoilt.clear();
+    /// A frame starts. Returns whether it must be simulated bit by bit, and fills in the receivers for which its end is
+    /// spoilt.
+    pub(crate) fn frame_starts(
+        &mut self,
+        at: Instant,
+        bit_time: u64,
+        frame: &Frame,
+        spoilt: &mut Vec<NodeId>,
+    ) -> bool {
+        spoilt.clear();
         let mut strikes = false;
         for active in &mut self.active {
             match active.fault {
@@ -186,7 +191,7 @@ impl Faults {
                 }
                 Fault::SpoiltEnd { receiver, filter, which } => {
                     if active.strikes(filter, which, frame) {
-                        self.spoilt.push(receiver);
+                        spoilt.push(receiver);
                         strikes = true;
                     }
                 }
@@ -200,11 +205,6 @@ impl Faults {
             self.update();
         }
         strikes
-    }
-
-    /// Whose end of frame is spoilt.
-    pub(crate) fn spoilt(&self) -> &[NodeId] {
-        &self.spoilt
     }
 
     /// Whether `receiver` loses a frame that it has received.

@@ -304,8 +304,15 @@ impl Bus {
             }
             segment.members.push(node);
             segment.free_at = segment.free_at.max(old[from].free_at);
+            segment.bit = segment.bit.or(old[from].bit);
             if segment.activity == Activity::Quiet && old[from].activity != Activity::Quiet {
                 segment.activity = old[from].activity;
+                segment.attempt = old[from].attempt.clone();
+                segment.attempt.open = false;
+            }
+            // The attempt goes where a sender is.
+            let sends = |sender: &Sender| sender.node.index() == node && sender.outcome == SenderOutcome::Abandoned;
+            if old[from].attempt.open && old[from].attempt.senders.iter().any(sends) {
                 segment.attempt = old[from].attempt.clone();
             }
         }

@@ -385,6 +385,7 @@ impl Bus {
     pub(super) fn go_exact(&mut self, index: usize, now: Instant) {
         let Activity::Quick { start, .. } = self.segments[index].activity else { return };
         self.enter_exact(index, start);
+        self.spoil(index);
         self.replay_exact(index, now);
     }
 }

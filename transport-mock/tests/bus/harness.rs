@@ -30,6 +30,17 @@ impl Probe {
         token
     }
 
+    pub(crate) fn withdraw(&mut self, token: TxToken) {
+        self.actions.push_back(Action::Withdraw(token));
+    }
+
+    /// Withdraws the frame that was sent last.
+    pub(crate) fn withdraw_last(&mut self) {
+        if let Some(last) = self.next_token.checked_sub(1) {
+            self.withdraw(TxToken(last));
+        }
+    }
+
     pub(crate) fn link(&mut self, command: LinkCommand) {
         self.actions.push_back(Action::Link(command));
     }

@@ -8,4 +8,5 @@
 
 mod arbitration;
 mod confinement;
+mod differential;
 mod harness;
