@@ -9,12 +9,16 @@ use std::time::{Duration, Instant as WallInstant};
 use link_core::frame::standard_id;
 use link_core::timers::TimerKey;
 use link_core::{
-    Action, BitRate, Deadline, Filter, FilterSet, Frame, Input, Instant, LinkEvent, Machine, Timers, TxOutcome, TxToken,
+    Action, BitRate, Deadline, Filter, FilterSet, Frame, Input, Instant, LinkEvent, Machine, Timers,
+    TxOutcome, TxToken,
 };
 use transport_mock::{BusConfig, Ignore, Network, NodeConfig, Record, Sink};
 
 fn main() {
-    println!("{:<44} {:>9} {:>12} {:>9}", "500 kbit/s, full load, 8 data bytes", "x time", "frames/s", "ns/frame");
+    println!(
+        "{:<44} {:>9} {:>12} {:>9}",
+        "500 kbit/s, full load, 8 data bytes", "x time", "frames/s", "ns/frame"
+    );
     for slaves in [7, 63] {
         report(&format!("{} nodes polled", slaves + 1), slaves, 0, config(), 20, &mut Ignore);
     }
@@ -39,7 +43,8 @@ fn config() -> BusConfig {
 fn report(name: &str, slaves: u16, idle: u16, config: BusConfig, seconds: u64, sink: &mut impl Sink<()>) {
     let mut network = Network::<()>::new(config);
     let only = |filter| NodeConfig { filter: FilterSet::from_iter([filter]), ..NodeConfig::named("") };
-    let master = network.add_silent(only(Filter::standard(standard_id(RESPONSE), 0x7C0)), Master::new(slaves));
+    let master =
+        network.add_silent(only(Filter::standard(standard_id(RESPONSE), 0x7C0)), Master::new(slaves));
     for mac in 1..=slaves {
         network.add_silent(only(Filter::exact(command_id(mac))), Slave::new(mac));
     }

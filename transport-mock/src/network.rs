@@ -591,9 +591,8 @@ impl<E: 'static> Network<E> {
     /// Shows what happened on the bus.
     fn publish_bus(&mut self, sink: &mut impl Sink<E>) {
         let mut blamed = Vec::new();
-        for place in 0..self.bus.finished.len() {
-            let segment = self.bus.finished[place];
-            let Some(record) = FrameRecord::of(self.bus.attempt(segment), segment) else { continue };
+        for attempt in self.bus.finished.as_slice() {
+            let Some(record) = FrameRecord::of(attempt) else { continue };
             if let Some(producers) = &mut self.producers {
                 producers.see(&record, &mut |violation| blamed.push(violation));
             }

@@ -103,10 +103,10 @@ pub enum Outcome {
 }
 
 impl<'a> FrameRecord<'a> {
-    pub(crate) fn of(attempt: &'a Attempt, segment: usize) -> Option<Self> {
+    pub(crate) fn of(attempt: &'a Attempt) -> Option<Self> {
         Some(Self {
             number: attempt.number,
-            segment,
+            segment: attempt.segment,
             start: attempt.start,
             end: attempt.end,
             frame: attempt.frame.as_ref()?,

@@ -59,6 +59,7 @@ pub enum SenderOutcome {
 #[derive(Clone, Debug)]
 pub(crate) struct Attempt {
     pub(crate) number: u64,
+    pub(crate) segment: usize,
     pub(crate) open: bool,
     pub(crate) start: Instant,
     pub(crate) end: Instant,
@@ -79,6 +80,7 @@ impl Attempt {
     pub(crate) fn new() -> Self {
         Self {
             number: 0,
+            segment: 0,
             open: false,
             start: Instant::ZERO,
             end: Instant::ZERO,
@@ -133,6 +135,36 @@ impl Attempt {
     }
 }
 
+/// Attempts that are over and not recorded yet. Their memory is used again.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Finished {
+    attempts: Vec<Attempt>,
+    len: usize,
+}
+
+impl Finished {
+    /// Takes the attempt, and leaves an older one in its place.
+    fn push(&mut self, attempt: &mut Attempt) {
+        if self.len == self.attempts.len() {
+            self.attempts.push(Attempt::new());
+        }
+        std::mem::swap(attempt, &mut self.attempts[self.len]);
+        self.len += 1;
+    }
+
+    pub(crate) fn as_slice(&self) -> &[Attempt] {
+        &self.attempts[..self.len]
+    }
+
+    pub(crate) const fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    pub(crate) const fn clear(&mut self) {
+        self.len = 0;
+    }
+}
+
 impl Bus {
     /// A frame begins at `at`; of those that begin together, `first` has priority. Returns whether a fault strikes it.
     pub(super) fn open_attempt(&mut self, segment: usize, at: Instant, bit: u64, first: &Frame) -> bool {
@@ -140,7 +172,7 @@ impl Bus {
         self.attempts += 1;
         let attempt = &mut self.segments[segment].attempt;
         attempt.begin(self.attempts, at);
-        self.faults.frame_starts(at, bit, first, &mut attempt.spoilt)
+        self.faults.frame_starts(segment, at, bit, first, &mut attempt.spoilt)
     }
 
     /// A node begins to send in the bit that begins at `at`.
@@ -160,19 +192,20 @@ impl Bus {
     /// The attempt is over, if there is one.
     pub(super) fn close_attempt(&mut self, segment: usize, at: Instant) {
         let attempt = &mut self.segments[segment].attempt;
-        if std::mem::take(&mut attempt.open) {
-            attempt.end = if attempt.sent { attempt.settled } else { at };
-            if !self.interest.is_empty() {
-                self.finished.push(segment);
-            }
+        if !std::mem::take(&mut attempt.open) || self.interest.is_empty() {
+            return;
         }
+        attempt.end = if attempt.sent { attempt.settled } else { at };
+        attempt.segment = segment;
+        self.finished.push(attempt);
     }
 
     /// Tells the receivers for which the end of the frame is spoilt.
     pub(super) fn spoil(&mut self, segment: usize) {
         for index in 0..self.segments[segment].members.len() {
             let node = self.segments[segment].members[index];
-            self.stations[node].engine.spoil_end = self.segments[segment].attempt.spoilt.contains(&NodeId::new(node));
+            self.stations[node].engine.spoil_end =
+                self.segments[segment].attempt.spoilt.contains(&NodeId::new(node));
         }
     }
 }

@@ -141,6 +141,12 @@ impl Engine {
         self.ack_error_pending = false;
     }
 
+    /// Is at the beginning of an intermission, after a frame of its own or of another.
+    pub(crate) fn pause(&mut self, transmitter: bool) {
+        self.enter(Phase::Intermission { seen: 0 });
+        self.transmitter = transmitter;
+    }
+
     /// Sends `frame` from the next bit on. Only in [`Phase::Idle`].
     pub(crate) fn start(&mut self, frame: &Frame) {
         self.enter(Phase::Frame);

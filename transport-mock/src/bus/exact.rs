@@ -2,7 +2,7 @@
 
 use link_core::{Frame, Instant};
 
-use super::engine::{JOINING_RUN, Phase};
+use super::engine::{Effect, JOINING_RUN, Phase};
 use super::segment::Activity;
 use super::{Bus, after, span};
 
@@ -110,15 +110,17 @@ impl Bus {
             self.segments[index].members.iter().all(|&node| self.stations[node].engine.drives_recessive());
         let mut struck = std::mem::take(&mut self.struck);
         struck.clear();
-        let overlay = self.faults.overlay(after(began, bit * 7 / 8), |node| struck.push(node.index()));
+        let overlay = self.faults.overlay(index, after(began, bit * 7 / 8), |node| struck.push(node.index()));
         let level = (driven && !overlay.dominant) != overlay.inverted;
         let mut busy = false;
         let mut quiet = true;
         for place in 0..self.segments[index].members.len() {
             let node = self.segments[index].members[place];
             let inverted = struck.iter().filter(|&&other| other == node).count() % 2 == 1;
-            let engine = &mut self.stations[node].engine;
-            let effect = engine.sample(level != inverted);
+            let station = &mut self.stations[node];
+            let engine = &mut station.engine;
+            let came_later = station.heard_from > began && matches!(engine.phase, Phase::Joining { .. });
+            let effect = if came_later { Effect::None } else { engine.sample(level != inverted) };
             busy |= engine.phase.is_busy();
             quiet &= engine.phase.is_quiet();
             self.carry_out(index, node, effect, began, now);

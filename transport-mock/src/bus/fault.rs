@@ -117,6 +117,8 @@ struct Active {
     gaps: Option<Gaps>,
     /// Frames seen, or struck.
     count: u64,
+    /// Only this segment is disturbed.
+    segment: Option<usize>,
     /// The wire is disturbed from..to.
     from: Instant,
     to: Instant,
@@ -148,6 +150,7 @@ impl Faults {
             rng: Rng::new(self.seed, FAULT_STREAMS | u64::from(id.0)),
             gaps,
             count: 0,
+            segment: None,
             from: Instant::MAX,
             to: Instant::MAX,
         };
@@ -172,6 +175,7 @@ impl Faults {
     /// spoilt.
     pub(crate) fn frame_starts(
         &mut self,
+        segment: usize,
         at: Instant,
         bit_time: u64,
         frame: &Frame,
@@ -185,6 +189,7 @@ impl Faults {
                     if active.count == frame {
                         active.from = after(at, u64::from(bit) * bit_time);
                         active.to = after(active.from, bit_time);
+                        active.segment = Some(segment);
                         strikes = true;
                     }
                     active.count += 1;
@@ -221,8 +226,8 @@ impl Faults {
         })
     }
 
-    /// What every node sees of the bit that is sampled at `at`. `node` is called for what single nodes see inverted.
-    pub(crate) fn overlay(&mut self, at: Instant, mut node: impl FnMut(NodeId)) -> Overlay {
+    /// What every node of a segment sees of the bit that is sampled at `at`. `node` is called for what single nodes see inverted.
+    pub(crate) fn overlay(&mut self, segment: usize, at: Instant, mut node: impl FnMut(NodeId)) -> Overlay {
         let mut overlay = Overlay::default();
         if at < self.next {
             return overlay;
@@ -232,7 +237,7 @@ impl Faults {
                 let ended = active.to;
                 active.schedule(ended, self.bit);
             }
-            if active.from > at {
+            if active.from > at || active.segment.is_some_and(|only| only != segment) {
                 continue;
             }
             match active.fault {

@@ -17,7 +17,7 @@ pub use counters::{Counters, ErrorState};
 pub use engine::Flag;
 pub use fault::{Fault, FaultId, Scope, Which};
 
-pub(crate) use attempt::Attempt;
+pub(crate) use attempt::{Attempt, Finished};
 pub(crate) use station::{after, span};
 
 use link_core::link::LinkCommandKind;
@@ -59,8 +59,7 @@ pub(crate) struct Bus {
     /// What stations have to tell their nodes, in order.
     pub(crate) outbox: Vec<(usize, Input)>,
     pub(crate) notes: Vec<Note>,
-    /// Segments whose attempt is over, to be recorded.
-    pub(crate) finished: Vec<usize>,
+    pub(crate) finished: Finished,
     /// Scratch: nodes that see a bit inverted.
     struck: Vec<usize>,
     attempts: u64,
@@ -78,7 +77,7 @@ impl Bus {
             interest: Interest::empty(),
             outbox: Vec::new(),
             notes: Vec::new(),
-            finished: Vec::new(),
+            finished: Finished::default(),
             struck: Vec::new(),
             attempts: 0,
             now: Instant::ZERO,
@@ -122,11 +121,6 @@ impl Bus {
     /// Whether somebody must be told something.
     pub(crate) fn has_news(&self) -> bool {
         !(self.outbox.is_empty() && self.notes.is_empty() && self.finished.is_empty())
-    }
-
-    /// The attempt of a segment.
-    pub(crate) fn attempt(&self, segment: usize) -> &Attempt {
-        &self.segments[segment].attempt
     }
 
     /// A node wants a frame to be sent, not before `ready`.
@@ -237,10 +231,14 @@ impl Bus {
         station.engine.counters = Counters::default();
         station.known = Counters::default();
         station.suspend_until = now;
-        let segment = station.segment;
-        let members = &mut self.segments[segment].members;
-        let place = members.partition_point(|&member| member < node);
-        members.insert(place, node);
+        let segment = &mut self.segments[station.segment];
+        if segment.members.is_empty() {
+            // Nobody has watched the wire until now.
+            let next_bit = Instant::from_nanos(now.as_nanos().next_multiple_of(station.bit()));
+            segment.free_at = segment.free_at.max(next_bit);
+        }
+        let place = segment.members.partition_point(|&member| member < node);
+        segment.members.insert(place, node);
         self.tell(node, LinkEvent::Up);
         self.rejoin(now, node);
     }
@@ -291,6 +289,7 @@ impl Bus {
             self.go_exact(segment, now);
         }
         let old = std::mem::take(&mut self.segments);
+        let mut sleeping = Vec::new();
         for node in 0..self.stations.len() {
             let from = self.stations[node].segment;
             let to = place(node, from);
@@ -303,6 +302,9 @@ impl Bus {
                 continue;
             }
             segment.members.push(node);
+            if old[from].activity == Activity::Quiet {
+                sleeping.push(node);
+            }
             segment.free_at = segment.free_at.max(old[from].free_at);
             segment.bit = segment.bit.or(old[from].bit);
             if segment.activity == Activity::Quiet && old[from].activity != Activity::Quiet {
@@ -311,22 +313,19 @@ impl Bus {
                 segment.attempt.open = false;
             }
             // The attempt goes where a sender is.
-            let sends = |sender: &Sender| sender.node.index() == node && sender.outcome == SenderOutcome::Abandoned;
+            let sends =
+                |sender: &Sender| sender.node.index() == node && sender.outcome == SenderOutcome::Abandoned;
             if old[from].attempt.open && old[from].attempt.senders.iter().any(sends) {
                 segment.attempt = old[from].attempt.clone();
             }
         }
-        for segment in 0..self.segments.len() {
-            let activity = self.segments[segment].activity;
-            if let Some(bit_start) = activity.bit_start() {
-                // Stations that come from a quiet segment must be simulated bit by bit from now on, too.
-                for index in 0..self.segments[segment].members.len() {
-                    let node = self.segments[segment].members[index];
-                    if self.stations[node].engine.phase.is_quiet() {
-                        self.wake(node, bit_start);
-                    }
-                }
+        // Where others are in the middle of something, everybody is simulated bit by bit.
+        for node in sleeping {
+            if let Some(bit_start) = self.segments[self.stations[node].segment].activity.bit_start() {
+                self.wake(node, bit_start);
             }
+        }
+        for segment in 0..self.segments.len() {
             self.survey(segment, now);
         }
     }

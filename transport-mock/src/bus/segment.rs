@@ -60,6 +60,7 @@ pub(crate) struct Segment {
     next_start: Instant,
     /// When the first of `joining` has joined, while the segment is quiet.
     next_join: Instant,
+    /// The attempt that is under way, if it is open.
     pub(super) attempt: Attempt,
 }
 
@@ -295,6 +296,7 @@ impl Bus {
         self.segments[index].joined = joined;
         self.close_attempt(index, end);
         self.settle_counters(index, sender, bit, end);
+        self.break_joining(index, start, end, bit);
         self.plan(index);
     }
 
@@ -319,11 +321,6 @@ impl Bus {
         if before {
             self.settle_sender(sender, bit, end);
         }
-        // ACK delimiter and end of frame are eight recessive bits, and the intermission follows.
-        if !self.segments[index].joining.is_empty() {
-            let recessive_since = Instant::from_nanos(end.as_nanos().saturating_sub(8 * bit));
-            self.break_joining(index, recessive_since);
-        }
     }
 
     fn settle_sender(&mut self, sender: usize, bit: u64, end: Instant) {
@@ -336,9 +333,10 @@ impl Bus {
         self.report_counters(sender, end);
     }
 
-    /// The recessive run that joining stations count ends with a frame; the next one begins at `recessive_since`.
-    fn break_joining(&mut self, index: usize, recessive_since: Instant) {
-        let start = self.segments[index].attempt.start;
+    /// A frame interrupts the recessive run that joining stations count.
+    fn break_joining(&mut self, index: usize, start: Instant, end: Instant, bit: u64) {
+        // ACK delimiter and end of frame are eight recessive bits, and the intermission follows.
+        let recessive_since = Instant::from_nanos(end.as_nanos().saturating_sub(8 * bit));
         for &node in &self.segments[index].joining {
             let station = &mut self.stations[node];
             let Phase::Joining { left, .. } = station.engine.phase else { continue };
@@ -381,12 +379,30 @@ impl Bus {
         segment.attempt.senders.sort_unstable_by_key(|sender| sender.node);
     }
 
-    /// Simulates a segment bit by bit from now on; a frame on the cheap path is simulated again from its beginning.
+    /// Simulates a segment bit by bit from now on. What was passed over quickly is made up for: a frame from its
+    /// beginning, an intermission from the end of the frame.
     pub(super) fn go_exact(&mut self, index: usize, now: Instant) {
-        let Activity::Quick { start, .. } = self.segments[index].activity else { return };
-        self.enter_exact(index, start);
-        self.spoil(index);
-        self.replay_exact(index, now);
+        let segment = &self.segments[index];
+        match segment.activity {
+            Activity::Quick { start, .. } => {
+                self.enter_exact(index, start);
+                self.spoil(index);
+                self.replay_exact(index, now);
+            }
+            Activity::Quiet if now < segment.free_at => {
+                let Some(bit) = segment.bit else { return };
+                let (free_at, intermission) = (segment.free_at, u64::from(INTERMISSION_BITS) * bit);
+                self.enter_exact(index, Instant::from_nanos(free_at.as_nanos() - intermission));
+                for place in 0..self.segments[index].members.len() {
+                    let station = &mut self.stations[self.segments[index].members[place]];
+                    if station.has_joined() {
+                        station.engine.pause(station.suspend_until > free_at);
+                    }
+                }
+                self.replay_exact(index, now);
+            }
+            Activity::Quiet | Activity::Exact { .. } | Activity::Timed { .. } => {}
+        }
     }
 }
 

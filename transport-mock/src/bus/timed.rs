@@ -61,7 +61,7 @@ impl Bus {
         let driven = self.driven(index);
         let mut struck = std::mem::take(&mut self.struck);
         struck.clear();
-        let overlay = self.faults.overlay(now, |node| struck.push(node.index()));
+        let overlay = self.faults.overlay(index, now, |node| struck.push(node.index()));
         let level = (driven && !overlay.dominant) != overlay.inverted;
         for place in 0..self.segments[index].members.len() {
             let node = self.segments[index].members[place];

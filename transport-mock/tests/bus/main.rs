@@ -7,6 +7,12 @@
 )]
 
 mod arbitration;
+mod commands;
 mod confinement;
 mod differential;
+mod faults;
 mod harness;
+mod nodes;
+mod rates;
+mod referee;
+mod segments;

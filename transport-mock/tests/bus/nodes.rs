@@ -1,0 +1,106 @@
+//! Nodes without a protocol, and the wall clock.
+
+use std::time::Duration;
+
+use link_core::{BitRate, Frame, Instant};
+use transport_mock::nodes::{Babbler, External, ExternalEvent, Listener, Replay};
+use transport_mock::realtime::{Realtime, WallClock};
+use transport_mock::{BusConfig, Ignore, Network, NodeConfig};
+
+use crate::harness::{Probe, data};
+
+fn network() -> Network<()> {
+    let mut network = Network::new(BusConfig { strict: true, ..BusConfig::new(BitRate::K500, 1) });
+    network.add_silent(NodeConfig::named("acknowledges"), Probe::default());
+    network
+}
+
+#[test]
+fn a_replay_keeps_the_gaps_of_the_recording() {
+    let mut network = network();
+    let recorded: Vec<(Instant, Frame)> = [5_000, 5_001, 5_010, 6_000]
+        .into_iter()
+        .enumerate()
+        .map(|(n, at)| (Instant::from_millis(at), data(0x100, &[n as u8])))
+        .collect();
+    let on = Instant::from_millis(20);
+    let replay = network.add_silent(
+        NodeConfig { power_up: Some(on), ..NodeConfig::named("replay") },
+        Replay::new(recorded.clone()),
+    );
+    let listener = network.add_silent(Listener::config("listener"), Listener::new(8));
+    network.run_until(Instant::from_millis(2_000), &mut Ignore);
+    let heard: Vec<(Instant, Frame)> =
+        network.machine::<Listener>(listener).unwrap().frames().copied().collect();
+    assert_eq!(
+        heard.iter().map(|(_, frame)| *frame).collect::<Vec<_>>(),
+        recorded.iter().map(|(_, frame)| *frame).collect::<Vec<_>>()
+    );
+    for ((at, frame), (was, _)) in heard.iter().zip(&recorded).skip(1) {
+        let expected = on + was.saturating_since(recorded[0].0);
+        let late = at.saturating_since(expected).as_nanos() as u64;
+        assert_eq!(late, u64::from(frame.bit_len()) * 2_000, "it ends when its bits are sent");
+    }
+    assert!(network.machine::<Replay<std::vec::IntoIter<(Instant, Frame)>>>(replay).unwrap().is_done());
+}
+
+#[test]
+fn a_babbler_with_priority_keeps_everybody_else_silent() {
+    let mut network = network();
+    network.add_silent(NodeConfig::named("babbler"), Babbler::new(data(0, &[0; 8]), Duration::ZERO));
+    let victim = network.add_silent(NodeConfig::named("victim"), External::default());
+    network.run_until(Instant::from_millis(1), &mut Ignore);
+    network.command(victim, |victim: &mut External, _| victim.inject(data(0x100, &[])));
+    network.run_until(Instant::from_millis(100), &mut Ignore);
+    let mut events = Vec::new();
+    network.command(victim, |victim: &mut External, _| events.extend(std::iter::from_fn(|| victim.take())));
+    assert!(events.iter().all(|(_, event)| !matches!(event, ExternalEvent::Done(..))));
+    assert!(events.len() > 300, "it hears the babbler");
+}
+
+/// A clock that jumps to where it is told to sleep to.
+struct Jumping(Instant);
+
+impl WallClock for Jumping {
+    fn now(&mut self) -> Instant {
+        self.0
+    }
+
+    fn sleep_until(&mut self, at: Instant) {
+        self.0 = self.0.max(at);
+    }
+}
+
+#[test]
+fn virtual_time_follows_the_wall_clock() {
+    for speed in [1, 10] {
+        let mut network = network();
+        network
+            .add_silent(NodeConfig::named("babbler"), Babbler::new(data(1, &[]), Duration::from_millis(10)));
+        let outside = network.add_silent(NodeConfig::named("outside"), External::default());
+        let start = Instant::from_millis(7_000);
+        let mut driver = Realtime::new(network, Jumping(start), speed);
+        let mut wakeups = 0;
+        driver.run_for(Duration::from_millis(100), &mut Ignore, |_| {
+            wakeups += 1;
+            true
+        });
+        let expected = Instant::from_millis(100 * u64::from(speed));
+        assert_eq!(driver.network().now(), expected);
+        assert!(wakeups < 100 * speed, "it sleeps in between: {wakeups} wakeups");
+
+        driver.at_now(&mut Ignore, |network| {
+            network.command(outside, |outside: &mut External, _| outside.inject(data(0x123, &[9])));
+        });
+        driver.run_for(Duration::from_millis(1), &mut Ignore, |_| true);
+        let mut network = driver.into_network();
+        let sent = network
+            .command(outside, |outside: &mut External, _| {
+                std::iter::from_fn(|| outside.take())
+                    .find(|(_, event)| matches!(event, ExternalEvent::Done(..)))
+                    .map(|(at, _)| at)
+            })
+            .flatten();
+        assert!(sent.unwrap() > expected);
+    }
+}
