@@ -1,6 +1,7 @@
 //! Documents that would drift if nobody looked.
 
-use devicenet_tests::read;
+use clap::CommandFactory;
+use devicenet_tests::{read, workspace_root};
 
 #[test]
 fn every_public_crate_is_in_the_picture_of_the_architecture() {
@@ -22,5 +23,53 @@ fn the_minimum_rust_version_is_written_once() {
     for member in ["link-core", "cip-core", "devicenet-core", "transport-mock", "cli", "tests", "fuzz"] {
         let member = read(&format!("{member}/Cargo.toml"));
         assert!(member.contains("rust-version.workspace = true"));
+    }
+}
+
+/// Each row names where a feature is: a path of the workspace or a subcommand. What is supported exists, and what is not
+/// supported does not.
+#[test]
+fn the_table_of_what_is_supported_tells_the_truth() {
+    let readme = read("README.md");
+    let mut states = Vec::new();
+    for line in readme.lines().skip_while(|line| !line.starts_with("| feature |")).skip(2) {
+        let Some(cells) = line.strip_prefix('|') else { break };
+        let [feature, state, places, ""] = cells.split('|').map(str::trim).collect::<Vec<_>>()[..] else {
+            panic!("not a row of three cells: {line}");
+        };
+        let places: Vec<&str> = places.split(',').map(|place| place.trim().trim_matches('`')).collect();
+        for place in &places {
+            assert_eq!(exists(place), state == "yes", "{feature}: README says {state}, look at {place}");
+        }
+        states.push(state);
+    }
+    assert!(
+        states.contains(&"yes") && states.iter().all(|state| ["yes", "no"].contains(state)),
+        "{states:?}"
+    );
+}
+
+fn exists(place: &str) -> bool {
+    match place.strip_prefix("devicenet ") {
+        Some(subcommand) => devicenet_cli::args::Cli::command().find_subcommand(subcommand).is_some(),
+        None => workspace_root().join(place).exists(),
+    }
+}
+
+#[test]
+fn the_readme_begins_with_its_two_commands() {
+    let readme = read("README.md");
+    let blocks: Vec<&str> = readme.split("```").skip(1).step_by(2).take(2).collect();
+    assert_eq!(blocks, ["sh\ncargo run --release -- simulate\n", "sh\ncargo test --workspace\n"]);
+}
+
+#[test]
+fn the_readme_names_every_fuzz_target() {
+    let readme = read("README.md");
+    for entry in std::fs::read_dir(workspace_root().join("fuzz/fuzz_targets")).expect("the folder of targets")
+    {
+        let path = entry.expect("an entry").path();
+        let name = path.file_stem().and_then(|name| name.to_str()).expect("a name in UTF-8");
+        assert!(readme.contains(&format!("`{name}`")), "README does not name the fuzz target {name}");
     }
 }
