@@ -1,6 +1,6 @@
 #![no_std]
 #![no_main]
-//! The smallest firmware around the machines: no formatting, no output. `scripts/bare-metal` prints its size, and demands
+//! The smallest firmware around a node's network access: no formatting, no output. `scripts/bare-metal` prints its size, and demands
 //! that no panicking code was linked into it. Everything that a CAN controller would give comes through `black_box`, so
 //! that the compiler cannot know it.
 

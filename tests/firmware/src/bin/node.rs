@@ -11,6 +11,7 @@ use cortex_m_semihosting::{debug, hprintln};
 use devicenet_core::MacId;
 use devicenet_core::access::{Access, Config};
 use devicenet_core::message::{DeviceIdentity, PortNumber};
+use devicenet_core::monitor::{Monitor, SizedMonitor};
 use link_core::{Action, Input, Instant, LinkEvent, Machine, TxOutcome};
 use panic_semihosting as _;
 
@@ -18,7 +19,8 @@ use panic_semihosting as _;
 fn main() -> ! {
     let on_line_at = get_on_line();
     hprintln!("{:<24} {:>6} bytes of RAM", "Access", size_of::<Access>());
-    hprintln!("{:<24} {:>6} bytes of RAM", "Frame", size_of::<link_core::Frame>());
+    hprintln!("{:<24} {:>6} bytes of RAM", "SizedMonitor<4, 64>", size_of::<SizedMonitor<4, 64>>());
+    hprintln!("{:<24} {:>6} bytes of RAM", "Monitor", size_of::<Monitor>());
     let expected = Instant::from_millis(2_002);
     debug::exit(if on_line_at == Some(expected) { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
     loop {}
