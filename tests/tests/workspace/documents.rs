@@ -73,3 +73,15 @@ fn the_readme_names_every_fuzz_target() {
         assert!(readme.contains(&format!("`{name}`")), "README does not name the fuzz target {name}");
     }
 }
+
+#[test]
+fn the_scenario_of_the_readme_runs_and_its_expectation_holds() {
+    use devicenet_cli::{scenario::Scenario, simulate};
+    let readme = read("README.md");
+    let text =
+        readme.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a scenario");
+    let scenario =
+        Scenario::parse("README.md", text, &workspace_root()).unwrap_or_else(|error| panic!("{error}"));
+    let outcome = simulate::outcome(&scenario, simulate::Settings::default());
+    assert!(outcome.verdict.failures.is_empty(), "{:?}", outcome.verdict);
+}
