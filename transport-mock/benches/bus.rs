@@ -12,7 +12,7 @@ use link_core::{
     Action, BitRate, Deadline, Filter, FilterSet, Frame, Input, Instant, LinkEvent, Machine, Timers,
     TxOutcome, TxToken,
 };
-use transport_mock::{BusConfig, Ignore, Network, NodeConfig, Record, Sink};
+use transport_mock::{BusConfig, Change, Fault, FaultId, Ignore, Network, NodeConfig, Record, Sink, Which};
 
 fn main() {
     println!(
@@ -30,9 +30,26 @@ fn main() {
     for idle in [0, 56, 248, 1016] {
         report(&format!("8 nodes polled among {}", 8 + idle), 7, idle, config(), 20, &mut Ignore);
     }
+    for slaves in [7, 63] {
+        report(
+            &format!("{} nodes polled, a fault in every frame", slaves + 1),
+            slaves,
+            0,
+            config(),
+            2,
+            &mut Ignore,
+        );
+    }
     let exact = BusConfig { force_exact: true, ..config() };
     for slaves in [7, 63] {
-        report(&format!("{} nodes polled, bit by bit", slaves + 1), slaves, 0, exact.clone(), 1, &mut Ignore);
+        report(
+            &format!("{} nodes polled, force_exact", slaves + 1),
+            slaves,
+            0,
+            exact.clone(),
+            1,
+            &mut Ignore,
+        );
     }
 }
 
@@ -52,6 +69,13 @@ fn report(name: &str, slaves: u16, idle: u16, config: BusConfig, seconds: u64, s
         // Machines that are there, have a timer, and hear what nobody sends.
         let heard = Filter::exact(standard_id(0x700 | node & 0x7F));
         network.add_silent(only(heard), Slave::new(0));
+    }
+    if name.contains("fault") {
+        // It strikes every frame, so that each is simulated bit by bit, and does no harm: this node has no power.
+        let receiver =
+            network.add_silent(NodeConfig { power_up: None, ..NodeConfig::named("") }, Slave::new(0));
+        let fault = Fault::SpoiltEnd { receiver, filter: None, which: Which::All };
+        network.schedule(Instant::from_millis(1), Change::FaultOn(FaultId(0), fault));
     }
     network.run_until(Instant::from_millis(100), sink);
 

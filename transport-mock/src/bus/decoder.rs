@@ -76,12 +76,7 @@ impl Decoder {
     /// The field of the next bit.
     pub(crate) fn field(&self) -> Field {
         if self.in_trailer() {
-            return match self.trailer {
-                0 => Field::CrcDelimiter,
-                1 => Field::AckSlot,
-                2 => Field::AckDelimiter,
-                _ => Field::EndOfFrame,
-            };
+            return trailer_field(self.trailer);
         }
         // A stuff bit belongs to the field of the bit before it.
         let index = if self.run == STUFF_RUN { self.count - 1 } else { self.count };
@@ -97,6 +92,16 @@ impl Decoder {
         } else {
             Field::Crc
         }
+    }
+
+    /// Where the last bit was that was taken, if it was an error or in the trailer.
+    pub(crate) fn last_place(&self) -> (u32, Field) {
+        let field = match self.trailer.checked_sub(1) {
+            // A wrong stuff bit was not taken in: it would still be next.
+            None => self.field(),
+            Some(index) => trailer_field(index),
+        };
+        (self.position - 1, field)
     }
 
     /// The next bit is the one in which an error-free receiver acknowledges.
@@ -164,6 +169,15 @@ impl Decoder {
     /// Destuffed bit `index` of those taken.
     fn bit(&self, index: u32) -> bool {
         self.bits >> (self.count - 1 - index) & 1 == 1
+    }
+}
+
+const fn trailer_field(index: u32) -> Field {
+    match index {
+        0 => Field::CrcDelimiter,
+        ACK_SLOT => Field::AckSlot,
+        ACK_DELIMITER => Field::AckDelimiter,
+        _ => Field::EndOfFrame,
     }
 }
 

@@ -244,15 +244,15 @@ impl Engine {
     fn sample_frame(&mut self, sampled: bool) -> Effect {
         let spoiled = self.spoil_end && !self.transmitter && self.decoder.at_last_but_one_bit();
         let recessive = sampled && !spoiled;
-        let place = (self.decoder.position(), self.decoder.field());
         let step = self.decoder.push(recessive);
         match self.sending.take() {
-            Some(bit) => self.sent_bit(bit, recessive, place, step),
-            None => self.received_bit(recessive, place, step),
+            Some(bit) => self.sent_bit(bit, recessive, step),
+            None => self.received_bit(recessive, step),
         }
     }
 
-    fn sent_bit(&mut self, bit: Bit, recessive: bool, place: (u32, Field), step: Step) -> Effect {
+    fn sent_bit(&mut self, bit: Bit, recessive: bool, step: Step) -> Effect {
+        let place = (self.decoder.position() - 1, bit.field);
         if bit.field == Field::AckSlot {
             return if recessive { self.error(BusErrorKind::Ack, Some(place)) } else { Effect::None };
         }
@@ -274,16 +274,16 @@ impl Engine {
         self.error(if stuff_in_arbitration { BusErrorKind::Stuff } else { BusErrorKind::Bit }, Some(place))
     }
 
-    fn received_bit(&mut self, recessive: bool, place: (u32, Field), step: Step) -> Effect {
+    fn received_bit(&mut self, recessive: bool, step: Step) -> Effect {
         if recessive && !self.drives_recessive {
             // Its acknowledgement did not reach the bus.
-            return self.error(BusErrorKind::Bit, Some(place));
+            return self.error(BusErrorKind::Bit, Some(self.decoder.last_place()));
         }
         match step {
             Step::Fine => Effect::None,
-            Step::StuffError => self.error(BusErrorKind::Stuff, Some(place)),
-            Step::FormError => self.error(BusErrorKind::Form, Some(place)),
-            Step::CrcError => self.error(BusErrorKind::Crc, Some(place)),
+            Step::StuffError => self.error(BusErrorKind::Stuff, Some(self.decoder.last_place())),
+            Step::FormError => self.error(BusErrorKind::Form, Some(self.decoder.last_place())),
+            Step::CrcError => self.error(BusErrorKind::Crc, Some(self.decoder.last_place())),
             Step::Complete | Step::CompleteThenDominant => {
                 if !self.listen_only {
                     self.counters.received();

@@ -3,7 +3,7 @@
 use link_core::{Frame, Instant};
 
 use super::engine::{Effect, JOINING_RUN, Phase};
-use super::segment::Activity;
+use super::segment::{Activity, Segment};
 use super::{Bus, after, span};
 
 impl Bus {
@@ -87,6 +87,7 @@ impl Bus {
 
     fn begin_bits(&mut self, index: usize, at: Instant, bit: u64) {
         if let Some(first) = self.first_to_start(index, at) {
+            self.dissolve(index);
             let attempt = &self.segments[index].attempt;
             if !attempt.open || attempt.start != at {
                 self.open_attempt(index, at, bit, &first);
@@ -96,8 +97,9 @@ impl Bus {
                 let node = self.segments[index].members[place];
                 self.start_if_ready(index, node, at);
             }
+            self.form_groups(index);
         }
-        for &node in &self.segments[index].members {
+        for &node in &self.segments[index].leaders {
             self.stations[node].engine.begin_bit();
         }
         self.segments[index].activity = Activity::Exact { bit_start: at, begun: true };
@@ -106,16 +108,19 @@ impl Bus {
     fn finish_bits(&mut self, index: usize, began: Instant, bit: u64) {
         let now = after(began, bit);
         self.now = now;
-        let driven =
-            self.segments[index].members.iter().all(|&node| self.stations[node].engine.drives_recessive());
+        let leaders = &self.segments[index].leaders;
+        let driven = leaders.iter().all(|&node| self.stations[node].engine.drives_recessive());
         let mut struck = std::mem::take(&mut self.struck);
         struck.clear();
         let overlay = self.faults.overlay(index, after(began, bit * 7 / 8), |node| struck.push(node.index()));
         let level = (driven && !overlay.dominant) != overlay.inverted;
-        let mut busy = false;
-        let mut quiet = true;
-        for place in 0..self.segments[index].members.len() {
-            let node = self.segments[index].members[place];
+        if !struck.is_empty() {
+            self.dissolve(index);
+        }
+        let mut effects = std::mem::take(&mut self.effects);
+        effects.clear();
+        let (mut busy, mut quiet, mut eventful) = (false, true, false);
+        for &node in &self.segments[index].leaders {
             let inverted = struck.iter().filter(|&&other| other == node).count() % 2 == 1;
             let station = &mut self.stations[node];
             let engine = &mut station.engine;
@@ -123,13 +128,13 @@ impl Bus {
             let effect = if came_later { Effect::None } else { engine.sample(level != inverted) };
             busy |= engine.phase.is_busy();
             quiet &= engine.phase.is_quiet();
-            self.carry_out(index, node, effect, began, now);
+            eventful |= effect != Effect::None || engine.counters != station.known;
+            effects.push(effect);
         }
-        self.struck = struck;
-        for place in 0..self.segments[index].members.len() {
-            let node = self.segments[index].members[place];
-            self.report_counters(node, now);
+        if eventful {
+            self.spread(index, &effects, began, now);
         }
+        (self.struck, self.effects) = (struck, effects);
         let attempt = &self.segments[index].attempt;
         if attempt.open && (attempt.sent || !busy) {
             self.close_attempt(index, now);
@@ -140,8 +145,69 @@ impl Bus {
         }
     }
 
+    /// Carries out what a bit led to, for all members in their order.
+    fn spread(&mut self, index: usize, effects: &[Effect], began: Instant, now: Instant) {
+        self.update_followers(index);
+        let (mut leader, mut follower) = (0, 0);
+        for place in 0..self.segments[index].members.len() {
+            let segment = &self.segments[index];
+            let node = segment.members[place];
+            let effect = match segment.followers.get(follower) {
+                Some(&(who, led_by)) if who == node => {
+                    follower += 1;
+                    effects[led_by]
+                }
+                Some(_) | None => {
+                    leader += 1;
+                    effects[leader - 1]
+                }
+            };
+            self.carry_out(index, node, effect, began, now);
+        }
+        for place in 0..self.segments[index].members.len() {
+            let node = self.segments[index].members[place];
+            self.report_counters(node, now);
+        }
+    }
+
+    /// Finds members that are in the same state, and will stay so while they see the same bits and have nothing to
+    /// send. One of them is simulated for all.
+    fn form_groups(&mut self, index: usize) {
+        if self.force_exact {
+            return;
+        }
+        let Segment { members, leaders, followers, .. } = &mut self.segments[index];
+        leaders.clear();
+        followers.clear();
+        for &node in members.iter() {
+            let station = &self.stations[node];
+            let leads = |&leader: &usize| station.is_like(&self.stations[leader]);
+            match leaders.iter().position(leads) {
+                Some(place) => followers.push((node, place)),
+                None => leaders.push(node),
+            }
+        }
+    }
+
+    /// Every member is simulated by itself again.
+    pub(super) fn dissolve(&mut self, index: usize) {
+        self.update_followers(index);
+        let Segment { members, leaders, followers, .. } = &mut self.segments[index];
+        followers.clear();
+        leaders.clear();
+        leaders.extend_from_slice(members);
+    }
+
+    fn update_followers(&mut self, index: usize) {
+        let Segment { leaders, followers, .. } = &self.segments[index];
+        for &(node, place) in followers {
+            self.stations[node].engine = self.stations[leaders[place]].engine.clone();
+        }
+    }
+
     /// Every station sleeps until the next frame begins.
     pub(super) fn leave_exact(&mut self, index: usize, now: Instant) {
+        self.dissolve(index);
         for place in 0..self.segments[index].members.len() {
             let node = self.segments[index].members[place];
             let station = &mut self.stations[node];

@@ -45,6 +45,9 @@ pub(crate) struct Segment {
     pub(super) joined: NodeSet,
     /// Those of them that acknowledge.
     acknowledging: usize,
+    /// On the exact path: members that are simulated, and those that are in the same state as one of them, by its place.
+    pub(super) leaders: Vec<usize>,
+    pub(super) followers: Vec<(usize, usize)>,
     /// Members that wait for a free bus.
     joining: Vec<usize>,
     /// Members with mail.
@@ -70,6 +73,8 @@ impl Segment {
             members: Vec::new(),
             joined: NodeSet::default(),
             acknowledging: 0,
+            leaders: Vec::new(),
+            followers: Vec::new(),
             joining: Vec::new(),
             waiting: Vec::new(),
             blamed: Vec::new(),
@@ -120,6 +125,7 @@ impl Segment {
 impl Bus {
     /// Takes stock of the members of a segment after any change that is not part of the cheap path.
     pub(super) fn survey(&mut self, index: usize, now: Instant) {
+        self.dissolve(index);
         let segment = &mut self.segments[index];
         segment.joined.clear();
         segment.joining.clear();

@@ -167,6 +167,18 @@ impl Station {
         !matches!(self.engine.phase, Phase::Off | Phase::Joining { .. })
     }
 
+    /// It is idle and in the same state as `other`.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        self.engine.phase == Phase::Idle
+            && other.engine.phase == Phase::Idle
+            && self.queue.is_empty()
+            && other.queue.is_empty()
+            && self.engine.counters == other.engine.counters
+            && self.engine.listen_only == other.engine.listen_only
+            && !self.engine.spoil_end
+            && !other.engine.spoil_end
+    }
+
     /// When it will have joined if the bus stays recessive.
     pub(crate) fn joins_at(&self) -> Option<Instant> {
         let Phase::Joining { left, .. } = self.engine.phase else { return None };

@@ -85,3 +85,23 @@ fn identical_frames_fail_if_nobody_else_is_there() {
     assert_eq!(bench.counters(0), (8, 0));
     assert_eq!(bench.counters(1), (8, 0));
 }
+
+/// `floor((34 + 8n - 1) / 4)` stuff bits at most, and the wire needs as long as the frame says.
+#[test]
+fn the_worst_case_of_stuffing_takes_as_long_as_it_must() {
+    // All dominant to the CRC, which is zero too: 34 bits, and a stuff bit after every fifth.
+    let zeros = data(0, &[]);
+    // 11111 00001 11100 ...: after the first run each stuff bit begins the next run of five.
+    let dense = data(0x7C3, &[0x0F, 0x0F, 0x87, 0xC3, 0xE1, 0xF0, 0x78, 0x3C]);
+    for frame in [zeros, dense] {
+        let mut bench = Bench::new(2);
+        bench.send(0, frame);
+        bench.run_bits(200);
+        let seen = &bench.frames[0];
+        let n = frame.data().len() as u64;
+        let taken = bits(seen.start, seen.end);
+        assert_eq!(taken, u64::from(frame.bit_len()));
+        let stuffed = taken - (44 + 8 * n);
+        assert!((6..=(34 + 8 * n - 1) / 4).contains(&stuffed), "{frame}: {stuffed} stuff bits");
+    }
+}

@@ -3,7 +3,7 @@
 use link_core::{BusErrorKind, LinkCommand, LinkEvent, TxOutcome};
 use transport_mock::{Change, ErrorState, Flag};
 
-use crate::harness::{BIT, Bench, bits, data};
+use crate::harness::{Bench, bits, data};
 
 #[test]
 fn a_lone_node_becomes_error_passive_after_16_attempts_and_never_bus_off() {
@@ -103,5 +103,29 @@ fn bus_off_recovery_takes_128_times_11_recessive_bits_after_the_reset() {
     assert_eq!(ups(&bench), before + 1);
     assert_eq!(bench.counters(0), (0, 0));
     assert_eq!(bench.network.error_state(bench.id(0)), Some(ErrorState::Active));
-    let _ = BIT;
+}
+
+/// Many twins, each with its own data, next to a healthy node: they never all succeed at once, and the bus comes to rest.
+#[test]
+fn many_twins_end_with_every_frame_sent_or_its_sender_off() {
+    for twins in [2_u8, 3, 10, 63] {
+        let mut bench = Bench::new(usize::from(twins) + 1);
+        for twin in 0..twins {
+            bench.send(usize::from(twin), data(0x3FF, &[twin, 0x55, !twin]));
+        }
+        bench.run_bits(60_000);
+        let mut off = 0;
+        for twin in 0..usize::from(twins) {
+            let outcomes = bench.probe(twin).outcomes();
+            let is_off = bench.network.error_state(bench.id(twin)) == Some(ErrorState::BusOff);
+            off += usize::from(is_off);
+            let expected = if is_off { TxOutcome::Dropped } else { TxOutcome::Sent };
+            assert_eq!(outcomes, [expected], "{twins} twins, node {twin}");
+        }
+        let heard = bench.probe(usize::from(twins)).frames().len();
+        assert_eq!(heard + off, usize::from(twins), "what was sent was heard once");
+        if twins == 2 {
+            assert_eq!(off, 0);
+        }
+    }
 }
