@@ -113,3 +113,19 @@ fn a_fast_clock_makes_short_waits() {
     let expected = 100_000_000 * 1_000 / 1_001 + frame_time;
     assert!(gap.abs_diff(expected) <= 2_000, "{gap} for {expected}: the start waits for the next bit");
 }
+
+/// With a node at half the bit rate, the next attempt begins while that node still takes the last one for its own.
+#[test]
+fn an_attempt_that_the_next_one_overtakes_is_recorded_as_itself() {
+    let mut bench = Bench::new(3);
+    bench.change(Change::SetBitRate(bench.id(2), BitRate::K250));
+    bench.run_bits(40);
+    bench.send(0, data(0x100, &[1, 2, 3]));
+    bench.send(1, data(0x101, &[0xFF; 8]));
+    bench.send(2, data(0x0FF, &[]));
+    bench.run_bits(200);
+    assert_eq!(bench.frames[0].senders.len(), 3, "all three began the first one: {:#?}", bench.lines);
+    for pair in bench.frames.windows(2) {
+        assert!(pair[0].start < pair[0].end && pair[0].start < pair[1].start, "{:#?}", bench.lines);
+    }
+}
