@@ -2,7 +2,10 @@
 //!
 //! | Target | Under test | What must hold |
 //! |---|---|---|
+//! | [`bus_paths`] | the simulated bus | the cheap path and the path bit by bit come to the same |
 //! | [`dn_access`] | network access | the transition table, held by a second, small program |
+//! | [`frame_decode`] | identifiers, and the passive decoder on one frame | fields, line and JSON object agree |
+//! | [`monitor`] | the passive decoder on a session | what it puts together was sent, what it pairs came before |
 //! | [`text`] | readers of recordings and scenarios | an error has its place; what was written is read back |
 //! | [`wire`] | every wire type, paths, fragments, the bits of a frame | the laws of the byte layouts |
 //!
@@ -24,8 +27,12 @@
     clippy::unwrap_used
 )] // A panic is how an oracle says what it found, and an overflow in an oracle is a finding too.
 
+pub mod bus_paths;
 pub mod dn_access;
+pub mod frame_decode;
 pub mod input;
+pub mod monitor;
+mod readings;
 pub mod text;
 pub mod wire;
 
@@ -40,7 +47,10 @@ pub struct Target {
 
 /// Every target.
 pub const TARGETS: &[Target] = &[
+    Target { name: "bus_paths", run: bus_paths::run },
     Target { name: "dn_access", run: dn_access::run },
+    Target { name: "frame_decode", run: frame_decode::run },
+    Target { name: "monitor", run: monitor::run },
     Target { name: "text", run: text::run },
     Target { name: "wire", run: wire::run },
 ];

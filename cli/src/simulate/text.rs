@@ -26,9 +26,8 @@ pub(super) struct TextView {
 /// others are counted.
 struct Storm {
     frame: Frame,
-    who: String,
-    /// What was wrong, in words.
-    words: String,
+    senders: Vec<Sender>,
+    error: Failed,
     /// How many were told.
     told: usize,
     /// How many were not told since the last line.
@@ -38,7 +37,11 @@ struct Storm {
     last: Instant,
     /// What the counters of the senders have come to.
     counters: String,
+    who: String,
 }
+
+/// An error without its time.
+type Failed = Option<(usize, transport_mock::NodeId, link_core::BusErrorKind, Option<(u32, Field)>, Flag)>;
 
 impl TextView {
     pub(super) fn new(out: SharedBuffer, coloured: bool, nodes: &[crate::scenario::Node]) -> Self {
@@ -47,35 +50,49 @@ impl TextView {
     }
 
     fn frame(&mut self, nodes: &Nodes<'_>, record: &FrameRecord<'_>, words: Option<String>) {
-        let problem = match record.outcome {
+        let error = match record.outcome {
             Outcome::Ok => {
                 self.flush();
                 self.storm = None;
                 self.line(nodes, record, Emphasis::Normal, &words.unwrap_or_default());
                 return;
             }
-            Outcome::Abandoned => "broken off".to_owned(),
-            Outcome::Error(error) => describe(nodes, &error, record.senders),
+            Outcome::Abandoned => None,
+            Outcome::Error(error) => Some((error.segment, error.node, error.kind, error.place, error.flag)),
         };
         let counters = counters(nodes, record.senders);
         let who = senders(nodes, record.senders);
-        let mut told = 0;
-        if let Some(storm) = &mut self.storm {
-            let again = storm.frame == *record.frame && storm.who == who && storm.words == problem;
-            if again || storm.told == MOST_TOLD {
-                storm.alike = again && (storm.alike || storm.silent == 0);
-                storm.silent += 1;
-                (storm.last, storm.counters) = (record.end, counters);
-                return;
+        let told = match &mut self.storm {
+            None => 0,
+            Some(storm) => {
+                let again =
+                    storm.frame == *record.frame && storm.senders == record.senders && storm.error == error;
+                if again || storm.told == MOST_TOLD {
+                    storm.alike = again && (storm.alike || storm.silent == 0);
+                    storm.silent += 1;
+                    (storm.last, storm.counters, storm.who) = (record.end, counters, who);
+                    return;
+                }
+                storm.told
             }
-            told = storm.told;
-        }
+        };
         self.flush();
-        self.line(nodes, record, Emphasis::Problem, &format!("{problem}; {counters}"));
-        let (frame, last) = (*record.frame, record.end);
-        let storm =
-            Storm { frame, who, words: problem, told: told + 1, silent: 0, alike: true, last, counters };
-        self.storm = Some(storm);
+        let words = match record.outcome {
+            Outcome::Error(error) => describe(nodes, &error, record.senders),
+            Outcome::Ok | Outcome::Abandoned => "broken off".to_owned(),
+        };
+        self.line(nodes, record, Emphasis::Problem, &format!("{words}; {counters}"));
+        self.storm = Some(Storm {
+            frame: *record.frame,
+            senders: record.senders.to_vec(),
+            error,
+            told: told + 1,
+            silent: 0,
+            alike: true,
+            last: record.end,
+            counters,
+            who,
+        });
     }
 
     fn line(&mut self, nodes: &Nodes<'_>, record: &FrameRecord<'_>, emphasis: Emphasis, words: &str) {

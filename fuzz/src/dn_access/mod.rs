@@ -16,7 +16,7 @@ use link_core::{
     Action, FilterSet, Frame, Input, Instant, LinkCommand, LinkEvent, Machine, TxOutcome, TxToken,
 };
 
-use model::{Controller, Fault, Model, State};
+use model::{Fault, Model, State};
 use ops::{Command, Op};
 
 /// Does to a node what the bytes say.
@@ -34,11 +34,11 @@ pub fn run(data: &[u8]) {
 struct Node {
     access: Access,
     model: Model,
+    /// The real time, of which the two know when they are called.
+    clock: Instant,
     /// The frame in flight, whether its withdrawal was asked for.
     in_flight: Option<(TxToken, bool)>,
     link: Link,
-    /// Restarts of the controller that were asked for since it left the bus.
-    restarts: u32,
     filter: Option<FilterSet>,
 }
 
@@ -52,16 +52,16 @@ enum Link {
 
 impl Node {
     fn new(access: Access, model: Model) -> Self {
-        Self { access, model, in_flight: None, link: Link::Down, restarts: 0, filter: None }
+        Self { access, model, clock: Instant::ZERO, in_flight: None, link: Link::Down, filter: None }
     }
 
     /// Does one operation, if it is possible now, and checks everything.
     fn apply(&mut self, op: Op) {
-        let now = self.model.now;
+        let now = self.clock;
         let before = *self.access.counters();
         match op {
             Op::Elapse(span) => {
-                self.model.now += span;
+                self.clock += span;
                 return;
             }
             Op::Tick(span) => self.input(now + span, Input::Tick),
@@ -89,6 +89,7 @@ impl Node {
     }
 
     fn input(&mut self, now: Instant, input: Input) {
+        self.clock = self.clock.max(now);
         self.model.advance(now);
         match input {
             Input::Frame(frame) => self.model.frame(&frame),
@@ -109,7 +110,7 @@ impl Node {
     /// A tick before anything is due: only the clock of the machine moves on.
     fn early_tick(&mut self, now: Instant) {
         let (state, deadline) = (self.access.state(), self.access.deadline());
-        if now > self.model.now {
+        if now > self.clock {
             self.input(now, Input::Tick);
             assert_eq!((self.access.state(), self.access.deadline()), (state, deadline), "an early tick");
         }
@@ -118,7 +119,7 @@ impl Node {
     /// A frame can be heard only on a bus.
     fn frame(&mut self, frame: Frame) {
         if self.link == Link::Up {
-            self.input(self.model.now, Input::Frame(frame));
+            self.input(self.clock, Input::Frame(frame));
         }
     }
 
@@ -126,7 +127,7 @@ impl Node {
     fn tx_done(&mut self, outcome: TxOutcome) {
         let outcome = if self.link == Link::Up { outcome } else { TxOutcome::Dropped };
         if let Some((token, _)) = self.in_flight.take() {
-            self.input(self.model.now, Input::TxDone(token, outcome));
+            self.input(self.clock, Input::TxDone(token, outcome));
         }
     }
 
@@ -135,17 +136,14 @@ impl Node {
             LinkEvent::Up => self.link = Link::Up,
             LinkEvent::Down => self.link = Link::Down,
             LinkEvent::BusOff if self.link == Link::Down => return,
-            LinkEvent::BusOff if self.link == Link::Up => {
-                self.link = Link::OffTheBus;
-                self.restarts = 0;
-            }
+            LinkEvent::BusOff => self.link = Link::OffTheBus,
             _ => {}
         }
-        self.input(self.model.now, Input::Link(event));
+        self.input(self.clock, Input::Link(event));
     }
 
     fn command(&mut self, command: Command) {
-        let now = self.model.now;
+        let now = self.clock;
         let from = self.access.state().kind();
         let obeyed = match command {
             Command::Reset => {
@@ -220,17 +218,17 @@ impl Node {
     fn link_command(&mut self, command: LinkCommand) {
         match command {
             LinkCommand::SetFilter(filter) => self.filter = Some(filter),
-            LinkCommand::Reset => {
-                let restarting = State::Sending { done: 0, controller: Controller::Restarting };
-                assert_eq!(self.model.state, restarting, "nothing else restarts the controller");
-                self.restarts += 1;
-            }
+            LinkCommand::Reset => match self.model.restart_due() {
+                Some(commanded) => *commanded = true,
+                None => panic!("a restart of the controller in {:?}", self.model.state),
+            },
             LinkCommand::SetMode(mode) => panic!("{mode:?}: network access leaves the mode alone"),
         }
     }
 
-    fn compare(&self) {
-        let Self { access, model, .. } = self;
+    fn compare(&mut self) {
+        assert!(self.model.restart_due().is_none(), "the controller is never restarted");
+        let Self { access, model, .. } = &*self;
         assert_eq!(access.state().kind(), model.kind(), "{:?} and {:?}", access.state(), model.state);
         assert_eq!(access.is_online(), model.kind() == StateKind::OnLine);
         assert_eq!(access.fault().is_some(), model.kind() == StateKind::CommFault);
@@ -242,9 +240,6 @@ impl Node {
         assert_eq!(self.in_flight.is_some(), model.in_flight.is_some());
         assert_eq!(model.wants(), [], "not sent in {:?}", model.state);
         assert!(!model.withdraw_due, "not withdrawn in {:?}", model.state);
-        if let State::Sending { controller: Controller::Restarting, .. } = model.state {
-            assert!(self.restarts > 0, "the controller is never restarted");
-        }
         if let Some(id) = model.must_hear() {
             let heard = Frame::new(link_core::frame::standard_id(id as u16), &[]).expect("no data");
             assert!(self.filter.as_ref().is_some_and(|filter| filter.accepts(&heard)), "deaf to {id:03X}");

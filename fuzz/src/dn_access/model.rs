@@ -52,7 +52,7 @@ pub(super) enum State {
 pub(super) enum Controller {
     Ready,
     BackOff(Instant),
-    Restarting,
+    Restarting { commanded: bool },
     GivenBack(Instant),
 }
 
@@ -123,7 +123,7 @@ impl Model {
         matches!(
             self.state,
             State::Faulted(Fault::BusOff)
-                | State::Sending { controller: Controller::BackOff(_) | Controller::Restarting, .. }
+                | State::Sending { controller: Controller::BackOff(_) | Controller::Restarting { .. }, .. }
         )
     }
 
@@ -157,7 +157,7 @@ impl Model {
                 self.enter(State::OnLine { answer_due: false, second: Sending::Nothing });
             }
             State::Sending { controller, .. } => match *controller {
-                Controller::BackOff(at) if over(at) => *controller = Controller::Restarting,
+                Controller::BackOff(at) if over(at) => *controller = RESTART,
                 Controller::GivenBack(at) if over(at) => *controller = Controller::Ready,
                 _ => {}
             },
@@ -284,7 +284,7 @@ impl Model {
             (
                 LinkEvent::Up,
                 State::Sending {
-                    controller: controller @ (Controller::Restarting | Controller::GivenBack(_)),
+                    controller: controller @ (Controller::Restarting { .. } | Controller::GivenBack(_)),
                     ..
                 },
             )
@@ -300,7 +300,7 @@ impl Model {
             (LinkEvent::BusOff, _) if !off_the_bus => self.bus_off(),
             (
                 LinkEvent::Refused(LinkCommandKind::Reset),
-                State::Sending { controller: Controller::Restarting, .. },
+                State::Sending { controller: Controller::Restarting { .. }, .. },
             ) => self.leave_the_bus(State::Faulted(Fault::BusOff)),
             _ => {}
         }
@@ -367,7 +367,7 @@ impl Model {
     }
 
     fn send_request(&mut self, done: u8) {
-        let controller = if self.is_off_the_bus() { Controller::Restarting } else { Controller::Ready };
+        let controller = if self.is_off_the_bus() { RESTART } else { Controller::Ready };
         self.enter(State::Sending { done, controller });
     }
 
@@ -400,6 +400,16 @@ impl Model {
                 who.into_iter().chain(identify.map(Kind::IdentifyResponse)).collect()
             }
             _ => Vec::new(),
+        }
+    }
+
+    /// Whether the machine must restart the controller now.
+    pub(super) fn restart_due(&mut self) -> Option<&mut bool> {
+        match &mut self.state {
+            State::Sending { controller: Controller::Restarting { commanded }, .. } if !*commanded => {
+                Some(commanded)
+            }
+            _ => None,
         }
     }
 
@@ -446,4 +456,5 @@ fn own_bytes() -> [u8; 7] {
     [0, low, high, a, b, c, d]
 }
 
+const RESTART: Controller = Controller::Restarting { commanded: false };
 const T_DUP: Duration = Duration::from_secs(1);

@@ -1,0 +1,150 @@
+//! A session through the passive decoder: it stays within bounds, every line and object is sound, what it puts together
+//! was sent, what it pairs came before, and the time of day makes no difference.
+
+mod session;
+
+use std::collections::HashMap;
+
+use core::time::Duration;
+
+use arbitrary::Unstructured;
+use devicenet_core::MacId;
+use devicenet_core::monitor::{FragmentationGuess, Monitor, MonitorConfig, Predefined, Reading};
+use link_core::Instant;
+
+use crate::readings;
+use session::Sent;
+pub use session::session_bytes;
+
+/// Byte 0: bit 0 fragmented I/O is not guessed, bit 1 the sizes of a connection are told. Then a session.
+pub fn run(data: &[u8]) {
+    let mut input = Unstructured::new(data);
+    let Ok(options) = input.arbitrary::<u8>() else { return };
+    let (mut monitor, mut later) = (new_monitor(options), new_monitor(options));
+    let sent = session::read(&mut input, MOST_FRAMES);
+    let mut numbers = HashMap::new();
+    for (index, Sent { at, frame }) in sent.iter().enumerate() {
+        // The numbers of a recording, in which other frames lie between.
+        let n = 2 * index as u64 + 1;
+        numbers.insert(n, *at);
+        let reading = monitor.observe(START + *at, n, frame);
+        let text = readings::judge(&reading, frame);
+        check_request(&reading, &numbers, *at);
+        check_message(&reading, &sent[..=index]);
+        let same = later.observe(MUCH_LATER + *at, n, frame);
+        assert_eq!(same.to_string(), text, "at another time of day");
+        assert_eq!(same.message.map(|message| message.data), reading.message.map(|message| message.data));
+        assert_eq!(same.request, reading.request);
+    }
+    check_summary(&monitor, &sent);
+}
+
+fn new_monitor(options: u8) -> Box<Monitor> {
+    let mut config = MonitorConfig::default();
+    if options & 1 != 0 {
+        config.fragmentation = FragmentationGuess::Off;
+    }
+    let mut monitor = Box::new(Monitor::new(config));
+    if options & 2 != 0 {
+        let slave = MacId::new(10).expect("at most 63");
+        monitor.set_io_sizes(slave, Predefined::Poll, Some(12), Some(u16::from(options >> 2)));
+    }
+    monitor
+}
+
+/// What is answered was seen before, as long ago as the latency says.
+fn check_request(reading: &Reading<'_>, numbers: &HashMap<u64, Duration>, at: Duration) {
+    let Some(request) = reading.request else { return };
+    assert!(request.n < reading.n, "{reading} answers itself");
+    let asked = numbers.get(&request.n).unwrap_or_else(|| panic!("{reading} answers {}", request.n));
+    assert_eq!(request.latency, at - *asked, "{reading}");
+}
+
+/// A message consists of pieces of frames with the identifier of the last one, in the order of sending, none of them
+/// longer ago than a sender waits.
+fn check_message(reading: &Reading<'_>, sent: &[Sent]) {
+    let Some(message) = reading.message else { return };
+    assert!(message.data.len() <= LONGEST_MESSAGE, "{} bytes", message.data.len());
+    if message.data.is_empty() {
+        return;
+    }
+    // How much of the message, from its front, is still to be explained, by any choice of frames so far.
+    let mut left = vec![message.data.len()];
+    let mut after = reading.at.saturating_since(START);
+    let on_this_identifier = sent.iter().rev().filter(|sent| sent.frame.id() == reading.frame.id());
+    for (index, Sent { at, frame }) in on_this_identifier.enumerate() {
+        if after - *at > FRAGMENT_TIMEOUT {
+            break;
+        }
+        after = *at;
+        let shorter: Vec<_> = left
+            .iter()
+            .flat_map(|&len| (1..=2).filter_map(move |skip| Some((len, frame.data().get(skip..)?))))
+            .filter_map(|(len, piece)| message.data[..len].strip_suffix(piece).map(<[u8]>::len))
+            .collect();
+        if index == 0 {
+            left.clear();
+        }
+        left.extend(shorter);
+        left.sort_unstable();
+        left.dedup();
+        if left.first() == Some(&0) {
+            return;
+        }
+    }
+    panic!("{:02X?} was never sent: {reading}", message.data);
+}
+
+/// The records agree with what was sent.
+fn check_summary(monitor: &Monitor, sent: &[Sent]) {
+    let frames = sent.len() as u64;
+    let bytes: u64 = sent.iter().map(|sent| sent.frame.data().len() as u64).sum();
+    let nodes: Vec<_> = monitor.nodes().collect();
+    assert!(nodes.iter().map(|node| node.mac).is_sorted_by(|one, next| one < next), "each MAC ID once");
+    assert!(nodes.iter().map(|node| node.frames).sum::<u64>() <= frames);
+    assert!(nodes.iter().map(|node| node.bytes).sum::<u64>() <= bytes);
+    for node in &nodes {
+        assert!(node.problems <= node.frames && node.error_responses <= node.frames, "{node:?}");
+        assert!(node.responses <= node.frames, "{node:?}");
+        assert!(node.first_seen <= node.last_seen, "{node:?}");
+    }
+    for connection in monitor.connections() {
+        assert!(connection.frames <= frames && connection.bytes <= bytes, "{connection:?}");
+        assert!(!connection.name.to_string().is_empty());
+        let known = connection.states().count();
+        assert!(known > 0 || connection.frames > 0, "{connection:?}");
+    }
+}
+
+const MOST_FRAMES: usize = 256;
+const LONGEST_MESSAGE: usize = 512;
+const FRAGMENT_TIMEOUT: Duration = Duration::from_secs(3);
+const START: Instant = Instant::ZERO;
+const MUCH_LATER: Instant = Instant::from_millis(1_700_000_000_000);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use devicenet_core::Identifier;
+    use link_core::Frame;
+
+    fn session(frames: &[(u16, &[u8])]) -> Vec<u8> {
+        let frames = frames.iter().enumerate().map(|(index, &(id, data))| {
+            let frame: Frame = Identifier::new(id).unwrap().frame(data).unwrap();
+            (Instant::from_millis(index as u64), frame)
+        });
+        [&[0][..], &session_bytes(frames)].concat()
+    }
+
+    #[test]
+    fn a_fragmented_response_is_put_together() {
+        // The product name of an Omron GRT1-DRT (Konvolucio.DeviceNet unit-test logs).
+        run(&session(&[
+            (0x414, &[0x00, 0x0E, 0x01, 0x01, 0x07]),
+            (0x413, &[0x80, 0x00, 0x8E, 0x08, 0x47, 0x52, 0x54, 0x31]),
+            (0x414, &[0x80, 0xC0, 0x00]),
+            (0x413, &[0x80, 0x81, 0x2D, 0x44, 0x52, 0x54]),
+            (0x414, &[0x80, 0xC1, 0x00]),
+        ]));
+    }
+}
