@@ -31,7 +31,7 @@ impl Parsed {
     /// The message is the frame.
     pub(super) fn apply(self, reading: &mut Reading<'_>) {
         reading.kind = self.kind;
-        reading.fields = self.fields;
+        reading.fields = Fields { is_ucmm: reading.fields.is_ucmm, ..self.fields };
         self.apply_around(reading);
     }
 

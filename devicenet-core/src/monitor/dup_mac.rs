@@ -81,8 +81,12 @@ fn request<const N: usize>(
         AccessState::SecondCheck | AccessState::OnLine | AccessState::Faulted => AccessState::FirstCheck,
         AccessState::SuspectedDuplicate => AccessState::SuspectedDuplicate,
     };
+    let is_first = node.access == AccessState::FirstCheck;
     if access == AccessState::OnLine {
         reading.note = Some(Note::Restarted);
+    }
+    if is_first {
+        // Whoever checks has no connections.
         state.drop_connections(mac, at);
     }
 }

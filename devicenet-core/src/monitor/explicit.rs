@@ -180,10 +180,10 @@ fn address<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, rout
     reading.src = Some(source);
     reading.dst = Some(destination);
     let at = reading.at;
+    if client == server {
+        reading.flag(Problem::HeaderRepeatsIdentifier { mac: server });
+    }
     if route.link.dynamic.is_none() {
-        if client == server {
-            reading.flag(Problem::HeaderRepeatsIdentifier { mac: server });
-        }
         state.add_role(client, Roles::MASTER);
         if route.flow == Flow::Produced {
             state.add_role(server, Roles::SLAVE);

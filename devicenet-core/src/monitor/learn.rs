@@ -1,14 +1,16 @@
 //! What a successful request teaches about the connections and the identity of a node.
 
 use cip_core::code::{AttributeId, ClassId, DeviceType, InstanceId, ServiceCode, VendorId};
+use cip_core::codec::Wire;
 use cip_core::epath::Epath;
+use cip_core::identity::{DeviceIdentity, IdentityAttributes, OptionalAttributes};
 use cip_core::message::{AllocationChoice, BodyFormat};
 use link_core::Instant;
 
 use super::connection::{Connection, EXPLICIT_EPR};
 use super::connections::{ConnectionState, Predefined};
 use super::explicit::{Channel, Knowledge};
-use super::nodes::{Allocation, Node, Roles};
+use super::nodes::{Allocation, Identity, Node, Roles};
 use super::pairing::Transaction;
 use super::problem::Problem;
 use super::state::State;
@@ -65,6 +67,7 @@ fn devicenet<const N: usize>(
 }
 
 fn allocated(node: &mut Node, choice: AllocationChoice, master: MacId, format: BodyFormat, at: Instant) {
+    node.settle(at);
     if choice.contains(AllocationChoice::EXPLICIT) {
         node.connection(Predefined::Explicit).allocate(Predefined::Explicit, at);
         node.explicit = Channel::told(format);
@@ -88,7 +91,7 @@ fn allocated(node: &mut Node, choice: AllocationChoice, master: MacId, format: B
     if changes {
         node.connection(Predefined::CosCyclic).allocate(Predefined::CosCyclic, at);
     }
-    let kept = node.allocation.filter(|held| held.master == Some(master)).map(|held| held.choice);
+    let kept = node.allocation.filter(|held| held.master == Some(master)).map(|_| node.live_choice());
     let choice = kept.unwrap_or_default() | choice;
     node.allocation = Some(Allocation { choice, master: Some(master) });
 }
@@ -142,6 +145,12 @@ fn identity<const N: usize>(
         let [interval, _] = request.argument.to_le_bytes();
         node.heartbeat_interval = Some(interval);
     }
+    if request.service == ServiceCode::GET_ATTRIBUTES_ALL
+        && let Ok(all) = IdentityAttributes::parse(data)
+    {
+        identity_of(node, &all);
+        return;
+    }
     if request.service != ServiceCode::GET_ATTRIBUTE_SINGLE {
         return;
     }
@@ -152,14 +161,24 @@ fn identity<const N: usize>(
         (3, &[low, high]) => held.product = Some(u16::from_le_bytes([low, high])),
         (4, &[major, minor]) => held.revision = Some((major, minor)),
         (6, &[a, b, c, d]) => held.serial = Some(u32::from_le_bytes([a, b, c, d])),
-        (7, [len, name @ ..]) if usize::from(*len) == name.len() => {
-            let kept = name.get(..name.len().min(node.name.capacity())).unwrap_or_default();
-            node.name.clear();
-            // It fits: it was cut to the capacity.
-            let _ = node.name.extend_from_slice(kept);
-        }
+        (7, [len, name @ ..]) if usize::from(*len) == name.len() => node.set_name(name),
         (10, &[interval]) => node.heartbeat_interval = Some(interval),
         _ => {}
+    }
+}
+
+fn identity_of(node: &mut Node, all: &IdentityAttributes) {
+    let DeviceIdentity { vendor, device_type, product_code, revision, serial, name } = &all.identity;
+    node.identity = Identity {
+        vendor: Some(*vendor),
+        serial: Some(*serial),
+        device_type: Some(*device_type),
+        product: Some(*product_code),
+        revision: Some((revision.major, revision.minor)),
+    };
+    node.set_name(name.as_bytes());
+    if let OptionalAttributes::Heartbeat(_, _, interval) = all.optional {
+        node.heartbeat_interval = Some(interval);
     }
 }
 

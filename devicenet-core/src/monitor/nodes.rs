@@ -8,7 +8,7 @@ use cip_core::message::AllocationChoice;
 use link_core::Instant;
 
 use super::connection::Connection;
-use super::connections::Predefined;
+use super::connections::{ConnectionState, Predefined};
 use super::explicit::Channel;
 use super::pairing::{Seen, Waiting};
 use crate::id::MacId;
@@ -198,6 +198,38 @@ impl Node {
     /// The choice, if an allocation is known to exist.
     pub(super) fn choice(&self) -> Option<AllocationChoice> {
         self.allocation.filter(|allocation| allocation.master.is_some()).map(|allocation| allocation.choice)
+    }
+
+    /// The bits of the choice whose connections still exist.
+    pub(super) fn live_choice(&self) -> AllocationChoice {
+        let [explicit, poll, strobe, changes, multicast] = &self.connections;
+        let gone = |connection: &Connection| {
+            matches!(connection.state, ConnectionState::NonExistent | ConnectionState::TimedOut)
+        };
+        let choice = self.choice().unwrap_or_default();
+        let mut live = choice;
+        live.set(AllocationChoice::EXPLICIT, choice.contains(AllocationChoice::EXPLICIT) && !gone(explicit));
+        live.set(AllocationChoice::POLL, choice.contains(AllocationChoice::POLL) && !gone(poll));
+        live.set(
+            AllocationChoice::BIT_STROBE,
+            choice.contains(AllocationChoice::BIT_STROBE) && !gone(strobe),
+        );
+        let of_multicast = choice.contains(AllocationChoice::MULTICAST_POLL) && !gone(multicast);
+        live.set(AllocationChoice::MULTICAST_POLL, of_multicast);
+        if gone(changes) {
+            live.remove(
+                AllocationChoice::CHANGE_OF_STATE
+                    | AllocationChoice::CYCLIC
+                    | AllocationChoice::ACK_SUPPRESSION,
+            );
+        }
+        live
+    }
+
+    /// Keeps as much of a product name as there is room for.
+    pub(super) fn set_name(&mut self, name: &[u8]) {
+        self.name.clear();
+        self.name.extend(name.iter().copied().take(NAME_CAPACITY));
     }
 
     /// Lets the watchdogs of the predefined set expire.

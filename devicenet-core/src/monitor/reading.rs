@@ -79,6 +79,8 @@ pub struct Fields {
     pub serial: Option<u32>,
     /// Physical port of a duplicate MAC ID check or Who response.
     pub port: Option<u8>,
+    /// The service is one of UCMM.
+    pub(super) is_ucmm: bool,
     /// Where the attribute value, service data or I/O data stand.
     pub(super) value: Option<Span>,
     /// What only some messages have.

@@ -5,6 +5,7 @@ use cip_core::codec::Wire;
 use cip_core::message::{AllocateResponse, AllocationChoice, BodyFormat, Response};
 
 use super::bodies::{Parsed, problem_of};
+use super::connections::ConnectionState;
 use super::explicit::{Knowledge, Route};
 use super::kind::Kind;
 use super::learn;
@@ -51,6 +52,10 @@ pub(super) fn connected<const N: usize>(
         parsed.kind = Kind::UnconnectedResponse;
     } else {
         state.channel(route.link).pending = None;
+        let connection = state.connection(route.link);
+        if connection.state != ConnectionState::Established {
+            connection.infer(ConnectionState::Established, seen.at);
+        }
     }
     parsed.request = Some(transaction.seen.answered(seen.at));
     parsed.assumed = transaction.assumed;

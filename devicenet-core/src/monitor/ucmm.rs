@@ -296,6 +296,7 @@ fn missed(
 }
 
 fn address(reading: &mut Reading<'_>, source: MacId, destination: MacId) {
+    reading.fields.is_ucmm = true;
     reading.src = Some(source);
     reading.dst = Some(destination);
     if source == destination {

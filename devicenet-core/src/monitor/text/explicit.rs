@@ -18,7 +18,7 @@ pub(super) fn write_message(f: &mut Formatter<'_>, kind: Kind, fields: &Fields, 
     let Some(service) = fields.service else {
         return f.write_str(if is_response { "response" } else { "request" });
     };
-    write_service(f, kind, fields, fields.requested.unwrap_or(service))?;
+    write_service(f, fields, fields.requested.unwrap_or(service))?;
     if is_response {
         return write_response(f, fields, value);
     }
@@ -63,14 +63,14 @@ fn write_response(f: &mut Formatter<'_>, fields: &Fields, value: &[u8]) -> fmt::
 }
 
 /// The short words of the services that everybody knows by them, else the name, else the number.
-fn write_service(f: &mut Formatter<'_>, kind: Kind, fields: &Fields, service: ServiceCode) -> fmt::Result {
+fn write_service(f: &mut Formatter<'_>, fields: &Fields, service: ServiceCode) -> fmt::Result {
     let of_set =
         fields.class == Some(ClassId::DEVICENET) || matches!(fields.detail, Detail::Allocated { .. });
     let name = match service {
         ServiceCode::ALLOCATE if of_set => Some("Allocate"),
         ServiceCode::RELEASE if of_set => Some("Release"),
-        ucmm::OPEN if fields.is_ucmm(kind) => Some("Open"),
-        ucmm::CLOSE if fields.is_ucmm(kind) => Some("Close"),
+        ucmm::OPEN if fields.is_ucmm => Some("Open"),
+        ucmm::CLOSE if fields.is_ucmm => Some("Close"),
         ServiceCode::ERROR_RESPONSE => Some("response"),
         service => fields.name_of(service),
     };

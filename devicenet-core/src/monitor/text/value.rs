@@ -49,18 +49,13 @@ impl Fields {
             }
             (Kind::Heartbeat, broadcast::HEARTBEAT) => "Device_Heartbeat",
             (Kind::Shutdown, broadcast::SHUTDOWN) => "Device_Shutdown",
-            _ if self.is_ucmm(kind) => match service {
+            _ if self.is_ucmm => match service {
                 ucmm::OPEN => "Open_Explicit_Messaging_Connection",
                 ucmm::CLOSE => "Close_Connection",
                 _ => return service.name(),
             },
             _ => return self.name_of(service),
         })
-    }
-
-    pub(super) fn is_ucmm(&self, kind: Kind) -> bool {
-        // A response of the Group 2 Only unconnected port is of a class.
-        matches!(kind, Kind::UnconnectedRequest | Kind::UnconnectedResponse) && self.class.is_none()
     }
 
     pub(super) fn name_of(&self, service: ServiceCode) -> Option<&'static str> {

@@ -1,0 +1,103 @@
+//! Duplicate MAC ID check, heartbeat, shutdown.
+
+use super::*;
+
+const DEVICE: [u8; 7] = [0x00, 0x34, 0x12, 0x45, 0x23, 0x00, 0x00];
+const TWIN: [u8; 7] = [0x00, 0x77, 0x00, 0x04, 0x03, 0x02, 0x01];
+
+#[test]
+fn a_node_comes_on_line_by_two_checks_and_a_second() {
+    let mut bus = Bus::new();
+    bus.group2(10, 7, &DEVICE);
+    assert_eq!(bus.node(10).access, AccessState::FirstCheck);
+    bus.wait(999).group2(10, 7, &DEVICE);
+    assert_eq!(bus.node(10).access, AccessState::SecondCheck);
+    bus.wait(1000).group2(1, 7, &TWIN);
+    assert_eq!(bus.node(10).access, AccessState::OnLine);
+    let node = bus.node(10);
+    assert_eq!((node.vendor.map(u16::from), node.serial), (Some(0x1234), Some(0x2345)));
+}
+
+#[test]
+fn a_check_of_a_node_on_line_is_a_restart_and_ends_its_connections() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.group2(10, 7, &DEVICE);
+    assert_eq!(bus.state(10, Predefined::Explicit), ConnectionState::NonExistent);
+    assert_eq!(bus.node(10).master, None);
+    bus.wait(999).group2(10, 7, &DEVICE);
+    let heard = bus.wait(5000).group2(10, 7, &DEVICE);
+    assert_eq!((heard.note, heard.problem), (Some(Note::Restarted), None));
+    assert_eq!(bus.node(10).access, AccessState::FirstCheck);
+}
+
+#[test]
+fn a_twin_is_told_by_its_identity_and_by_the_response() {
+    let mut bus = Bus::new();
+    bus.group2(10, 7, &DEVICE);
+    bus.wait(999).group2(10, 7, &DEVICE);
+    let heard = bus.wait(5000).group2(10, 7, &TWIN);
+    assert_eq!(heard.problem, Some(Problem::TwoIdentities { mac: mac(10) }));
+    let asked = heard.n;
+    let mut response = DEVICE;
+    response[0] = 0x80;
+    let heard = bus.group2(10, 7, &response);
+    assert_eq!(heard.problem, Some(Problem::DuplicateMacId { mac: mac(10) }));
+    assert_eq!(heard.answers(), Some(asked));
+    assert_eq!(heard.text, "dup MAC 10 response  vendor 4660 serial 0x00002345  ! duplicate MAC ID 10");
+    assert_eq!(bus.node(10).access, AccessState::SuspectedDuplicate);
+}
+
+#[test]
+fn a_check_of_another_length_is_a_check_with_a_problem() {
+    let mut bus = Bus::new();
+    let heard = bus.group2(10, 7, &DEVICE[..5]);
+    assert_eq!(heard.kind, Kind::DupMacRequest);
+    assert_eq!(heard.problem, Some(Problem::Length { expected: 7, found: 5 }));
+    assert!(heard.text.ends_with("! 7 bytes expected, 5 found"), "{}", heard.text);
+}
+
+#[test]
+fn a_heartbeat_says_how_the_device_is() {
+    let mut bus = Bus::new();
+    let heard = bus.group2(3, 3, &[0x03, 0xCD, 0x01, 0x00, 0x03, 0x04, 0x34, 0x12]);
+    assert_eq!((heard.kind, heard.problem), (Kind::Heartbeat, None));
+    assert_eq!(heard.text, "heartbeat 3  operational, system fault, configuration 0x1234");
+    let heard = bus.group3(5, 3, &[0x03, 0xCD, 0x01, 0x00, 0x03, 0x08, 0x00, 0x00]);
+    assert_eq!(heard.problem, Some(Problem::HeartbeatEvent));
+    let heard = bus.group3(5, 3, &[0x04, 0xCD, 0x01, 0x00, 0x03, 0x00, 0x00, 0x00]);
+    assert_eq!(heard.problem, Some(Problem::HeaderNotSender { found: mac(4) }));
+    let heard = bus.group3(5, 3, &[0x03, 0xCD, 0x01, 0x00, 0x03, 0x00, 0x00]);
+    assert_eq!(heard.problem, Some(Problem::TooShort { at_least: 8, found: 7 }));
+}
+
+#[test]
+fn a_missing_heartbeat_is_missed_once_the_interval_is_known() {
+    const HEARTBEAT: [u8; 8] = [0x0A, 0xCD, 0x01, 0x00, 0x03, 0x00, 0x00, 0x00];
+    let mut bus = Bus::with_slave(10, 0x01);
+    bus.group2(10, 3, &HEARTBEAT);
+    assert_eq!(bus.wait(60_000).group2(10, 3, &HEARTBEAT).problem, None, "the interval is not known");
+    let mut bus = Bus::with_slave(10, 0x01);
+    bus.group2(10, 4, &[0x01, 0x10, 1, 1, 10, 5]);
+    bus.group2(10, 3, &[0x01, 0x90]);
+    bus.group2(10, 3, &HEARTBEAT);
+    assert_eq!(bus.wait(5_000).group2(10, 3, &HEARTBEAT).problem, None);
+    let expected = Problem::HeartbeatMissing { after: 15, interval: 5 };
+    assert_eq!(bus.wait(15_000).group2(10, 3, &HEARTBEAT).problem, Some(expected));
+}
+
+#[test]
+fn a_shutdown_ends_the_connections() {
+    let mut bus = Bus::with_slave(3, 0x03);
+    let heard = bus.group2(3, 3, &[0x03, 0xCE, 0x04, 0x00, 0x02, 0x00, 0x01, 0x02]);
+    assert_eq!(heard.text, "shutdown 3  Assembly 2, vendor-specific code 0x0201");
+    assert_eq!(bus.state(3, Predefined::Explicit), ConnectionState::NonExistent);
+}
+
+/// On the identifier of explicit responses 0x4E is also a service of a class, and the header tells them apart.
+#[test]
+fn a_class_service_with_the_code_of_a_broadcast_is_a_response() {
+    let mut bus = Bus::with_slave(3, 0x01);
+    bus.group2(3, 4, &[0x01, 0x4E, 0x64, 1]);
+    let heard = bus.group2(3, 3, &[0x01, 0xCE, 7]);
+    assert_eq!((heard.kind, heard.problem), (Kind::ExplicitResponse, None));
+}

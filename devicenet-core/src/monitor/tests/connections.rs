@@ -1,0 +1,176 @@
+//! Allocation, states, watchdogs.
+
+use super::*;
+
+#[test]
+fn a_poll_connection_from_allocation_to_release() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    assert_eq!(bus.state(10, Predefined::Explicit), ConnectionState::Established);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::Configuring);
+    let heard = bus.group2(10, 5, &[1]);
+    assert_eq!(heard.note, Some(Note::NoConnection(ConnectionState::Configuring)), "the slave ignores it");
+    bus.establish(10, 2, 100);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::Established);
+    let node = bus.node(10);
+    assert_eq!((node.master, node.choice.map(|choice| choice.bits())), (Some(mac(1)), Some(0x03)));
+    assert_eq!(node.roles, Roles::SLAVE);
+    assert_eq!(bus.node(1).roles, Roles::MASTER);
+
+    bus.group2(10, 4, &[0x01, 0x4C, 3, 1, 0x02]);
+    bus.group2(10, 3, &[0x01, 0xCC]);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::NonExistent);
+    assert_eq!(bus.node(10).choice.map(|choice| choice.bits()), Some(0x01));
+    bus.group2(10, 6, &[0x01, 0x4C, 3, 1, 0x01]);
+    bus.group2(10, 3, &[0x01, 0xCC]);
+    assert_eq!((bus.node(10).master, bus.node(10).choice), (None, None));
+    let states: Vec<_> = bus.connection(10, Predefined::Poll).states().collect();
+    let expected = [ConnectionState::NonExistent, ConnectionState::Configuring, ConnectionState::Established];
+    assert_eq!(states, expected);
+}
+
+#[test]
+fn polls_that_stop_time_the_connection_out_after_four_packet_rates() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.establish(10, 2, 100);
+    bus.group2(10, 5, &[1]);
+    bus.group1(15, 10, &[2]);
+    bus.wait(398).group2(10, 5, &[1]);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::Established);
+    bus.group1(15, 10, &[2]);
+    let heard = bus.wait(400).group2(10, 5, &[1]);
+    assert_eq!(heard.note, Some(Note::NoConnection(ConnectionState::TimedOut)));
+    assert!(heard.assumed, "a frame could be missing");
+    assert_eq!(heard.problem, None);
+    let record = bus.connection(10, Predefined::Poll);
+    assert_eq!((record.state, record.assumed), (ConnectionState::TimedOut, true));
+    // It answers: a frame was missing.
+    assert_eq!(bus.group1(15, 10, &[2]).problem, None);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::Established);
+}
+
+#[test]
+fn the_first_poll_may_take_ten_seconds() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.establish(10, 2, 100);
+    assert_eq!(bus.wait(9_900).group2(10, 5, &[1]).note, None);
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.establish(10, 2, 100);
+    assert!(bus.wait(10_100).group2(10, 5, &[1]).note.is_some());
+}
+
+#[test]
+fn the_explicit_connection_is_deleted_ten_seconds_after_its_last_message() {
+    let mut bus = Bus::with_slave(10, 0x01);
+    bus.wait(9_990).group2(10, 4, &[0x01, 0x0E, 1, 1, 1]);
+    bus.group2(10, 3, &[0x01, 0x8E, 0x34, 0x12]);
+    let heard = bus.wait(10_000).group2(10, 4, &[0x01, 0x0E, 1, 1, 1]);
+    assert_eq!(heard.note, Some(Note::NoConnection(ConnectionState::NonExistent)));
+    assert!(heard.assumed);
+}
+
+#[test]
+fn deferred_delete_waits_for_the_io() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.group2(10, 4, &[0x01, 0x10, 5, 1, 12, 3]);
+    bus.group2(10, 3, &[0x01, 0x90]);
+    assert_eq!(bus.connection(10, Predefined::Explicit).watchdog_action, Some(3));
+    bus.establish(10, 2, 1000);
+    for _ in 0..12 {
+        bus.wait(1000).group2(10, 5, &[1]);
+        bus.group1(15, 10, &[2]);
+    }
+    assert_eq!(bus.state(10, Predefined::Explicit), ConnectionState::DeferredDelete);
+    let heard = bus.group2(10, 4, &[0x01, 0x0E, 1, 1, 1]);
+    assert_eq!((heard.note, heard.problem), (None, None));
+    assert_eq!(bus.state(10, Predefined::Explicit), ConnectionState::Established);
+}
+
+#[test]
+fn packet_rate_zero_never_times_out() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.establish(10, 2, 0);
+    bus.establish(10, 1, 0);
+    assert_eq!(bus.wait(1_000_000).group2(10, 5, &[1]).note, None);
+    assert_eq!(bus.group2(10, 4, &[0x01, 0x0E, 1, 1, 1]).note, None);
+}
+
+#[test]
+fn a_second_allocation_adds_to_what_still_exists() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.establish(10, 2, 100);
+    bus.group2(10, 5, &[1]);
+    bus.wait(20_000).group2(10, 6, &[0x01, 0x4B, 3, 1, 0x05, 1]);
+    bus.group2(10, 3, &[0x01, 0xCB, 0]);
+    let choice = bus.node(10).choice.map(|choice| choice.bits());
+    assert_eq!(choice, Some(0x05), "poll has timed out");
+}
+
+#[test]
+fn allocation_information_tells_what_was_missed() {
+    let mut bus = Bus::new();
+    bus.group2(10, 4, &[0x01, 0x0E, 3, 1, 5]);
+    bus.group2(10, 3, &[0x01, 0x8E, 0x13, 0x01]);
+    let node = bus.node(10);
+    assert_eq!((node.master, node.choice.map(|choice| choice.bits())), (Some(mac(1)), Some(0x13)));
+    assert!(!bus.group2(10, 5, &[]).assumed);
+}
+
+#[test]
+fn attributes_that_are_read_describe_the_connection() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    for (attribute, value) in [
+        (1, &[3][..]),
+        (7, &[3, 0]),
+        (8, &[1, 0]),
+        (9, &[75, 0]),
+        (12, &[2]),
+        (14, &[0x20, 0x04, 0x24, 0x65, 0x30, 0x03]),
+        (17, &[10, 0]),
+    ] {
+        bus.group2(10, 4, &[0x01, 0x0E, 5, 2, attribute]);
+        assert_eq!(bus.group2(10, 3, &[&[0x01, 0x8E], value].concat()).problem, None);
+    }
+    let record = bus.connection(10, Predefined::Poll);
+    assert_eq!((record.state, record.assumed), (ConnectionState::Established, false));
+    assert_eq!((record.produced_size, record.consumed_size, record.epr), (Some(3), Some(1), Some(75)));
+    assert_eq!((record.watchdog_action, record.inhibit), (Some(2), Some(10)));
+    assert_eq!(record.produced_path.map(u16::from), Some(101));
+}
+
+/// The slave of 1998 that names the identifiers of MAC ID 63 whatever its own.
+#[test]
+fn a_connection_that_names_another_identifier() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.group2(10, 4, &[0x01, 0x0E, 5, 2, 4]);
+    let heard = bus.group2(10, 3, &[0x01, 0x8E, 0xFF, 0x03]);
+    assert_eq!(heard.problem, Some(Problem::WrongConnectionId { expected: 0x3CA, found: 0x3FF }));
+    bus.group2(10, 4, &[0x01, 0x0E, 5, 1, 5]);
+    assert_eq!(bus.group2(10, 3, &[0x01, 0x8E, 0x54, 0x04]).problem, None);
+}
+
+#[test]
+fn a_dynamic_connection_ends_by_its_close() {
+    let mut bus = Bus::new();
+    bus.group3(6, 2, &[20, 0x4B, 0, 0x31]);
+    bus.group3(5, 20, &[2, 0xCB, 0, 0x02, 7, 0]);
+    let record = bus.monitor.connections().next().unwrap();
+    assert_eq!((record.server, record.client), (mac(20), Some(mac(2))));
+    assert_eq!((record.state, record.epr), (ConnectionState::Established, Some(2500)));
+    assert_eq!(record.name.to_string(), "group 3 instance 7");
+    bus.group3(6, 2, &[20, 0x4C, 7, 0]);
+    bus.group3(5, 20, &[2, 0xCC]);
+    assert_eq!(bus.monitor.connections().next().unwrap().state, ConnectionState::NonExistent);
+}
+
+/// I/O that is allocated through a UCMM connection, in its body format.
+#[test]
+fn an_allocation_through_a_dynamic_connection() {
+    let mut bus = Bus::new();
+    bus.group3(6, 0, &[63, 0x4B, 2, 0x34]);
+    bus.group3(5, 63, &[0, 0xCB, 2, 0x04, 6, 0]);
+    let heard = bus.group3(4, 0, &[63, 0x4B, 3, 0, 1, 0, 2, 0]);
+    assert_eq!(heard.text, "0 -> 63  Allocate poll, master 0");
+    assert_eq!(bus.group3(4, 63, &[0, 0xCB, 2]).text, "63 -> 0  Allocate: body format 16/16");
+    assert_eq!(bus.state(63, Predefined::Poll), ConnectionState::Configuring);
+    assert_eq!(bus.node(63).master, Some(mac(0)));
+}

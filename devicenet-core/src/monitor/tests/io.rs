@@ -1,0 +1,159 @@
+//! I/O: pairing, sizes, fragments.
+
+use super::*;
+
+#[test]
+fn a_poll_is_answered_or_missed() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.establish(10, 2, 1000);
+    let command = bus.group2(10, 5, &[3]);
+    assert_eq!((command.text.as_str(), command.problem), ("poll 10 <- 1  03", None));
+    let heard = bus.group1(15, 10, &[1, 2]);
+    assert_eq!((heard.text.as_str(), heard.answers()), ("poll 10 -> 1  01 02", Some(command.n)));
+    let missed = bus.group2(10, 5, &[3]).n;
+    assert_eq!(bus.group2(10, 5, &[3]).problem, Some(Problem::PollUnanswered { n: missed }));
+    bus.group1(15, 10, &[1, 2]);
+    assert_eq!(bus.group1(15, 10, &[1, 2]).problem, Some(Problem::UnexpectedIoResponse));
+}
+
+#[test]
+fn polls_of_an_unknown_connection_are_not_missed_before_it_answers() {
+    let mut bus = Bus::new();
+    assert_eq!(bus.group2(10, 5, &[]).problem, None);
+    assert_eq!(bus.group2(10, 5, &[]).problem, None);
+    let heard = bus.group1(15, 10, &[]);
+    assert!(heard.assumed && heard.problem.is_none());
+    let record = bus.connection(10, Predefined::Poll);
+    assert_eq!((record.state, record.assumed), (ConnectionState::Established, true));
+    bus.group2(10, 5, &[]);
+    assert!(bus.group2(10, 5, &[]).problem.is_some());
+}
+
+#[test]
+fn the_first_response_of_a_recording_has_lost_its_command() {
+    let mut bus = Bus::new();
+    let heard = bus.group1(15, 10, &[1]);
+    assert_eq!((heard.problem, heard.assumed), (None, true));
+}
+
+#[test]
+fn a_length_that_is_not_the_size() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.monitor.set_io_sizes(mac(10), Predefined::Poll, Some(2), Some(3));
+    bus.establish(10, 2, 1000);
+    assert_eq!(bus.group2(10, 5, &[1]).problem, Some(Problem::IoLength { expected: 2, found: 1 }));
+    assert_eq!(
+        bus.group2(10, 5, &[]).problem.map(|problem| problem.code()),
+        Some("poll_unanswered"),
+        "idle is valid"
+    );
+    assert_eq!(bus.group1(15, 10, &[1, 2, 3, 4]).problem, Some(Problem::IoLength { expected: 3, found: 4 }));
+}
+
+#[test]
+fn every_slave_answers_a_strobe() {
+    let mut bus = Bus::new();
+    for slave in [5, 9] {
+        bus.group2(slave, 6, &[0x01, 0x4B, 3, 1, 0x05, 1]);
+        bus.group2(slave, 3, &[0x01, 0xCB, 0]);
+        bus.establish(slave, 3, 1000);
+    }
+    let strobe = bus.group2(1, 0, &[0x20, 0, 0, 0, 0, 0, 0, 0]);
+    assert_eq!(strobe.text, "bit-strobe * <- 1  20 00 00 00 00 00 00 00");
+    let heard = bus.group1(14, 5, &[7]);
+    assert_eq!((heard.text.as_str(), heard.answers()), ("bit-strobe 5 -> 1  07", Some(strobe.n)));
+    assert_eq!(bus.group1(14, 9, &[8]).answers(), Some(strobe.n));
+    assert_eq!(bus.group2(1, 0, &[]).problem, None);
+    bus.group1(14, 9, &[8]);
+    let heard = bus.group2(1, 0, &[]);
+    assert_eq!(heard.problem, Some(Problem::StrobeUnanswered { mac: mac(5), count: 1 }));
+    assert_eq!(bus.group2(1, 0, &[1]).problem, Some(Problem::Length { expected: 8, found: 1 }));
+    assert_eq!(bus.group2(2, 0, &[]).problem, None, "slaves of another master do not answer");
+}
+
+#[test]
+fn a_multicast_poll_is_answered_by_its_group() {
+    let mut bus = Bus::with_slave(10, 0x09);
+    bus.establish(10, 5, 1000);
+    let command = bus.group2(1, 1, &[1, 2]);
+    assert_eq!((command.kind, command.src), (Kind::MulticastPollCommand, Some(1)));
+    let heard = bus.group1(12, 10, &[3]);
+    assert_eq!((heard.kind, heard.answers()), (Kind::MulticastPollResponse, Some(command.n)));
+}
+
+#[test]
+fn change_of_state_is_acknowledged() {
+    let mut bus = Bus::with_slave(10, 0x11);
+    bus.establish(10, 4, 1000);
+    let data = bus.group1(13, 10, &[1]);
+    assert_eq!((data.text.as_str(), data.problem), ("COS/cyclic 10 -> 1  01", None));
+    let heard = bus.group2(10, 2, &[]);
+    assert_eq!((heard.text.as_str(), heard.answers()), ("COS/cyclic ack 10 <- 1", Some(data.n)));
+    let data = bus.group1(13, 10, &[2]);
+    assert_eq!(bus.group1(13, 10, &[2]).problem, Some(Problem::Unacknowledged { n: data.n }));
+    // Without the poll bit, instance 2 is the master's direction.
+    let data = bus.group2(10, 5, &[4]);
+    assert_eq!(
+        (data.kind, data.text.as_str()),
+        (Kind::CosCyclic, "COS/cyclic 10 <- 1  04 (connection configuring)")
+    );
+    bus.establish(10, 2, 1000);
+    let data = bus.group2(10, 5, &[4]);
+    let heard = bus.group1(15, 10, &[]);
+    assert_eq!((heard.kind, heard.answers()), (Kind::CosCyclicAck, Some(data.n)));
+}
+
+#[test]
+fn suppressed_acknowledges_are_not_missed() {
+    let mut bus = Bus::with_slave(10, 0x51);
+    bus.establish(10, 4, 1000);
+    bus.establish(10, 2, 1000);
+    for _ in 0..3 {
+        assert_eq!(bus.wait(1000).group1(13, 10, &[1]).problem, None);
+        assert_eq!(bus.group2(10, 5, &[]).problem, None);
+    }
+    assert_eq!(bus.state(10, Predefined::CosCyclic), ConnectionState::Established);
+}
+
+#[test]
+fn fragments_of_a_known_size_are_put_together() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.monitor.set_io_sizes(mac(10), Predefined::Poll, Some(10), None);
+    bus.establish(10, 2, 1000);
+    assert_eq!(
+        bus.group2(10, 5, &[0x00, 1, 2, 3, 4, 5, 6, 7]).text,
+        "poll 10 <- 1  first fragment 0  01 02 03 04 05 06 07"
+    );
+    let heard = bus.group2(10, 5, &[0x81, 8, 9, 10]);
+    assert_eq!(heard.message.as_deref(), Some(&[1, 2, 3, 4, 5, 6, 7, 8, 9, 10][..]));
+    assert_eq!(bus.group1(15, 10, &[]).answers(), Some(heard.n), "the last fragment is the command");
+    assert_eq!(bus.group2(10, 5, &[0x82, 1]).problem, Some(Problem::NoFirstFragment { found: 2 }));
+    assert_eq!(bus.group2(10, 5, &[]).message.as_deref(), Some(&[][..]), "idle has no fragmentation byte");
+    assert_eq!(bus.group2(10, 5, &[0xC0]).problem.map(|problem| problem.code()), Some("reserved_value"));
+}
+
+#[test]
+fn fragments_of_an_unknown_size_are_guessed_from_the_second_on() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.establish(10, 2, 1000);
+    let heard = bus.group2(10, 5, &[0x00, 1, 2, 3, 4, 5, 6, 7]);
+    assert_eq!((heard.message, heard.assumed), (None, false));
+    let heard = bus.group2(10, 5, &[0x81, 8]);
+    assert_eq!((heard.problem, heard.assumed), (None, true));
+    assert_eq!(heard.message.as_deref(), Some(&[1, 2, 3, 4, 5, 6, 7, 8][..]));
+    assert_eq!(bus.group1(15, 10, &[]).answers(), Some(heard.n));
+    let heard = bus.group2(10, 5, &[0x00, 1, 2, 3, 4, 5, 6, 7]);
+    assert!(heard.text.contains("first fragment 0"), "{}", heard.text);
+    // Data that contradict: it was a guess, and is given up without a problem.
+    let heard = bus.group2(10, 5, &[0x55, 1]);
+    assert_eq!((heard.problem, heard.message), (None, None));
+    assert_eq!(heard.text, "poll 10 <- 1  55 01 (assumed)");
+}
+
+#[test]
+fn the_guess_can_be_switched_off() {
+    let config = MonitorConfig { fragmentation: FragmentationGuess::Off };
+    let mut bus = Bus { monitor: Box::new(Monitor::new(config)), now: 0, n: 0 };
+    bus.group2(10, 5, &[0x00, 1, 2, 3, 4, 5, 6, 7]);
+    assert_eq!(bus.group2(10, 5, &[0x81, 8]).message, None);
+}
