@@ -13,8 +13,11 @@
 //! |---|---|
 //! | `workspace` | dependency directions, documents that must not drift |
 //! | `devicenet` | golden vectors, captures, traces of networks |
+//! | `scenarios` | the scenario files: expectations, traces, published results |
 //!
 //! Recordings are in `captures`, scenario files in `scenarios`, each with its source or purpose.
+
+pub mod outcomes;
 
 use std::path::{Path, PathBuf};
 

@@ -26,8 +26,9 @@ pub(super) struct TextView {
 /// others are counted.
 struct Storm {
     frame: Frame,
-    senders: Vec<Sender>,
-    error: Failed,
+    who: String,
+    /// What was wrong, in words.
+    words: String,
     /// How many were told.
     told: usize,
     /// How many were not told since the last line.
@@ -37,11 +38,7 @@ struct Storm {
     last: Instant,
     /// What the counters of the senders have come to.
     counters: String,
-    who: String,
 }
-
-/// An error without its time.
-type Failed = Option<(usize, transport_mock::NodeId, link_core::BusErrorKind, Option<(u32, Field)>, Flag)>;
 
 impl TextView {
     pub(super) fn new(out: SharedBuffer, coloured: bool, nodes: &[crate::scenario::Node]) -> Self {
@@ -50,49 +47,35 @@ impl TextView {
     }
 
     fn frame(&mut self, nodes: &Nodes<'_>, record: &FrameRecord<'_>, words: Option<String>) {
-        let error = match record.outcome {
+        let problem = match record.outcome {
             Outcome::Ok => {
                 self.flush();
                 self.storm = None;
                 self.line(nodes, record, Emphasis::Normal, &words.unwrap_or_default());
                 return;
             }
-            Outcome::Abandoned => None,
-            Outcome::Error(error) => Some((error.segment, error.node, error.kind, error.place, error.flag)),
+            Outcome::Abandoned => "broken off".to_owned(),
+            Outcome::Error(error) => describe(nodes, &error, record.senders),
         };
         let counters = counters(nodes, record.senders);
         let who = senders(nodes, record.senders);
-        let told = match &mut self.storm {
-            None => 0,
-            Some(storm) => {
-                let again =
-                    storm.frame == *record.frame && storm.senders == record.senders && storm.error == error;
-                if again || storm.told == MOST_TOLD {
-                    storm.alike = again && (storm.alike || storm.silent == 0);
-                    storm.silent += 1;
-                    (storm.last, storm.counters, storm.who) = (record.end, counters, who);
-                    return;
-                }
-                storm.told
+        let mut told = 0;
+        if let Some(storm) = &mut self.storm {
+            let again = storm.frame == *record.frame && storm.who == who && storm.words == problem;
+            if again || storm.told == MOST_TOLD {
+                storm.alike = again && (storm.alike || storm.silent == 0);
+                storm.silent += 1;
+                (storm.last, storm.counters) = (record.end, counters);
+                return;
             }
-        };
+            told = storm.told;
+        }
         self.flush();
-        let words = match record.outcome {
-            Outcome::Error(error) => describe(nodes, &error, record.senders),
-            Outcome::Ok | Outcome::Abandoned => "broken off".to_owned(),
-        };
-        self.line(nodes, record, Emphasis::Problem, &format!("{words}; {counters}"));
-        self.storm = Some(Storm {
-            frame: *record.frame,
-            senders: record.senders.to_vec(),
-            error,
-            told: told + 1,
-            silent: 0,
-            alike: true,
-            last: record.end,
-            counters,
-            who,
-        });
+        self.line(nodes, record, Emphasis::Problem, &format!("{problem}; {counters}"));
+        let (frame, last) = (*record.frame, record.end);
+        let storm =
+            Storm { frame, who, words: problem, told: told + 1, silent: 0, alike: true, last, counters };
+        self.storm = Some(storm);
     }
 
     fn line(&mut self, nodes: &Nodes<'_>, record: &FrameRecord<'_>, emphasis: Emphasis, words: &str) {

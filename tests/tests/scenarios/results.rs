@@ -1,0 +1,21 @@
+//! What `docs/results.md` says is what comes out.
+
+use devicenet_tests::outcomes::{Case, Counted, Start, table};
+
+#[test]
+fn the_table_of_duplicate_mac_outcomes_is_computed() {
+    let table = table();
+    let document = devicenet_tests::read("docs/results.md");
+    assert!(document.contains(&table), "docs/results.md should have this table:\n{table}");
+}
+
+/// The paper expects that both go bus-off. Neither does.
+#[test]
+fn two_nodes_never_go_bus_off_and_one_of_them_gets_on_line() {
+    for bystander in [true, false] {
+        let case = Case { nodes: 2, bystander, start: Start::SameBit };
+        let Counted { on_line, bus_off, .. } = case.outcome(101..=130);
+        assert!(on_line.iter().all(|count| *count == 1), "{case:?}: on line {on_line:?}");
+        assert!(bus_off.iter().all(|count| *count == 0), "{case:?}: bus-off {bus_off:?}");
+    }
+}
