@@ -46,7 +46,7 @@ impl NodeSet {
     }
 
     pub(crate) fn clear(&mut self) {
-        self.words.fill(0);
+        self.words.clear();
     }
 
     pub(crate) fn copy_from(&mut self, other: &Self) {
