@@ -68,7 +68,7 @@
 //! |---|---|
 //! | `by = T` | at some moment from the start to T |
 //! | `at = T` | at T, after everything that happens at T |
-//! | `from = T`, `to = T` | at some moment between them |
+//! | `from = T`, `to = T` | at some moment between them, the first after everything that happens at it |
 //! | `always = true` | at every moment, of the run or from `from` to `to` |
 //! | `never = true` | at no moment, of the run or from `from` to `to` |
 //!
@@ -77,7 +77,7 @@
 //! | `state` | `nonexistent`, `sending_dup_mac`, `waiting_dup_mac`, `online`, `comm_fault` |
 //! | `tec`, `rec` | comparison: `"<128"`, `">=96"`, `0` |
 //! | `bus_off` | true or false |
-//! | `event` | see [`EventName`] |
+//! | `event` | `sent`, `error_warning`, `error_passive`, `error_active`, `bus_off`, `state_changed`, `defended`, `duplicate_mac_id`, `not_acknowledged`, `mac_id_assigned`: see [`EventName`] |
 //!
 //! `node` says of whom; with a `count`, it is expected of each. Without it, `never` is of all nodes. What stands in one
 //! table is expected at one and the same moment.

@@ -9,6 +9,7 @@
 )]
 //! The scenario files of `tests/scenarios`: their expectations hold, and their traces are what they were.
 
+mod actions_and_faults;
 mod duplicate_mac;
 mod network_access;
 mod reproducible;
