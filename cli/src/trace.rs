@@ -80,7 +80,7 @@ impl Trace {
         match content {
             Content::Classic(frame) => line.frame(frame),
             Content::Error(error) => {
-                line.id(b"error");
+                line.id(b"   error");
                 line.data(&error.data);
             }
             Content::Fd(frame) => {
@@ -101,7 +101,7 @@ impl Trace {
         words: impl Display,
     ) {
         let mut line = self.begin(out, at, node.as_ref(), emphasis);
-        line.id(b"");
+        line.id(&[b' '; ID_WIDTH]);
         line.words(words);
     }
 
@@ -118,20 +118,19 @@ impl Trace {
         if self.coloured {
             let _ = write!(Utf8(out), "{DIM:#}");
         }
-        out.extend_from_slice(b"  ");
-        let start = out.len();
+        self.node_width = self.node_width.max(node.len());
+        pad(out, 2 + self.node_width - node.len());
         out.extend_from_slice(node);
-        self.node_width = self.node_width.max(out.len() - start);
-        align_right(out, start, self.node_width);
         out.extend_from_slice(b"  ");
-        Line { out, data_start: 0, style }
+        Line { out, missing: DATA_WIDTH, style }
     }
 }
 
 /// The rest of a line.
 struct Line<'a> {
     out: &'a mut Vec<u8>,
-    data_start: usize,
+    /// Blanks to the end of the data column.
+    missing: usize,
     style: Option<Emphasis>,
 }
 
@@ -140,9 +139,11 @@ impl Line<'_> {
     fn frame(&mut self, frame: &Frame) {
         self.frame_id(frame.id());
         if frame.is_remote() {
+            let start = self.out.len();
             self.out.extend_from_slice(b"remote [");
             push_number(self.out, frame.dlc());
             self.out.push(b']');
+            self.missing = DATA_WIDTH.saturating_sub(self.out.len() - start);
             return;
         }
         self.data(frame.data());
@@ -167,28 +168,31 @@ impl Line<'_> {
     }
 
     #[inline]
-    fn id(&mut self, text: &[u8]) {
-        let start = self.out.len();
+    fn id(&mut self, text: &[u8; ID_WIDTH]) {
         self.out.extend_from_slice(text);
-        align_right(self.out, start, ID_WIDTH);
         self.out.extend_from_slice(b"  ");
-        self.data_start = self.out.len();
     }
 
+    /// Fills the column; CAN FD data reach beyond it.
     #[inline]
     fn data(&mut self, bytes: &[u8]) {
-        for (index, byte) in bytes.iter().enumerate() {
-            if index > 0 {
-                self.out.push(b' ');
-            }
+        let (column, beyond) = bytes.split_at(bytes.len().min(Frame::MAX_DATA));
+        let mut text = [b' '; DATA_WIDTH];
+        for (slot, byte) in text.chunks_mut(3).zip(column) {
+            slot[0] = UPPER[usize::from(byte >> 4)];
+            slot[1] = UPPER[usize::from(byte & 0xF)];
+        }
+        self.out.extend_from_slice(&text);
+        self.missing = 0;
+        for byte in beyond {
+            self.out.push(b' ');
             push_hex(self.out, &[*byte], UPPER);
         }
     }
 
     #[inline]
     fn words(self, words: impl Display) {
-        let width = self.out.len() - self.data_start;
-        self.out.extend_from_slice(&BLANKS[..DATA_WIDTH.saturating_sub(width)]);
+        pad(self.out, self.missing);
         self.out.extend_from_slice(b"  | ");
         // Writing into a vector cannot fail, and a `Display` that reports an error has no more to say.
         let _ = match self.style {
@@ -208,6 +212,16 @@ impl fmt::Write for Utf8<'_> {
         self.0.extend_from_slice(text.as_bytes());
         Ok(())
     }
+
+    /// Digits come one by one.
+    #[inline]
+    fn write_char(&mut self, character: char) -> fmt::Result {
+        match u8::try_from(character) {
+            Ok(byte) if byte.is_ascii() => self.0.push(byte),
+            _ => self.0.extend_from_slice(character.encode_utf8(&mut [0; 4]).as_bytes()),
+        }
+        Ok(())
+    }
 }
 
 /// Moves what stands from `start` to the end to the right.
@@ -215,10 +229,15 @@ impl fmt::Write for Utf8<'_> {
 fn align_right(out: &mut Vec<u8>, start: usize, width: usize) {
     let missing = width.saturating_sub(out.len() - start);
     if missing > 0 {
-        let end = out.len();
-        out.resize(end + missing, b' ');
-        out.copy_within(start..end, start + missing);
-        out[start..start + missing].fill(b' ');
+        pad(out, missing);
+        out[start..].rotate_right(missing);
+    }
+}
+
+#[inline]
+fn pad(out: &mut Vec<u8>, blanks: usize) {
+    for _ in 0..blanks {
+        out.push(b' ');
     }
 }
 
@@ -231,7 +250,6 @@ const TIME_WIDTH: usize = 10;
 const NODE_WIDTH: usize = 4;
 const ID_WIDTH: usize = 8;
 const DATA_WIDTH: usize = 23;
-const BLANKS: [u8; DATA_WIDTH] = [b' '; DATA_WIDTH];
 
 #[cfg(test)]
 mod tests {
