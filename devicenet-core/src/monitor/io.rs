@@ -290,12 +290,14 @@ fn data<'s, const N: usize, const B: usize>(
             reading.fields.value = Span::tail(field.len(), field.len());
             return (Progress::Complete, None);
         }
-    } else if side.guess != Guess::Fragmented && !continues(side.guess, slots.is_receiving(stream), field) {
-        side.guess = Guess::Plain;
+    } else if side.guess != Guess::Fragmented && !(continues(side.guess, field) && slots.is_receiving(stream))
+    {
+        let before = core::mem::replace(&mut side.guess, Guess::Plain);
         if let ([0, _, _, _, _, _, _, _], FragmentationGuess::On) = (field, guess) {
             side.guess = Guess::Candidate;
             slots.io(stream, reading.at, None, field);
-        } else {
+        } else if before == Guess::Candidate {
+            // Only a candidate is kept: the search is for nothing in all other frames, which are nearly all.
             slots.discard(stream);
         }
         reading.fields.value = Span::tail(field.len(), field.len());
@@ -349,13 +351,13 @@ fn data<'s, const N: usize, const B: usize>(
     }
 }
 
-/// True if the frame is the second fragment after a frame that could be the first.
-fn continues(guess: Guess, receiving: bool, field: &[u8]) -> bool {
+/// True if the frame is the second fragment after a frame that could be the first, if that is still kept.
+fn continues(guess: Guess, field: &[u8]) -> bool {
     let second = field.first().copied().map(FragmentByte::from).is_some_and(|byte| {
         let full = byte.kind == FragmentKind::Last || field.len() == IO_UNFRAGMENTED_LEN;
         matches!(byte.kind, FragmentKind::Middle | FragmentKind::Last) && byte.count() == 1 && full
     });
-    guess == Guess::Candidate && receiving && second
+    guess == Guess::Candidate && second
 }
 
 /// An empty message is idle or "no data", whatever the size.
