@@ -29,8 +29,15 @@ impl Bus {
         self.acceptance.set(node, self.stations[node].filter_at_power_up.clone());
     }
 
+    /// Another clock. The controller restarts if its bits change; what waits stays in its mailboxes.
     pub(crate) fn set_clock(&mut self, now: Instant, node: usize, ppm: i32) {
+        let station = &self.stations[node];
+        if station.bit_with(ppm) == station.bit() {
+            self.stations[node].clock_ppm = ppm;
+            return;
+        }
         self.leave(now, node);
+        self.gave_up(node);
         self.stations[node].clock_ppm = ppm;
         self.rejoin(now, node);
     }
@@ -57,10 +64,15 @@ impl Bus {
 
     /// Power or cable come: the controller starts anew.
     pub(crate) fn attach(&mut self, now: Instant, node: usize) {
-        let station = &mut self.stations[node];
-        if station.attached {
+        if self.stations[node].attached {
             return;
         }
+        let segment = self.stations[node].segment;
+        if self.segments[segment].bit != Some(self.stations[node].bit()) {
+            // The others are no longer in step with all that hear them.
+            self.go_exact(segment, now);
+        }
+        let station = &mut self.stations[node];
         station.attached = true;
         station.bus_off = false;
         station.announce = false;

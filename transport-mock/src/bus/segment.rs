@@ -59,6 +59,8 @@ pub(crate) struct Segment {
     pub(super) activity: Activity,
     /// The end of the intermission: nobody begins before.
     pub(super) free_at: Instant,
+    /// Who sent the last frame on the cheap path: a transmitter until its intermission is over.
+    last_sender: Option<usize>,
     /// When the next frame begins, while the segment is quiet.
     next_start: Instant,
     /// When the first of `joining` has joined, while the segment is quiet.
@@ -81,6 +83,7 @@ impl Segment {
             bit: None,
             activity: Activity::Quiet,
             free_at: Instant::ZERO,
+            last_sender: None,
             next_start: Instant::MAX,
             next_join: Instant::MAX,
             attempt: Attempt::new(),
@@ -274,6 +277,7 @@ impl Bus {
         }
         let segment = &mut self.segments[index];
         segment.activity = Activity::Quiet;
+        segment.last_sender = Some(sender);
         segment.free_at = after(end, u64::from(INTERMISSION_BITS) * bit);
         let attempt = &mut segment.attempt;
         attempt.frame = Some(frame);
@@ -398,11 +402,12 @@ impl Bus {
             Activity::Quiet if now < segment.free_at => {
                 let Some(bit) = segment.bit else { return };
                 let (free_at, intermission) = (segment.free_at, u64::from(INTERMISSION_BITS) * bit);
+                let sender = segment.last_sender;
                 self.enter_exact(index, Instant::from_nanos(free_at.as_nanos() - intermission));
                 for place in 0..self.segments[index].members.len() {
-                    let station = &mut self.stations[self.segments[index].members[place]];
-                    if station.has_joined() {
-                        station.engine.pause(station.suspend_until > free_at);
+                    let node = self.segments[index].members[place];
+                    if self.stations[node].has_joined() {
+                        self.stations[node].engine.pause(sender == Some(node));
                     }
                 }
                 self.replay_exact(index, now);

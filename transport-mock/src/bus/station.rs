@@ -149,12 +149,17 @@ impl Station {
 
     /// The length of its bit in nanoseconds, by its own clock.
     pub(crate) fn bit(&self) -> u64 {
+        self.bit_with(self.clock_ppm)
+    }
+
+    /// The length of its bit if its clock were fast by `ppm`.
+    pub(crate) fn bit_with(&self, ppm: i32) -> u64 {
         let nominal = self.mode.bit_rate.bit_time_nanos().unwrap_or(1).max(1);
-        if self.clock_ppm.unsigned_abs() <= TOLERATED_PPM {
+        if ppm.unsigned_abs() <= TOLERATED_PPM {
             return nominal;
         }
         // A fast clock makes short bits.
-        (nominal * 1_000_000 / (1_000_000 + i64::from(self.clock_ppm)).max(1).unsigned_abs()).max(1)
+        (nominal * 1_000_000 / (1_000_000 + i64::from(ppm)).max(1).unsigned_abs()).max(1)
     }
 
     /// It may send.

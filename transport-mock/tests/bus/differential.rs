@@ -19,6 +19,8 @@ enum Step {
     Power(usize, bool),
     Cable(usize, bool),
     ListenOnly(usize, bool),
+    Rate(usize, u32),
+    Clock(usize, i32),
     React(usize, u64),
     Fault(u32, FaultStep),
     Repair(u32),
@@ -71,6 +73,10 @@ fn any_step() -> impl Strategy<Value = Step> {
         1 => (node.clone(), any::<bool>()).prop_map(|(node, on)| Step::Power(node, on)),
         1 => (node.clone(), any::<bool>()).prop_map(|(node, on)| Step::Cable(node, on)),
         1 => (node.clone(), any::<bool>()).prop_map(|(node, on)| Step::ListenOnly(node, on)),
+        1 => (node.clone(), prop_oneof![3 => Just(500_000), 1 => Just(250_000), 1 => Just(1_000_000)])
+            .prop_map(|(node, rate)| Step::Rate(node, rate)),
+        1 => (node.clone(), prop_oneof![3 => Just(0), 1 => -30_000..30_000])
+            .prop_map(|(node, ppm)| Step::Clock(node, ppm)),
         1 => (node.clone(), 0..200_u64).prop_map(|(node, micros)| Step::React(node, micros)),
         1 => (0..2_u32, any_fault()).prop_map(|(id, fault)| Step::Fault(id, fault)),
         2 => (0..2_u32).prop_map(Step::Repair),
@@ -95,6 +101,8 @@ fn act(bench: &mut Bench, step: &Step) {
         Step::Cable(node, true) => bench.change(Change::Plug(id(node))),
         Step::Cable(node, false) => bench.change(Change::Cut(id(node))),
         Step::ListenOnly(node, on) => bench.change(Change::SetListenOnly(id(node), on)),
+        Step::Rate(node, rate) => bench.change(Change::SetBitRate(id(node), BitRate(rate))),
+        Step::Clock(node, ppm) => bench.change(Change::SetClock(id(node), ppm)),
         Step::React(node, most) => {
             bench.change(Change::SetReaction(id(node), Reaction::Uniform(micros(0), micros(most))));
         }
