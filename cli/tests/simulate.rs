@@ -226,7 +226,7 @@ struct Served {
 
 impl Served {
     fn start(name: &str) -> Self {
-        let scenario = Scratch::new(name, &VALVE.replace("\"3s\"", "\"10min\""));
+        let scenario = Scratch::new(name, VALVE);
         let mut child = Command::new(env!("CARGO_BIN_EXE_devicenet"))
             .args(["simulate", "--serve", "127.0.0.1:0", scenario.path()])
             .stdout(Stdio::null())

@@ -54,7 +54,8 @@ pub struct SimulateArgs {
     /// Run by the clock on the wall, instead of as fast as possible
     #[arg(long)]
     pub realtime: bool,
-    /// Offer the bus to socketcand clients such as python-can; implies --realtime. Port 0 is any
+    /// Offer the bus to socketcand clients such as python-can, until interrupted or --until; implies --realtime. Port 0 is
+    /// any
     #[arg(long, value_name = "HOST:PORT")]
     pub serve: Option<String>,
     /// Serve at an address that other machines can reach: they may then send on the simulated bus

@@ -16,6 +16,7 @@ mod svg;
 mod text;
 mod timeline;
 
+use core::time::Duration;
 use std::fs;
 use std::io::{self, Write as _};
 use std::net::{SocketAddr, ToSocketAddrs as _};
@@ -78,7 +79,12 @@ pub fn run(args: &SimulateArgs, json: bool) -> Result<Exit, Failure> {
     .map_err(|error| Failure::Usage(error.to_string()))?;
     let server =
         args.serve.as_deref().map(|address| serve(address, args.allow_remote, &mut scenario)).transpose()?;
-    let settings = Settings { seed: args.seed, until: args.until.map(|time| time.0) };
+    let until = match args.until {
+        Some(time) => Some(time.0),
+        // Clients come and go: the bus is there until it is interrupted.
+        None => server.is_some().then_some(Duration::MAX),
+    };
+    let settings = Settings { seed: args.seed, until };
 
     let mut output = Output::new();
     let (buffer, first_error) = (SharedBuffer::default(), FirstError::default());

@@ -1,5 +1,8 @@
 //! The same scenario and seed give the same bytes; where chance has a part, another seed gives others.
 
+use std::path::Path;
+
+use devicenet_cli::scenario::Scenario;
 use devicenet_cli::simulate::{self, Settings};
 
 use crate::scenario;
@@ -13,6 +16,21 @@ fn the_same_seed_gives_the_same_bytes() {
     for name in ["bus-off-boi-1", "segments-joined", "duplicate-3-at-once"] {
         assert_eq!(trace(name, 7), trace(name, 7), "{name}");
     }
+}
+
+/// The built-in plant, which the first command of the README shows.
+#[test]
+fn the_trace_of_the_built_in_plant() {
+    let plant = Scenario::parse("plant", simulate::PLANT, Path::new("")).unwrap();
+    let (trace, outcome) = simulate::trace(&plant, Settings::default());
+    assert_eq!(outcome.verdict.failures, [], "{trace}");
+    insta::with_settings!({
+        description => "nine acts, each with its heading; what to look for is what the heading says",
+        omit_expression => true,
+        prepend_module_to_snapshot => false,
+    }, {
+        insta::assert_snapshot!("plant", trace);
+    });
 }
 
 #[test]
