@@ -74,6 +74,11 @@ impl Workload {
         Ok(workload)
     }
 
+    /// Nothing is done to the nodes or the wire.
+    pub(super) fn is_undisturbed(&self) -> bool {
+        self.changes.is_empty()
+    }
+
     /// Puts the nodes on a network and schedules the changes.
     pub(super) fn install(&self, network: &mut Network<()>) {
         let ids: Vec<NodeId> = self
