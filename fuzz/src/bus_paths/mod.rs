@@ -2,6 +2,9 @@
 //!
 //! A workload runs on both paths: every record of one is the same on the other, at the same nanosecond, and so are the
 //! error counters. Besides, the referee finds nothing, every request is answered once, and the bits add up.
+//!
+//! Where a node has another bit rate or a clock beyond tolerance, there is a third path, on which a frame is over when its
+//! last bit is sampled, an eighth of a bit before its end. So these runs are not compared; all else must hold for them.
 
 mod talker;
 mod workload;
@@ -21,6 +24,9 @@ use workload::Workload;
 pub fn run(data: &[u8]) {
     let Ok(workload) = Workload::read(&mut Unstructured::new(data)) else { return };
     let (cheap, exact) = (Run::of(&workload, false), Run::of(&workload, true));
+    if !workload.one_rate {
+        return;
+    }
     for (cheap, exact) in cheap.lines.iter().zip(&exact.lines) {
         assert_eq!(cheap, exact, "the cheap and the exact path");
     }

@@ -27,6 +27,8 @@ pub(super) struct Workload {
     bit: Duration,
     /// All nodes have the bit rate of the bus, exact clocks and one segment, all the time: bits are in step.
     pub(super) in_step: bool,
+    /// All nodes have the bit rate of the bus and clocks that CAN tolerates: nobody samples on its own.
+    pub(super) one_rate: bool,
 }
 
 struct Node {
@@ -58,10 +60,12 @@ impl Workload {
             changes: Vec::new(),
             bit: Duration::from_nanos(bit),
             in_step: true,
+            one_rate: true,
         };
         for index in 0..=(bus & 0x07) % 6 {
             let node = node(index, bit, input)?;
             workload.in_step &= node.config.bit_rate.is_none() && node.config.clock_ppm == 0;
+            workload.one_rate &= node.config.bit_rate.is_none() && is_tolerated(node.config.clock_ppm);
             workload.nodes.push(node);
         }
         let mut at = Instant::ZERO;
@@ -126,7 +130,9 @@ fn item(workload: &mut Workload, at: Instant, bit: u64, input: &mut Unstructured
     if head & 0x80 != 0 {
         let which = head & 0x0F;
         workload.in_step &= ![SET_BIT_RATE, SET_CLOCK, SPLIT_OR_JOIN].contains(&which);
-        workload.changes.push(Intent { at, which, argument: input.arbitrary()? });
+        let argument: u8 = input.arbitrary()?;
+        workload.one_rate &= which != SET_BIT_RATE && (which != SET_CLOCK || is_tolerated(clock(argument)));
+        workload.changes.push(Intent { at, which, argument });
         return Ok(());
     }
     let bits = |count: u8| Duration::from_nanos(u64::from(count) * 4 * bit);
@@ -166,7 +172,7 @@ fn change(
         3 => Change::PowerOn(node),
         4 => Change::PowerCycle(node),
         SET_BIT_RATE => Change::SetBitRate(node, bit_rate(argument)),
-        SET_CLOCK => Change::SetClock(node, [0, 50, -3_900, 20_000][usize::from(argument & 3)]),
+        SET_CLOCK => Change::SetClock(node, clock(argument)),
         7 => Change::SetReaction(node, Reaction::Uniform(Duration::ZERO, bits(argument))),
         8 => fault_on(Fault::BitFlips { rate: f64::from(argument) / 4096.0, scope }),
         9 => {
@@ -180,6 +186,15 @@ fn change(
         SPLIT_OR_JOIN if argument & 1 == 0 => Change::Split(ids.iter().copied().step_by(2).collect()),
         _ => Change::Join,
     }
+}
+
+fn clock(argument: u8) -> i32 {
+    [0, 50, -3_900, 20_000][usize::from(argument & 3)]
+}
+
+/// Controllers stay in step on the wire.
+fn is_tolerated(ppm: i32) -> bool {
+    ppm.abs() <= 4_000
 }
 
 fn bit_rate(bits: u8) -> BitRate {
