@@ -17,6 +17,15 @@ pub(super) enum Flow {
     Produced,
 }
 
+impl Flow {
+    pub(super) const fn opposite(self) -> Self {
+        match self {
+            Self::Consumed => Self::Produced,
+            Self::Produced => Self::Consumed,
+        }
+    }
+}
+
 /// Whether an I/O direction whose size is unknown is taken to be fragmented.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Guess {

@@ -6,7 +6,7 @@ use cip_core::codec::{Reader, Wire};
 
 use super::bodies::problem_of;
 use super::kind::Kind;
-use super::nodes::AccessState;
+use super::nodes::{AccessState, Identity};
 use super::pairing::Seen;
 use super::problem::Problem;
 use super::reading::{Note, Reading};
@@ -61,15 +61,20 @@ fn request<const N: usize>(
             (vendor.is_some() && vendor != device.0) || (serial.is_some() && serial != device.1)
         }
     };
-    node.check = Some(Seen { n: reading.n, at });
-    if other {
+    let unanswered = node.check.replace(Seen { n: reading.n, at }).is_some();
+    let rival = node.rival.take();
+    if other && !(unanswered && rival == Some(check.device)) {
         reading.flag(Problem::TwoIdentities { mac });
+        node.rival = Some(check.device);
         node.access = AccessState::SuspectedDuplicate;
         node.access_since = at;
-        if node.first_seen.is_none() {
-            (node.identity.vendor, node.identity.serial) = device;
-        }
         return;
+    }
+    if other {
+        // Nobody has objected to its first check: a device was replaced.
+        node.identity = Identity::default();
+        node.name.clear();
+        node.access = AccessState::FirstCheck;
     }
     (node.identity.vendor, node.identity.serial) = device;
     let since = at.saturating_since(node.access_since);

@@ -104,15 +104,6 @@ impl Channel {
     }
 }
 
-impl Flow {
-    const fn opposite(self) -> Self {
-        match self {
-            Self::Consumed => Self::Produced,
-            Self::Produced => Self::Consumed,
-        }
-    }
-}
-
 /// A frame on Message ID 3 or 4 of Group 2 whose header is `header`.
 pub(super) fn predefined(identifier: Identifier, server: MacId, flow: Flow, header: ExplicitHeader) -> Route {
     let opposite = match flow {
@@ -211,6 +202,7 @@ fn address<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, rout
             reading.note = Some(Note::NoConnection(connection.state));
             reading.assumed |= connection.assumed;
         }
+        (ConnectionState::Unknown, _) => connection.active = at,
         _ => {}
     }
 }

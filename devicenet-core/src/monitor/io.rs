@@ -61,6 +61,11 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
     let connection = node.connection(which);
     connection.count(reading.frame.data().len());
     connection.side(flow).heard = true;
+    let opposite = connection.side(flow.opposite());
+    if opposite.guess == Guess::Candidate {
+        // It was answered: a message, not a first fragment.
+        opposite.guess = Guess::Plain;
+    }
     let (progress, message) = data(slots, reading, connection, lane, guess);
     if progress == Progress::Part {
         return None;

@@ -54,7 +54,7 @@ pub enum Kind {
     OfflineOwnershipRequest,
     /// Offline Ownership response: another tool owns the offline connection set.
     OfflineOwnershipResponse,
-    /// An identifier of Group 4 without a use, or a dynamic identifier about which nothing is known.
+    /// An identifier of Group 4 without a use.
     Reserved,
     /// An identifier that must not be used (0x7F0-0x7FF).
     Invalid,

@@ -12,6 +12,7 @@ use super::connections::{ConnectionState, Predefined};
 use super::explicit::Channel;
 use super::pairing::{Seen, Waiting};
 use crate::id::MacId;
+use crate::message::DeviceIdentity;
 
 bitflags::bitflags! {
     /// What a node was seen to be.
@@ -144,6 +145,8 @@ pub(super) struct Node {
     pub(super) ucmm: Waiting<4>,
     /// The duplicate MAC ID check request that a response answers.
     pub(super) check: Option<Seen>,
+    /// The device that has sent it, if it is not the one known by this MAC ID.
+    pub(super) rival: Option<DeviceIdentity>,
     /// As a master: its bit-strobe command.
     pub(super) strobe: Option<Volley>,
     /// As a multicast group: its poll command.
@@ -169,6 +172,7 @@ impl Node {
         port: Waiting::new(),
         ucmm: Waiting::new(),
         check: None,
+        rival: None,
         strobe: None,
         multicast: None,
         heartbeat: None,

@@ -141,9 +141,10 @@ impl<const N: usize> State<N> {
     pub(super) fn insert_dynamic(&mut self, new: Dynamic) -> Option<usize> {
         let same = self.dynamics.iter().position(|slot| {
             slot.as_ref().is_some_and(|held| {
-                held.server == new.server
-                    && ((held.instance.is_some() && held.instance == new.instance)
-                        || (held.client == new.client && held.requests == new.requests))
+                let same_instance = held.instance.is_some() && held.instance == new.instance;
+                let same_identifier = held.requests.is_some() && held.requests == new.requests
+                    || held.responses.is_some() && held.responses == new.responses;
+                held.server == new.server && (same_instance || held.client == new.client && same_identifier)
             })
         });
         let free = || self.dynamics.iter().position(Option::is_none);

@@ -101,3 +101,24 @@ fn a_class_service_with_the_code_of_a_broadcast_is_a_response() {
     let heard = bus.group2(3, 3, &[0x01, 0xCE, 7]);
     assert_eq!((heard.kind, heard.problem), (Kind::ExplicitResponse, None));
 }
+
+#[test]
+fn a_device_that_was_replaced_is_suspected_once() {
+    let mut bus = Bus::new();
+    bus.group2(10, 7, &DEVICE);
+    bus.wait(999).group2(10, 7, &DEVICE);
+    assert!(bus.wait(60_000).group2(10, 7, &TWIN).problem.is_some());
+    let heard = bus.wait(999).group2(10, 7, &TWIN);
+    assert_eq!((heard.problem, bus.node(10).access), (None, AccessState::SecondCheck));
+    assert_eq!(bus.node(10).serial, Some(0x0102_0304));
+}
+
+#[test]
+fn twins_that_start_together_are_both_suspected() {
+    let mut bus = Bus::new();
+    assert_eq!(bus.group2(10, 7, &DEVICE).problem, None);
+    assert!(bus.group2(10, 7, &TWIN).problem.is_some());
+    bus.wait(999).group2(10, 7, &DEVICE);
+    assert!(bus.group2(10, 7, &TWIN).problem.is_some());
+    assert_eq!(bus.node(10).access, AccessState::SuspectedDuplicate);
+}

@@ -157,3 +157,16 @@ fn the_guess_can_be_switched_off() {
     bus.group2(10, 5, &[0x00, 1, 2, 3, 4, 5, 6, 7]);
     assert_eq!(bus.group2(10, 5, &[0x81, 8]).message, None);
 }
+
+/// Data that look like two fragments, but were answered one by one.
+#[test]
+fn an_answer_between_two_frames_says_that_they_are_messages() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.establish(10, 2, 1000);
+    bus.group2(10, 5, &[0x00, 1, 2, 3, 4, 5, 6, 7]);
+    bus.group1(15, 10, &[]);
+    let command = bus.group2(10, 5, &[0x41, 1, 2, 3, 4, 5, 6, 7]);
+    assert_eq!((command.message, command.assumed), (None, false));
+    let heard = bus.group1(15, 10, &[]);
+    assert_eq!((heard.problem, heard.answers()), (None, Some(command.n)));
+}

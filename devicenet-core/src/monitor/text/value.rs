@@ -15,7 +15,7 @@ use crate::monitor::kind::Kind;
 use crate::monitor::reading::{Detail, Fields};
 use crate::monitor::{broadcast, ucmm};
 
-/// What a value means. See [`Reading::value_text`].
+/// What a value means. See [`Reading::value_text`](crate::monitor::Reading::value_text).
 #[derive(Debug, Clone, Copy)]
 pub struct ValueText<'a> {
     fields: &'a Fields,
