@@ -16,6 +16,10 @@ impl Access {
             self.counters.foreign_frames = self.counters.foreign_frames.saturating_add(1);
             return;
         };
+        if self.state.is_off_the_bus() {
+            // Received before bus-off, and delivered after it: the check begins anew anyhow.
+            return self.discard();
+        }
         match (self.state, self.listening()) {
             (State::NonExistent, _) => self.discard(),
             (_, Listening::Check(mac)) if id == Identifier::duplicate_mac_check(mac) => {

@@ -30,6 +30,7 @@
 //! | a request is given back unsent although nobody withdrew it | it is handed out again after the bus-off back-off, or as soon as the link is up or its mode is set |
 //! | the link comes up twice | the second time changes nothing, unless a restart of the controller is being waited for |
 //! | bus-off while faulted by a duplicate | the node stays faulted, and no longer hears the offline connection set |
+//! | a frame is delivered although the controller is off the bus | it is discarded: it was received before, and the check begins anew anyhow |
 //! | a restart of the controller is refused | the node is faulted by bus-off |
 //! | the filter is refused | an event; frames are sorted by their identifier anyhow |
 //! | a frame and the end of a wait at the same moment | the frame counts first; a wait that ended before it counts before it |

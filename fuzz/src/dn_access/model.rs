@@ -180,6 +180,8 @@ impl Model {
                 self.communication_faulted(data);
             }
             State::NonExistent | State::Faulted(_) => {}
+            // Received before bus-off.
+            _ if self.is_off_the_bus() => {}
             _ if frame.raw_id() != self.own_check() => {}
             _ if data.len() != 7 && !self.config.accept_bad_dlc => {}
             // Row 9.

@@ -85,6 +85,28 @@ fn what_was_in_flight_at_bus_off_is_dropped_by_the_controller() {
     }
 }
 
+/// The receive queue of a driver may still hold what was received before bus-off. To be faulted by it, as by a duplicate,
+/// would hide from a later reset that the controller is off the bus.
+#[test]
+fn frames_delivered_after_bus_off_change_nothing() {
+    for twin in [TWIN_REQUEST, TWIN_RESPONSE] {
+        let mut bus = Bus::online(restarting());
+        bus.controller_restarts();
+        bus.link(LinkEvent::BusOff);
+        bus.hears(CHECK, &twin);
+        bus.is(StateKind::SendingDupMac);
+        bus.wait(100);
+        assert_eq!(bus.controller_restarts(), 1);
+        bus.hears(CHECK, &twin);
+        bus.is(StateKind::SendingDupMac);
+        assert_eq!(bus.node.counters().discarded, 2);
+
+        bus.link(LinkEvent::Up);
+        bus.hears(CHECK, &twin);
+        assert_eq!(bus.node.fault(), Some(Fault::DuplicateMacId), "back on the bus it counts");
+    }
+}
+
 /// Row 7 of the table knows no BOI.
 #[test]
 fn bus_off_while_checking_faults_whatever_boi_says() {

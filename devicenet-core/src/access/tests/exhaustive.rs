@@ -9,12 +9,12 @@ use std::vec::Vec;
 
 use link_core::link::LinkCommandKind;
 use link_core::{
-    Action, BitRate, BusErrorKind, Frame, Input, LinkEvent, Machine, Mode, TxOutcome, frame::standard_id,
+    Action, BitRate, BusErrorKind, Frame, Input, LinkCommand, LinkEvent, Machine, Mode, TxOutcome,
+    frame::standard_id,
 };
 
 use super::super::{
-    Access, AccessEvent, BusOffWhileChecking, Cause, CheckRequest, Config, Counters, SendStage, State,
-    StateKind,
+    Access, AccessEvent, BusOffWhileChecking, Cause, CheckRequest, Config, Counters, State, StateKind,
 };
 use super::bus::*;
 
@@ -22,6 +22,9 @@ use super::bus::*;
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 struct World {
     node: Access,
+    /// Whether the controller takes part, and whether it was told to come back.
+    on_the_bus: bool,
+    restarting: bool,
     in_flight: bool,
     /// Requests that were acknowledged, and seconds that passed without objection, since the last start.
     acknowledged: u8,
@@ -66,7 +69,14 @@ impl World {
     fn new(mut config: Config) -> Self {
         // Twice the delay of the Who response below, so that the two waits interleave in few ways.
         config.identify_timeout = Duration::from_millis(360);
-        Self { node: Access::new(config), in_flight: false, acknowledged: 0, seconds: 0 }
+        Self {
+            node: Access::new(config),
+            on_the_bus: false,
+            restarting: false,
+            in_flight: false,
+            acknowledged: 0,
+            seconds: 0,
+        }
     }
 
     /// What follows from a step; `None` if it cannot happen now.
@@ -77,7 +87,16 @@ impl World {
             Step::Hear(id, data) => {
                 next.node.input(now, Input::Frame(Frame::new(standard_id(id), data)?));
             }
-            Step::Link(event) => next.node.input(now, Input::Link(event)),
+            Step::Link(event) => {
+                match event {
+                    LinkEvent::Up => next.on_the_bus = true,
+                    LinkEvent::Down | LinkEvent::BusOff => next.on_the_bus = false,
+                    _ => {}
+                }
+                next.restarting &= !matches!(event, LinkEvent::Up | LinkEvent::Refused(_));
+                next.node.input(now, Input::Link(event));
+            }
+            Step::Done(TxOutcome::Sent) if !self.on_the_bus => return None,
             Step::Done(outcome) if self.in_flight => {
                 next.in_flight = false;
                 next.node.input(now, Input::TxDone(Access::TOKEN, outcome));
@@ -115,6 +134,7 @@ impl World {
             }
             Action::Withdraw(_) => assert!(self.in_flight, "nothing to withdraw"),
             Action::Event(AccessEvent::StateChanged { to, cause, .. }) => self.changed(to, cause),
+            Action::Link(LinkCommand::Reset) => (self.on_the_bus, self.restarting) = (false, true),
             Action::Event(_) | Action::Link(_) => {}
         }
     }
@@ -168,7 +188,7 @@ fn configurations() -> Vec<Config> {
 }
 
 /// No order of inputs breaks an assertion of [`World::step`], and from everywhere a way leads on line: with another node
-/// on the bus and nobody who objects, after a reset, power is all it takes.
+/// on the bus and nobody who objects, after a reset, all it takes is power and a controller that comes back when told to.
 #[test]
 fn no_order_of_inputs_leads_astray() {
     for config in configurations() {
@@ -178,15 +198,11 @@ fn no_order_of_inputs_leads_astray() {
                 if next.node.is_online() {
                     break;
                 }
-                let link_awaited = !matches!(
-                    next.node.state(),
-                    State::SendingDupMac { stage: SendStage::Queued { .. }, .. }
-                        | State::WaitingDupMac { .. }
-                );
-                let step = if link_awaited {
+                let without_power = next.node.state().kind() == StateKind::NonExistent;
+                let step = if without_power || next.restarting {
                     Step::Link(LinkEvent::Up)
                 } else if next.in_flight {
-                    Step::Done(TxOutcome::Sent)
+                    Step::Done(if next.on_the_bus { TxOutcome::Sent } else { TxOutcome::Dropped })
                 } else {
                     Step::Deadline
                 };
