@@ -42,8 +42,8 @@ pub struct Config {
     /// What bus-off leads to before the node is on line.
     pub bus_off_while_checking: BusOffWhileChecking,
     /// How long to wait after bus-off before the controller is restarted, besides the 128 x 11 recessive bits that it
-    /// waits itself. Also the wait before a request is handed out again that the controller gave back unsent. Default:
-    /// 100 ms.
+    /// waits itself. Also the wait before a frame is handed out again that the controller gave back unsent; with zero,
+    /// a port that refuses every frame keeps the machine busy. Default: 100 ms.
     #[doc(alias = "busoff.backoff_ms")]
     pub bus_off_back_off: Duration,
     /// Which values may be written to the bus-off counter.

@@ -111,10 +111,15 @@ impl Access {
         self.raise(AccessEvent::NotSent { what, outcome });
         match (what, &mut self.state) {
             (Outgoing::CheckRequest, State::SendingDupMac { stage, .. }) => *stage = SendStage::GivenBack,
-            (Outgoing::CheckRequest, State::OnLine { second_request, .. }) => {
-                *second_request = SecondRequest::Waiting;
+            // Still queued.
+            (Outgoing::CheckRequest, State::OnLine { .. }) => {}
+            // Without it the other node gets on line too: its second request is its last.
+            (Outgoing::CheckResponse, State::OnLine { response_due, .. }) => {
+                if core::mem::replace(response_due, true) {
+                    count(&mut self.counters.requests_merged);
+                }
             }
-            // An answer is not repeated: who asked repeats its question. A request of another state is gone with it.
+            // The tool repeats its question. What another state wanted is gone with it.
             (
                 Outgoing::CheckRequest
                 | Outgoing::CheckResponse
@@ -158,17 +163,24 @@ impl Access {
             State::SendingDupMac { stage: stage @ SendStage::Restarting { .. }, .. } => {
                 *stage = SendStage::Queued { unacknowledged: false };
             }
-            State::SendingDupMac { .. } => self.queue_again(),
-            State::WaitingDupMac { .. } | State::OnLine { .. } | State::CommFault { .. } => {}
+            State::SendingDupMac { .. } | State::OnLine { .. } => self.queue_again(),
+            State::WaitingDupMac { .. } | State::CommFault { .. } => {}
         }
     }
 
-    /// The controller is ready again for the request that it gave back.
+    /// The controller is ready again for what it gave back.
     pub(super) fn queue_again(&mut self) {
-        if let State::SendingDupMac { stage: stage @ SendStage::GivenBack, .. } = &mut self.state {
-            *stage = SendStage::Queued { unacknowledged: false };
-            self.timers.clear(Timer::BackOff);
+        match &mut self.state {
+            State::SendingDupMac { stage: stage @ SendStage::GivenBack, .. } => {
+                *stage = SendStage::Queued { unacknowledged: false };
+            }
+            State::OnLine { .. } => {}
+            State::NonExistent
+            | State::SendingDupMac { .. }
+            | State::WaitingDupMac { .. }
+            | State::CommFault { .. } => return,
         }
+        self.timers.clear(Timer::BackOff);
     }
 
     fn bus_off(&mut self) {

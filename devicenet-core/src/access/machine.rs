@@ -95,7 +95,7 @@ pub(super) enum Listening {
 pub(super) enum Timer {
     /// T_dup, one second after a check request was on the bus.
     DupMac,
-    /// Before the controller is restarted, or a request is handed out again.
+    /// Before the controller is restarted, or a frame that it gave back is handed out again.
     BackOff,
     /// Before a Who response.
     Who,
@@ -275,8 +275,7 @@ impl Access {
             State::SendingDupMac { stage: stage @ SendStage::BackOff, .. } => {
                 *stage = SendStage::Restarting { commanded: false };
             }
-            State::SendingDupMac { .. } => self.queue_again(),
-            State::OnLine { second_request, .. } => *second_request = SecondRequest::Queued,
+            State::SendingDupMac { .. } | State::OnLine { .. } => self.queue_again(),
             State::NonExistent | State::WaitingDupMac { .. } | State::CommFault { .. } => {}
         }
     }

@@ -27,7 +27,7 @@
 //! | a request arrives while an answer is on its way | one more answer follows: the first may have been sent already |
 //! | Quick Connect: a foreign request is to be answered when the own second request is due | the answer goes first |
 //! | the controller reports a request as sent after its withdrawal was asked for | it changes nothing: the node has left that state |
-//! | a request is given back unsent although nobody withdrew it | it is handed out again after the bus-off back-off, or as soon as the link is up or its mode is set |
+//! | a request, or a response of a node on line, is given back unsent although nobody withdrew it | it is handed out again after the bus-off back-off, or as soon as the link is up or its mode is set |
 //! | the link comes up twice | the second time changes nothing, unless a restart of the controller is being waited for |
 //! | bus-off while faulted by a duplicate | the node stays faulted, and no longer hears the offline connection set |
 //! | a frame is delivered although the controller is off the bus | it is discarded: it was received before, and the check begins anew anyhow |

@@ -3,7 +3,7 @@
 use link_core::{Action, Frame, LinkCommand};
 
 use super::event::{AccessEvent, Outgoing};
-use super::machine::{Access, Fate, InFlight};
+use super::machine::{Access, Fate, InFlight, Timer};
 use super::state::{SecondRequest, SendStage, State, WhoAnswer};
 use crate::id::Identifier;
 use crate::message::{self, Direction, DuplicateMacCheck, IdentifyResponse, WhoResponse};
@@ -61,6 +61,8 @@ impl Access {
             return None;
         }
         match self.state {
+            // What the controller gave back has to wait.
+            State::OnLine { .. } if self.timers.at(Timer::BackOff).is_some() => None,
             State::SendingDupMac { stage: SendStage::Queued { .. }, .. } => Some(Outgoing::CheckRequest),
             State::OnLine { response_due: true, .. } => Some(Outgoing::CheckResponse),
             State::OnLine { second_request: SecondRequest::Queued, .. } => Some(Outgoing::CheckRequest),

@@ -43,6 +43,8 @@ pub(super) enum State {
     OnLine {
         answer_due: bool,
         second: Sending,
+        /// The controller gave something back: nothing is sent before this.
+        pause: Option<Instant>,
     },
     Faulted(Fault),
 }
@@ -154,14 +156,17 @@ impl Model {
             State::Waiting { done: 1, until: end } if over(*end) => self.send_request(1),
             // Row 5.
             State::Waiting { until: end, .. } if over(*end) => {
-                self.enter(State::OnLine { answer_due: false, second: Sending::Nothing });
+                self.enter(State::OnLine { answer_due: false, second: Sending::Nothing, pause: None });
             }
             State::Sending { controller, .. } => match *controller {
                 Controller::BackOff(at) if over(at) => *controller = RESTART,
                 Controller::GivenBack(at) if over(at) => *controller = Controller::Ready,
                 _ => {}
             },
-            State::OnLine { second, .. } => second.expire(until),
+            State::OnLine { second, pause, .. } => {
+                second.expire(until);
+                pause.take_if(|&mut at| over(at));
+            }
             State::Faulted(Fault::Duplicate { who, flashing, .. }) => {
                 who.expire(until);
                 flashing.take_if(|&mut at| over(at));
@@ -185,8 +190,8 @@ impl Model {
             _ if frame.raw_id() != self.own_check() => {}
             _ if data.len() != 7 && !self.config.accept_bad_dlc => {}
             // Row 9.
-            State::OnLine { second, .. } if data.first().is_none_or(|byte| byte & 0x80 == 0) => {
-                self.state = State::OnLine { answer_due: true, second };
+            State::OnLine { second, pause, .. } if data.first().is_none_or(|byte| byte & 0x80 == 0) => {
+                self.state = State::OnLine { answer_due: true, second, pause };
             }
             // Rows 6 and 10.
             State::Sending { .. } | State::Waiting { .. } | State::OnLine { .. } => {
@@ -253,11 +258,11 @@ impl Model {
             _ if !wanted || kind != Kind::CheckRequest => {}
             // Row 2, with Quick Connect and without.
             State::Sending { done: 0, .. } if self.quick_connect_active => {
-                self.state = State::OnLine { answer_due: false, second: Sending::At(until) };
+                self.state = State::OnLine { answer_due: false, second: Sending::At(until), pause: None };
             }
             State::Sending { done, .. } => self.state = State::Waiting { done: done + 1, until },
-            State::OnLine { answer_due, .. } => {
-                self.state = State::OnLine { answer_due, second: Sending::Nothing };
+            State::OnLine { answer_due, pause, .. } => {
+                self.state = State::OnLine { answer_due, second: Sending::Nothing, pause };
             }
             _ => panic!("a wanted request in {:?}", self.state),
         }
@@ -267,11 +272,18 @@ impl Model {
         let Some((kind, wanted)) = self.in_flight.take() else { panic!("nothing is in flight") };
         self.withdraw_due = false;
         let again = self.now + self.config.bus_off_back_off;
-        match &mut self.state {
-            _ if !wanted || kind != Kind::CheckRequest => {}
-            State::Sending { controller, .. } => *controller = Controller::GivenBack(again),
-            State::OnLine { second, .. } => *second = Sending::At(again),
-            other => panic!("a wanted request in {other:?}"),
+        match (kind, &mut self.state) {
+            _ if !wanted => {}
+            (Kind::WhoResponse | Kind::IdentifyResponse(_), _) => {}
+            (Kind::CheckRequest, State::Sending { controller, .. }) => {
+                *controller = Controller::GivenBack(again);
+            }
+            (Kind::CheckRequest, State::OnLine { pause, .. }) => *pause = Some(again),
+            (Kind::CheckResponse, State::OnLine { answer_due, pause, .. }) => {
+                *answer_due = true;
+                *pause = Some(again);
+            }
+            (_, other) => panic!("a wanted {kind:?} in {other:?}"),
         }
     }
 
@@ -296,6 +308,7 @@ impl Model {
             ) => {
                 *controller = Controller::Ready;
             }
+            (LinkEvent::Up | LinkEvent::ModeSet(_), State::OnLine { pause, .. }) => *pause = None,
             // Row 15.
             (LinkEvent::Down, _) => self.leave_the_bus(State::NonExistent),
             (LinkEvent::BusOff, State::NonExistent) => {}
@@ -395,6 +408,7 @@ impl Model {
         }
         match self.state {
             State::Sending { controller: Controller::Ready, .. } => vec![Kind::CheckRequest],
+            State::OnLine { pause: Some(_), .. } => Vec::new(),
             State::OnLine { answer_due: true, .. } => vec![Kind::CheckResponse],
             State::OnLine { second: Sending::Due, .. } => vec![Kind::CheckRequest],
             State::Faulted(Fault::Duplicate { who, identify, .. }) => {
