@@ -60,6 +60,36 @@
 //! # Ok::<(), devicenet_core::id::InvalidMacId>(())
 //! ```
 //!
+//! # The same on a real bus
+//!
+//! That loop exists: [`link_core::drive()`] runs a machine on a [`Port`](link_core::Port). With its feature
+//! `embedded-can`, link-core makes a port of any `embedded_can` driver.
+//!
+//! ```
+//! use core::ops::ControlFlow;
+//! use devicenet_core::MacId;
+//! use devicenet_core::access::{Access, AccessEvent, NetworkStatus};
+//! use link_core::{Port, drive};
+//!
+//! # fn show(_: NetworkStatus) {}
+//! # fn store(_: MacId) {}
+//! /// Returns when the port fails for good.
+//! fn run<P: Port>(node: &mut Access, port: &mut P) -> P::Error {
+//!     let ended = drive(node, port, |node, _now, event| {
+//!         match event {
+//!             AccessEvent::StateChanged { .. } | AccessEvent::Identify { .. } => show(node.network_status()),
+//!             // A tool repaired the node: it must know its MAC ID after the next power cycle.
+//!             AccessEvent::MacIdAssigned { to, .. } => store(to),
+//!             _ => {}
+//!         }
+//!         ControlFlow::<core::convert::Infallible>::Continue(())
+//!     });
+//!     match ended {
+//!         Err(error) => error,
+//!     }
+//! }
+//! ```
+//!
 //! # What the bus may do to it
 //!
 //! Any frame, in any state, at any time: nothing panics, nothing is allocated, and the work for one input is bounded. A

@@ -253,6 +253,45 @@ fn a_ucmm_connection_from_open_to_close() {
     );
 }
 
+/// The byte tables of CIP Vol. 3 for messages of which no example was published; every field differs from its neighbours.
+#[test]
+fn byte_tables_without_a_published_example() {
+    let device = DeviceIdentity { vendor: VendorId(0x1234), serial: 0x89AB_CDEF };
+    let heartbeat = Heartbeat {
+        node: number(3),
+        instance: InstanceId(0x0102),
+        state: DeviceState::OPERATIONAL,
+        flags: HeartbeatFlags::SYSTEM_FAULT | HeartbeatFlags::DEVICE_FAULT,
+        configuration_consistency: 0x5678,
+    };
+    let sent = [
+        frame(Identifier::unconnected_response(number(3)), &heartbeat),
+        frame(
+            Identifier::COMMUNICATION_FAULTED_REQUEST,
+            &IdentifyRequest { nodes: NodeSelection::MacId(number(5)) },
+        ),
+        frame(Identifier::COMMUNICATION_FAULTED_REQUEST, &IdentifyDeviceRequest { device }),
+        frame(Identifier::COMMUNICATION_FAULTED_RESPONSE, &IdentifyResponse { nodes: NodeSelection::ALL }),
+        frame(
+            Identifier::explicit_response(number(5)),
+            &UnconnectedReleaseResponse { xid: true, requester: number(1) },
+        ),
+        frame(Identifier::bit_strobe_command(number(1)), &BitStrobeCommand::from_bits(0x8000_0000_0000_0001)),
+    ]
+    .map(|frame| frame.unwrap().to_string());
+    assert_eq!(
+        sent,
+        [
+            "743 [8] 03 CD 02 01 03 05 78 56",
+            "7ED [2] 45 4C",
+            "7ED [8] 3F 4C 34 12 EF CD AB 89",
+            "7EC [2] 3F CC",
+            "42B [2] 41 CC",
+            "408 [8] 01 00 00 00 00 00 00 80",
+        ]
+    );
+}
+
 #[test]
 fn a_node_ping_is_an_open_request_that_opens_nothing() {
     let ping = OpenRequest::parse(&[0x14, 0x4B, 0x00, 0xF0]).unwrap();

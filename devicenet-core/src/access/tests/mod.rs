@@ -8,4 +8,5 @@ mod exhaustive;
 mod faults;
 mod offline;
 mod online;
+mod races;
 mod starting;
