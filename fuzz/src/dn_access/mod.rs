@@ -1,6 +1,6 @@
 //! Network access, against the table of CIP Vol. 3 as a second, small program.
 //!
-//! Operations that are legal at that moment are done to the machine and to the [model](model::Model); after each, both
+//! Operations that are legal at that moment are done to the machine and to the reference model; after each, both
 //! must be in one state, and what the machine sent, withdrew and asked of its controller must be what the model allows
 //! and demands. So nothing is sent before on line but check requests, and nothing in a fault but the answers of the
 //! offline connection set.

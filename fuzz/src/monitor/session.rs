@@ -36,7 +36,7 @@ pub(super) fn read(input: &mut Unstructured<'_>, most: usize) -> Vec<Sent> {
     sent
 }
 
-/// The bytes from which [`read`] reads these frames.
+/// The bytes from which `read` reads these frames.
 #[must_use]
 pub fn session_bytes(frames: impl IntoIterator<Item = (Instant, Frame)>) -> Vec<u8> {
     let mut last = None;
