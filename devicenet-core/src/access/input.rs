@@ -134,11 +134,8 @@ impl Access {
     pub(super) fn link(&mut self, event: LinkEvent) {
         match event {
             LinkEvent::Up => self.up(),
-            LinkEvent::Down => {
-                self.told = None;
-                if self.state != State::NonExistent {
-                    self.enter(State::NonExistent, Cause::LinkDown);
-                }
+            LinkEvent::Down if self.state != State::NonExistent => {
+                self.enter(State::NonExistent, Cause::LinkDown);
             }
             LinkEvent::BusOff => self.bus_off(),
             LinkEvent::ModeSet(_) => self.queue_again(),
@@ -148,7 +145,7 @@ impl Access {
                 self.raise(AccessEvent::FramesLost { count: lost });
             }
             LinkEvent::Refused(kind) => self.refused(kind),
-            // Counters, warnings, other errors: the controller deals with them. The enumeration may grow.
+            // Counters, warnings, other errors: the controller deals with them.
             _ => {}
         }
     }

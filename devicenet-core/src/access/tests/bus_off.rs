@@ -189,7 +189,31 @@ fn a_refused_filter_or_mode_is_only_reported() {
         bus.link(LinkEvent::Refused(kind));
         bus.tells(AccessEvent::LinkRefused(kind));
         bus.is(StateKind::WaitingDupMac);
+
+        let mut bus = Bus::online(restarting());
+        bus.link(LinkEvent::BusOff);
+        bus.wait(100);
+        bus.link(LinkEvent::Refused(kind));
+        bus.is(StateKind::SendingDupMac);
     }
+}
+
+/// Neither a new MAC ID nor the loss of network power is a power cycle of the device.
+#[test]
+fn the_counter_outlives_everything_but_a_reset() {
+    let mut bus = Bus::online(restarting());
+    bus.link(LinkEvent::BusOff);
+    bus.wait(100);
+    bus.link(LinkEvent::Up);
+    bus.command(|node, now| node.set_mac_id(now, mac(5))).unwrap();
+    bus.hears(0x42F, &TWIN_RESPONSE);
+    bus.hears(0x7ED, &[0x06, 0x4D, 0x34, 0x12, 0x45, 0x23, 0x00, 0x00]);
+    assert_eq!(bus.node.mac_id(), mac(6));
+    bus.link(LinkEvent::Down);
+    bus.link(LinkEvent::Up);
+    assert_eq!(bus.node.bus_off_counter(), 1);
+    bus.command(Access::reset);
+    assert_eq!(bus.node.bus_off_counter(), 0);
 }
 
 #[test]

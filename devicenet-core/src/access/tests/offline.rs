@@ -94,6 +94,21 @@ fn identify_of_a_device_flashes_red_and_green_for_a_minute() {
 }
 
 #[test]
+fn another_identify_of_a_device_begins_another_minute() {
+    let mut bus = Bus::faulted(config());
+    for _ in 0..2 {
+        bus.hears(0x7ED, &[0x3F, 0x4C, 0x34, 0x12, 0x45, 0x23, 0x00, 0x00]);
+        bus.sends(0x7EC, &[0x3F, 0xCC]);
+        bus.acknowledges();
+        bus.wait(40_000);
+    }
+    bus.wait(19_999);
+    assert_eq!(bus.events, [AccessEvent::Identify { on: true }]);
+    bus.wait(1);
+    assert_eq!(bus.events, [AccessEvent::Identify { on: true }, AccessEvent::Identify { on: false }]);
+}
+
+#[test]
 fn the_short_identify_is_answered_and_does_not_flash() {
     let mut bus = Bus::faulted(config());
     bus.hears(0x7ED, &[0x3F, 0x4C]);

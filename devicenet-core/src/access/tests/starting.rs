@@ -135,9 +135,11 @@ fn a_second_up_changes_nothing() {
     for make in [Bus::power_up, Bus::waiting, Bus::online, Bus::faulted] {
         let mut bus = make(config());
         let before = bus.node.state();
+        let filter = bus.listens_to();
         bus.link(LinkEvent::Up);
         assert_eq!(bus.node.state(), before);
         bus.withdraws_nothing();
+        assert_eq!(bus.listens_to(), filter, "told again: the controller may have forgotten it");
     }
 }
 
