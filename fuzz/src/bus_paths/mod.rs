@@ -69,7 +69,7 @@ struct Bookkeeper {
     in_flight: BTreeSet<(NodeId, TxToken)>,
     /// When the last frame of a segment was over.
     free_at: Vec<Instant>,
-    numbers: BTreeSet<u64>,
+    numbers: BTreeSet<(usize, u64)>,
 }
 
 impl Bookkeeper {
@@ -105,7 +105,8 @@ impl Bookkeeper {
     }
 
     fn frame(&mut self, frame: &FrameRecord<'_>) {
-        assert!(self.numbers.insert(frame.number), "{frame}: a number twice");
+        // An attempt goes on on both sides of a split.
+        assert!(self.numbers.insert((frame.segment, frame.number)), "{frame}: a number twice");
         assert!(frame.start < frame.end && !frame.senders.is_empty(), "{frame}");
         // A disturbed bit can pass for an acknowledgement, and who acknowledged can be gone before the end.
         if self.undisturbed && frame.outcome == Outcome::Ok {
