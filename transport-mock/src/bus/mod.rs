@@ -98,7 +98,7 @@ impl Bus {
     pub(crate) fn next(&self) -> Option<Next> {
         let mut next: Option<Next> = None;
         for (segment, state) in self.segments.iter().enumerate() {
-            let Some((at, begins)) = state.next(self.faults.next()) else { continue };
+            let Some((at, begins)) = state.next(self.faults.next(), self.now) else { continue };
             let candidate = Next { at, begins, segment };
             if next.is_none_or(|next| candidate < next) {
                 next = Some(candidate);

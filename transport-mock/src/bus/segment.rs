@@ -91,7 +91,7 @@ impl Segment {
     }
 
     /// When something happens here next, and whether it is a beginning.
-    pub(super) fn next(&self, disturbed: Instant) -> Option<(Instant, bool)> {
+    pub(super) fn next(&self, disturbed: Instant, now: Instant) -> Option<(Instant, bool)> {
         match self.activity {
             Activity::Quick { end, .. } => Some((end, false)),
             Activity::Exact { bit_start, begun: false } => Some((bit_start, true)),
@@ -100,7 +100,8 @@ impl Segment {
             Activity::Quiet => {
                 let mut at = self.next_start;
                 if disturbed != Instant::MAX && !self.members.is_empty() {
-                    at = at.min(self.bit_of(disturbed.max(self.free_at)));
+                    // The bits of another segment may lie otherwise: what began before now is too late.
+                    at = at.min(self.bit_of(disturbed.max(self.free_at)).max(self.align(now)));
                 }
                 if self.next_join <= at {
                     return (self.next_join != Instant::MAX).then_some((self.next_join, false));

@@ -1,7 +1,7 @@
 //! A bus that is split, and joined again.
 
 use link_core::{LinkEvent, TxOutcome};
-use transport_mock::{Change, ErrorState};
+use transport_mock::{Change, ErrorState, Fault, FaultId, Scope};
 
 use crate::harness::{Bench, data};
 
@@ -55,4 +55,20 @@ fn a_cable_that_breaks_under_a_frame_leaves_a_sender_without_acknowledgement() {
     bench.change(Change::Join);
     bench.run_bits(1_000);
     assert_eq!(bench.probe(1).frames(), [data(0x100, &[0; 8])]);
+}
+
+/// The bits of the slow node lie between those of the others, whose segment is disturbed as well.
+#[test]
+fn a_disturbed_segment_does_not_begin_before_the_present_bit_of_another() {
+    let mut bench = Bench::new(2);
+    bench.change(Change::SetClock(bench.id(0), -10_000));
+    bench.change(Change::Split(vec![bench.id(0)]));
+    bench.run_bits(10);
+    let flip = Fault::FlipBit { frame: 0, bit: 0, scope: Scope::Bus };
+    bench.change(Change::FaultOn(FaultId(1), flip));
+    bench.run_bits(20);
+    bench.send(1, data(0x000, &[]));
+    bench.send(0, data(0x001, &[]));
+    bench.run_bits(400);
+    assert!(bench.frames.is_sorted_by_key(|seen| seen.end), "{:#?}", bench.lines);
 }
