@@ -145,8 +145,14 @@ impl Access {
                 self.raise(AccessEvent::FramesLost { count: lost });
             }
             LinkEvent::Refused(kind) => self.refused(kind),
-            // Counters, warnings, other errors: the controller deals with them.
-            _ => {}
+            // Without power already; or what the controller deals with by itself.
+            LinkEvent::Down
+            | LinkEvent::ErrorWarning
+            | LinkEvent::ErrorPassive
+            | LinkEvent::ErrorActive
+            | LinkEvent::BusError(_)
+            | LinkEvent::Counters { .. }
+            | LinkEvent::FilterSet => {}
         }
     }
 
