@@ -1,13 +1,14 @@
 //! The cheap path tells the same story as the exact one, line by line and to the nanosecond.
 
+use std::collections::BTreeSet;
 use std::time::Duration;
 
 use link_core::frame::{extended_id, standard_id};
-use link_core::{BitRate, Filter, Frame, Id, Instant, LinkCommand};
+use link_core::{BitRate, Filter, FilterSet, Frame, Id, Input, Instant, LinkCommand, Mode};
 use proptest::prelude::*;
 use transport_mock::{BusConfig, Change, Counters, Fault, FaultId, NodeId, Reaction, Scope, Which};
 
-use crate::harness::{Bench, Probe};
+use crate::harness::{BIT, Bench, Probe};
 
 const NODES: usize = 5;
 
@@ -18,7 +19,12 @@ enum Step {
     Reset(usize),
     Power(usize, bool),
     Cable(usize, bool),
+    Cycle(usize),
     ListenOnly(usize, bool),
+    Mode(usize, Mode),
+    Filter(usize, u16),
+    Recovers(usize),
+    Answers(usize, Frame),
     Rate(usize, u32),
     Clock(usize, i32),
     React(usize, u64),
@@ -47,7 +53,9 @@ fn any_frame() -> impl Strategy<Value = Frame> {
     prop_oneof![
         6 => (id.clone(), prop::collection::vec(prop_oneof![Just(0), Just(1), Just(0xFF)], 0..3))
             .prop_map(|(id, bytes)| Frame::new(id, &bytes).unwrap()),
-        1 => id.prop_map(|id| Frame::remote(id, 1).unwrap()),
+        1 => (id.clone(), 8..16_u8, any::<[u8; 8]>())
+            .prop_map(|(id, dlc, bytes)| Frame::with_dlc(id, dlc, bytes).unwrap()),
+        1 => (id, 0..2_u8).prop_map(|(id, dlc)| Frame::remote(id, dlc).unwrap()),
     ]
 }
 
@@ -72,7 +80,14 @@ fn any_step() -> impl Strategy<Value = Step> {
         2 => node.clone().prop_map(Step::Reset),
         1 => (node.clone(), any::<bool>()).prop_map(|(node, on)| Step::Power(node, on)),
         1 => (node.clone(), any::<bool>()).prop_map(|(node, on)| Step::Cable(node, on)),
+        1 => node.clone().prop_map(Step::Cycle),
         1 => (node.clone(), any::<bool>()).prop_map(|(node, on)| Step::ListenOnly(node, on)),
+        1 => (node.clone(), any::<bool>()).prop_map(|(node, listen_only)| {
+            Step::Mode(node, Mode { bit_rate: BitRate::K500, listen_only })
+        }),
+        1 => (node.clone(), 0..4_u16).prop_map(|(node, mask)| Step::Filter(node, mask)),
+        1 => node.clone().prop_map(Step::Recovers),
+        1 => (node.clone(), any_frame()).prop_map(|(node, frame)| Step::Answers(node, frame)),
         1 => (node.clone(), prop_oneof![3 => Just(500_000), 1 => Just(250_000), 1 => Just(1_000_000)])
             .prop_map(|(node, rate)| Step::Rate(node, rate)),
         1 => (node.clone(), prop_oneof![3 => Just(0), 1 => -30_000..30_000])
@@ -100,6 +115,17 @@ fn act(bench: &mut Bench, step: &Step) {
         Step::Power(node, false) => bench.change(Change::PowerOff(id(node))),
         Step::Cable(node, true) => bench.change(Change::Plug(id(node))),
         Step::Cable(node, false) => bench.change(Change::Cut(id(node))),
+        Step::Cycle(node) => bench.change(Change::PowerCycle(id(node))),
+        Step::Mode(node, mode) => command(bench, node, |probe| probe.link(LinkCommand::SetMode(mode))),
+        Step::Filter(node, mask) => {
+            let filters: FilterSet =
+                [Filter::standard(standard_id(0x100), 0x7FC | mask), Filter::ALL_EXTENDED]
+                    .into_iter()
+                    .collect();
+            command(bench, node, |probe| probe.link(LinkCommand::SetFilter(filters)));
+        }
+        Step::Recovers(node) => command(bench, node, |probe| probe.recovers = true),
+        Step::Answers(node, frame) => command(bench, node, |probe| probe.answer = Some(frame)),
         Step::ListenOnly(node, on) => bench.change(Change::SetListenOnly(id(node), on)),
         Step::Rate(node, rate) => bench.change(Change::SetBitRate(id(node), BitRate(rate))),
         Step::Clock(node, ppm) => bench.change(Change::SetClock(id(node), ppm)),
@@ -138,38 +164,107 @@ fn command(bench: &mut Bench, node: usize, act: impl FnOnce(&mut Probe)) {
     bench.network.command(id, |probe: &mut Probe, _| act(probe));
 }
 
-fn run(steps: &[(u64, Step)], force_exact: bool) -> (Vec<String>, Vec<Counters>) {
-    let config = BusConfig { force_exact, shared: None, ..BusConfig::new(BitRate::K500, 7) };
-    let mut bench = Bench::with(config, NODES);
-    for (wait, step) in steps {
-        let until = bench.network.now().as_nanos() + wait;
-        bench.run_until(Instant::from_nanos(until));
-        act(&mut bench, step);
-    }
-    bench.run_bits(3_000);
-    let counters = (0..NODES).map(|node| bench.network.counters(bench.id(node))).collect();
-    (bench.lines, counters)
+/// What came of the steps, as anybody could see it.
+#[derive(PartialEq, Debug)]
+struct Story {
+    lines: Vec<String>,
+    counters: Vec<Counters>,
+    /// What each machine was told since its last power-up.
+    inputs: Vec<Vec<(Instant, Input)>>,
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+/// `pauses`: the run is broken off that often, in nanoseconds, and taken up again.
+fn run(steps: &[(u64, Step)], force_exact: bool, pauses: Option<u64>) -> Story {
+    run_seen(steps, force_exact, pauses, true)
+}
 
+/// Without `seen` nobody wants records, which are then not put together.
+fn run_seen(steps: &[(u64, Step)], force_exact: bool, pauses: Option<u64>, seen: bool) -> Story {
+    let config = BusConfig { force_exact, shared: None, ..BusConfig::new(BitRate::K500, 7) };
+    let mut bench = Bench::with(config, NODES);
+    bench.watched = seen;
+    for (wait, step) in steps {
+        run_until(&mut bench, *wait, pauses);
+        act(&mut bench, step);
+    }
+    run_until(&mut bench, 3_000 * BIT, pauses);
+    let nodes = 0..NODES;
+    // Whatever still waits is answered now.
+    nodes.clone().for_each(|node| bench.change(Change::Cut(bench.id(node))));
+    bench.run_bits(1);
+    Story {
+        counters: nodes.clone().map(|node| bench.network.counters(bench.id(node))).collect(),
+        inputs: nodes.map(|node| bench.probe(node).log.clone()).collect(),
+        lines: bench.lines,
+    }
+}
+
+fn run_until(bench: &mut Bench, wait: u64, pauses: Option<u64>) {
+    let end = bench.network.now().as_nanos() + wait;
+    while let Some(pause) = pauses
+        && bench.network.now().as_nanos() + pause < end
+    {
+        bench.run_until(Instant::from_nanos(bench.network.now().as_nanos() + pause));
+    }
+    bench.run_until(Instant::from_nanos(end));
+}
+
+/// Compares by lines first, which tell more.
+fn same(one: &Story, other: &Story) -> Result<(), TestCaseError> {
+    if let Some(place) = one.lines.iter().zip(&other.lines).position(|(one, other)| one != other) {
+        let context = place.saturating_sub(4)..(place + 3).min(one.lines.len()).min(other.lines.len());
+        let (one, other) = (&one.lines[context.clone()], &other.lines[context]);
+        return Err(TestCaseError::fail(format!("line {place}:\n{one:#?}\n{other:#?}")));
+    }
+    prop_assert_eq!(one, other);
+    Ok(())
+}
+
+/// Every frame that a machine has asked for is answered once.
+fn every_request_has_one_answer(lines: &[String]) -> Result<(), TestCaseError> {
+    let mut waiting = BTreeSet::new();
+    for line in lines {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match *words.as_slice() {
+            [_, "node", node, "requests", token, ..] => {
+                prop_assert!(waiting.insert((node.to_owned(), token.to_owned())), "{} twice", line);
+            }
+            [_, "node", node, "done", token, _] => {
+                prop_assert!(waiting.remove(&(node.to_owned(), token.to_owned())), "{} unasked", line);
+            }
+            _ => {
+                // Without power a machine forgets what it has asked for.
+                if let Some((_, node)) = line.split_once("PowerOff(NodeId(") {
+                    let node = node.trim_end_matches(')');
+                    waiting.retain(|(other, _)| other != node);
+                }
+            }
+        }
+    }
+    prop_assert!(waiting.is_empty(), "without an answer: {:?}", waiting);
+    Ok(())
+}
+
+// The number of cases is set by `PROPTEST_CASES`.
+proptest! {
     #[test]
     fn both_paths_tell_the_same_story(
         steps in prop::collection::vec((prop_oneof![Just(0_u64), 0..20_000_u64, 0..400_000_u64], any_step()), 1..60)
     ) {
-        let (cheap, cheap_counters) = run(&steps, false);
-        let (exact, exact_counters) = run(&steps, true);
-        if let Some(place) = cheap.iter().zip(&exact).position(|(cheap, exact)| cheap != exact) {
-            let context = place.saturating_sub(4)..(place + 3).min(cheap.len()).min(exact.len());
-            prop_assert!(
-                false,
-                "line {place}:\ncheap {:#?}\nexact {:#?}",
-                &cheap[context.clone()],
-                &exact[context]
-            );
-        }
-        prop_assert_eq!(cheap.len(), exact.len());
-        prop_assert_eq!(cheap_counters, exact_counters);
+        let cheap = run(&steps, false, None);
+        same(&cheap, &run(&steps, true, None))?;
+        every_request_has_one_answer(&cheap.lines)?;
+        let unseen = run_seen(&steps, false, None, false);
+        prop_assert_eq!((unseen.counters, unseen.inputs), (cheap.counters, cheap.inputs));
+    }
+
+    /// A driver that follows the wall clock stops wherever it likes.
+    #[test]
+    fn where_a_run_is_broken_off_makes_no_difference(
+        steps in prop::collection::vec((0..400_000_u64, any_step()), 1..30),
+        force_exact in any::<bool>(),
+        pause in 500..50_000_u64,
+    ) {
+        same(&run(&steps, force_exact, None), &run(&steps, force_exact, Some(pause)))?;
     }
 }

@@ -9,7 +9,7 @@ use link_core::{
 };
 use transport_mock::bus::{BusError, Sender};
 use transport_mock::record::{FrameRecord, Outcome};
-use transport_mock::{BusConfig, Change, Counters, Network, NodeConfig, NodeId, Record};
+use transport_mock::{BusConfig, Change, Counters, Ignore, Network, NodeConfig, NodeId, Record};
 
 /// Does what it is told, and keeps what it hears.
 #[derive(Clone, Debug, Default)]
@@ -18,6 +18,8 @@ pub(crate) struct Probe {
     pub(crate) log: Vec<(Instant, Input)>,
     /// Resets its controller whenever it goes bus-off.
     pub(crate) recovers: bool,
+    /// What it sends when it receives a frame.
+    pub(crate) answer: Option<Frame>,
     now: Instant,
     next_token: u16,
 }
@@ -85,6 +87,9 @@ impl Machine for Probe {
         if self.recovers && input == Input::Link(LinkEvent::BusOff) {
             self.link(LinkCommand::Reset);
         }
+        if let (Input::Frame(_), Some(frame)) = (input, self.answer.take()) {
+            self.send(frame);
+        }
     }
 
     fn poll(&mut self, _: Instant) -> Option<Action<Infallible>> {
@@ -131,6 +136,8 @@ pub(crate) struct Bench {
     pub(crate) errors: Vec<BusError>,
     pub(crate) counters: Vec<(Instant, NodeId, Counters)>,
     pub(crate) lines: Vec<String>,
+    /// Whether anybody wants to see what happens.
+    pub(crate) watched: bool,
 }
 
 pub(crate) const BIT: u64 = 2_000;
@@ -145,8 +152,14 @@ impl Bench {
         for node in 0..nodes {
             network.add_silent(NodeConfig::named(format!("probe {node}")), Probe::default());
         }
-        let mut bench =
-            Self { network, frames: Vec::new(), errors: Vec::new(), counters: Vec::new(), lines: Vec::new() };
+        let mut bench = Self {
+            network,
+            frames: Vec::new(),
+            errors: Vec::new(),
+            counters: Vec::new(),
+            lines: Vec::new(),
+            watched: true,
+        };
         // Everybody has seen a free bus.
         bench.run_bits(12);
         bench
@@ -184,7 +197,10 @@ impl Bench {
     }
 
     pub(crate) fn run_until(&mut self, end: Instant) {
-        let Self { network, frames, errors, counters, lines } = self;
+        let Self { network, frames, errors, counters, lines, watched } = self;
+        if !*watched {
+            return network.run_until(end, &mut Ignore);
+        }
         network.run_until(end, &mut |record: &Record<'_, ()>| {
             lines.push(record.to_string());
             match record {
