@@ -107,7 +107,8 @@ pub enum LinkEvent {
     BusOff,
     /// An error on the bus, seen as a sender or as a receiver.
     BusError(BusErrorKind),
-    /// The error counters, where the controller tells them.
+    /// The error counters, where the controller tells them: before the change of state to which they led, and whenever
+    /// the driver likes to.
     Counters {
         /// Transmit error counter, 0 to 256.
         tec: u16,

@@ -23,9 +23,10 @@ pub enum Change<E> {
     PowerOn(NodeId),
     /// Off, and on at the same moment.
     PowerCycle(NodeId),
-    /// The controller restarts with another bit rate, as by a switch that the machine does not read.
+    /// The controller restarts with another bit rate, as by a switch that the machine does not read. It keeps it without
+    /// power.
     SetBitRate(NodeId, BitRate),
-    /// The controller restarts in another mode.
+    /// The controller restarts in another mode, and keeps it without power.
     SetListenOnly(NodeId, bool),
     /// The node's clock is fast (positive) or slow by so many parts per million from now on.
     SetClock(NodeId, i32),

@@ -146,7 +146,7 @@ bitflags! {
     }
 }
 
-/// Takes records. Closures are sinks that want everything; `()` wants nothing.
+/// Takes records. Closures are sinks that want everything; [`Ignore`] wants nothing.
 pub trait Sink<E> {
     /// What it wants to see.
     fn interest(&self) -> Interest {

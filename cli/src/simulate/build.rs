@@ -5,16 +5,14 @@ use core::time::Duration;
 use devicenet_core::MacId;
 use devicenet_core::access::{Access, Config};
 use devicenet_core::message::{DeviceIdentity, PortNumber};
-use link_core::{BitRate, Filter, Instant, StandardId, frame::standard_id};
+use link_core::{Filter, Instant, StandardId, frame::standard_id};
 use transport_mock::bus::Fault;
 use transport_mock::nodes::{Babbler, External, Listener, Replay};
 use transport_mock::rng::Rng;
 use transport_mock::{BusConfig, Change, FaultId, Network, NodeConfig, NodeId, Reaction, Scope, Which};
 
 use super::event::NodeEvent;
-use crate::scenario::{
-    AccessNode, Action, Do, FaultKind, Node, NodeIndex, Recorded, Role, Scenario, TimeRange,
-};
+use crate::scenario::{AccessNode, Do, FaultKind, Node, NodeIndex, Recorded, Role, Scenario, TimeRange};
 
 /// What a run sets otherwise than the scenario.
 #[derive(Clone, Copy, Debug, Default)]
@@ -153,11 +151,7 @@ fn plan_fault(
 }
 
 fn plan_actions(network: &mut Network<NodeEvent>, scenario: &Scenario, ids: &[NodeId]) {
-    let mut actions: Vec<&Action> = scenario.actions.iter().collect();
-    actions.sort_by_key(|action| action.at);
-    // A switch stays as it was turned when the power comes back.
-    let mut turned: Vec<Option<BitRate>> = vec![None; ids.len()];
-    for action in actions {
+    for action in &scenario.actions {
         for node in &action.nodes {
             let id = ids[node.0];
             let change = match action.what {
@@ -166,10 +160,7 @@ fn plan_actions(network: &mut Network<NodeEvent>, scenario: &Scenario, ids: &[No
                 Do::PowerOff => Change::PowerOff(id),
                 Do::PowerOn => Change::PowerOn(id),
                 Do::PowerCycle => Change::PowerCycle(id),
-                Do::SetBitRate(rate) => {
-                    turned[node.0] = Some(rate);
-                    Change::SetBitRate(id, rate)
-                }
+                Do::SetBitRate(rate) => Change::SetBitRate(id, rate),
                 Do::SetMac(mac) => {
                     let mac = MacId::new(mac).unwrap_or(MacId::DEFAULT);
                     command(id, move |access, now| {
@@ -180,9 +171,6 @@ fn plan_actions(network: &mut Network<NodeEvent>, scenario: &Scenario, ids: &[No
                 Do::Reset => command(id, Access::reset),
             };
             network.schedule(action.at, change);
-            if let (Do::PowerOn | Do::PowerCycle, Some(rate)) = (action.what, turned[node.0]) {
-                network.schedule(action.at, Change::SetBitRate(id, rate));
-            }
         }
     }
 }

@@ -111,7 +111,8 @@ impl Bus {
         }
     }
 
-    /// Tells a node and the trace when its counters have changed.
+    /// Tells the trace that the counters of a node have changed, and the node if that means anything: the counters
+    /// first, and then what they mean.
     pub(super) fn report_counters(&mut self, node: usize, now: Instant) {
         let station = &mut self.stations[node];
         let (before, counters) = (station.known, station.engine.counters);
@@ -119,21 +120,28 @@ impl Bus {
             return;
         }
         self.note_counters(now, node);
-        let left = counters.state() == ErrorState::BusOff;
-        if counters.warning() && !before.warning() && !left {
-            self.tell(node, LinkEvent::ErrorWarning);
-        }
-        match (before.state(), counters.state()) {
-            (ErrorState::Active, ErrorState::Passive) => self.tell(node, LinkEvent::ErrorPassive),
-            (ErrorState::Passive, ErrorState::Active) => self.tell(node, LinkEvent::ErrorActive),
-            (_, ErrorState::BusOff) => {
-                self.stations[node].bus_off = true;
-                self.tell(node, LinkEvent::BusOff);
-                self.drop_all(node);
-            }
+        let state = match (before.state(), counters.state()) {
+            (ErrorState::Active, ErrorState::Passive) => Some(LinkEvent::ErrorPassive),
+            (ErrorState::Passive, ErrorState::Active) => Some(LinkEvent::ErrorActive),
+            (_, ErrorState::BusOff) => Some(LinkEvent::BusOff),
             (ErrorState::Active, ErrorState::Active)
             | (ErrorState::Passive, ErrorState::Passive)
-            | (ErrorState::BusOff, ErrorState::Active | ErrorState::Passive) => {}
+            | (ErrorState::BusOff, ErrorState::Active | ErrorState::Passive) => None,
+        };
+        let left = state == Some(LinkEvent::BusOff);
+        let warning = counters.warning() && !before.warning() && !left;
+        if state.is_some() || warning {
+            self.tell(node, LinkEvent::Counters { tec: counters.tec, rec: counters.rec });
+        }
+        if warning {
+            self.tell(node, LinkEvent::ErrorWarning);
+        }
+        if let Some(state) = state {
+            self.tell(node, state);
+        }
+        if left {
+            self.stations[node].bus_off = true;
+            self.drop_all(node);
         }
     }
 

@@ -1,5 +1,6 @@
 //! What can go wrong on the wire, each from a stream of random numbers of its own.
 
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 use link_core::{Filter, Frame, Instant};
@@ -105,6 +106,8 @@ pub(crate) struct Faults {
     /// The length of a bit.
     bit: u64,
     active: Vec<Active>,
+    /// How often each fault was switched on.
+    switched_on: BTreeMap<FaultId, u64>,
     /// The earliest moment at which one of them disturbs the wire.
     next: Instant,
 }
@@ -126,12 +129,15 @@ struct Active {
 
 impl Faults {
     pub(crate) fn new(seed: u64, bit: u64) -> Self {
-        Self { seed, bit, active: Vec::new(), next: Instant::MAX }
+        Self { seed, bit, active: Vec::new(), switched_on: BTreeMap::new(), next: Instant::MAX }
     }
 
-    /// Switches a fault on; one of the same name is replaced.
+    /// Switches a fault on; one of the same name is replaced. Each time it draws other random numbers.
     pub(crate) fn on(&mut self, now: Instant, id: FaultId, fault: Fault) {
         self.off(id);
+        let turn = self.switched_on.entry(id).or_default();
+        let stream = FAULT_STREAMS | u64::from(id.0) | *turn << 33;
+        *turn += 1;
         let gaps = match fault {
             Fault::BitFlips { rate, .. } => Some(Gaps::new(rate)),
             Fault::Bursts { gap, .. } => {
@@ -147,7 +153,7 @@ impl Faults {
         let mut active = Active {
             id,
             fault,
-            rng: Rng::new(self.seed, FAULT_STREAMS | u64::from(id.0)),
+            rng: Rng::new(self.seed, stream),
             gaps,
             count: 0,
             segment: None,

@@ -23,6 +23,11 @@ impl Bus {
         Ok(())
     }
 
+    /// A switch is turned: it stays where it is when the power goes.
+    pub(crate) fn turn_switch(&mut self, node: usize, turn: impl FnOnce(&mut Mode)) {
+        turn(&mut self.stations[node].mode_at_power_up);
+    }
+
     /// The mode at power-up.
     pub(crate) fn reset_mode(&mut self, node: usize) {
         self.stations[node].mode = self.stations[node].mode_at_power_up;
@@ -91,20 +96,20 @@ impl Bus {
         self.rejoin(now, node);
     }
 
-    /// Power or cable go. Returns whether they were there. Frames that waited are answered if `tell`.
-    pub(crate) fn detach(&mut self, now: Instant, node: usize, tell: bool) -> bool {
+    /// Power goes: nobody is left to be told anything.
+    pub(crate) fn power_off(&mut self, now: Instant, node: usize) {
+        self.detach(now, node);
+        self.outbox.retain(|&(told, _)| told != node);
+    }
+
+    /// The cable goes: the node is told, and frames that waited are answered.
+    pub(crate) fn detach(&mut self, now: Instant, node: usize) {
         if !self.stations[node].attached {
-            return false;
+            return;
         }
         self.leave(now, node);
-        if tell {
-            self.tell(node, LinkEvent::Down);
-        }
-        let before = self.outbox.len();
+        self.tell(node, LinkEvent::Down);
         self.drop_all(node);
-        if !tell {
-            self.outbox.truncate(before);
-        }
         let station = &mut self.stations[node];
         station.attached = false;
         station.bus_off = false;
@@ -115,7 +120,6 @@ impl Bus {
         let segment = self.stations[node].segment;
         self.segments[segment].members.retain(|&member| member != node);
         self.survey(segment, now);
-        true
     }
 
     /// Moves nodes to a segment of their own. Whoever is in the middle of a frame goes on with it, on either side.
@@ -187,13 +191,16 @@ impl Bus {
         self.segments[segment].attempt.outcome(node, SenderOutcome::Abandoned, now);
     }
 
-    /// A station begins to listen for a free bus, unless it is off or already does.
+    /// A station begins to listen for a free bus, unless it is off. The recovery from bus-off begins anew.
     pub(super) fn rejoin(&mut self, now: Instant, node: usize) {
         let station = &mut self.stations[node];
         let recovering = station.bus_off && matches!(station.engine.phase, Phase::Joining { .. });
-        if station.attached && !recovering {
-            let phase = if station.bus_off { Phase::Off } else { Phase::Joining { left: 1, run: 0 } };
-            station.engine.enter(phase);
+        if station.attached {
+            station.engine.enter(match (station.bus_off, recovering) {
+                (false, _) => Phase::Joining { left: 1, run: 0 },
+                (true, true) => Phase::Joining { left: RECOVERY_SEQUENCES, run: 0 },
+                (true, false) => Phase::Off,
+            });
         }
         station.engine.listen_only = station.mode.listen_only;
         let bit = station.bit();

@@ -1,6 +1,6 @@
 //! What is done to the network from outside.
 
-use link_core::{Instant, Mode};
+use link_core::{Instant, LinkEvent, Mode};
 
 use super::{Network, NodeId, OwnedChange, Pending};
 use crate::change::{Change, ChangeKind};
@@ -21,7 +21,7 @@ impl<E: 'static> Network<E> {
             Change::Cut(node) => {
                 if self.exists(node) && std::mem::replace(&mut self.nodes[node.index()].plugged, false) {
                     self.note_change(ChangeKind::Cut(node));
-                    self.bus.detach(now, node.index(), true);
+                    self.bus.detach(now, node.index());
                 }
             }
             Change::Plug(node) => {
@@ -94,20 +94,22 @@ impl<E: 'static> Network<E> {
             return;
         }
         self.note_change(ChangeKind::PowerOff(node));
-        self.bus.detach(self.now, node.index(), false);
+        self.bus.power_off(self.now, node.index());
         self.timeline.set(node.index(), Instant::MAX);
         if let Some(producers) = &mut self.producers {
             producers.forget(node);
         }
     }
 
-    pub(super) fn change_mode(&mut self, node: NodeId, change: impl FnOnce(&mut Mode)) {
+    pub(super) fn change_mode(&mut self, node: NodeId, change: impl Fn(&mut Mode)) {
         if !self.exists(node) {
             return;
         }
         let mut mode = self.bus.mode(node.index());
         change(&mut mode);
-        self.set_mode(node.index(), mode);
+        if matches!(self.set_mode(node.index(), mode), LinkEvent::ModeSet(_)) {
+            self.bus.turn_switch(node.index(), change);
+        }
     }
 
     pub(super) fn exists(&self, node: NodeId) -> bool {

@@ -149,7 +149,7 @@ impl<E: 'static> Network<E> {
 
     pub(super) fn command_link(&mut self, index: usize, command: LinkCommand) {
         let answer = match command {
-            LinkCommand::SetMode(mode) => self.set_mode(index, mode),
+            LinkCommand::SetMode(mode) => Some(self.set_mode(index, mode)),
             LinkCommand::SetFilter(filter) => {
                 self.bus.set_filter(index, filter);
                 Some(LinkEvent::FilterSet)
@@ -161,12 +161,12 @@ impl<E: 'static> Network<E> {
         }
     }
 
-    pub(super) fn set_mode(&mut self, index: usize, mode: Mode) -> Option<LinkEvent> {
+    pub(super) fn set_mode(&mut self, index: usize, mode: Mode) -> LinkEvent {
         if let Err(kind) = self.bus.set_mode(self.now, index, mode) {
-            return Some(LinkEvent::Refused(kind));
+            return LinkEvent::Refused(kind);
         }
         self.note_change(ChangeKind::Mode(NodeId::new(index), mode));
-        Some(LinkEvent::ModeSet(mode))
+        LinkEvent::ModeSet(mode)
     }
 }
 

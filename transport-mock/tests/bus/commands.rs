@@ -131,6 +131,38 @@ fn what_is_kept_without_power_is_up_to_the_node() {
     assert!(!network.machine::<Probe>(silent).unwrap().recovers);
 }
 
+/// What the old life of a node had asked for is no business of the new one.
+#[test]
+fn a_node_that_starts_anew_is_told_nothing_of_before() {
+    let mut bench = Bench::new(2);
+    let node = bench.id(0);
+    bench.send(0, data(0x100, &[]));
+    bench.change(Change::Call(Box::new(move |network| {
+        // All at one moment: nobody was told of the cut when the power goes.
+        for change in [Change::Cut(node), Change::PowerCycle(node), Change::Plug(node)] {
+            network.apply(change);
+        }
+    })));
+    bench.run_bits(20);
+    assert_eq!(bench.probe(0).outcomes(), []);
+    assert_eq!(bench.probe(0).link_events(), [LinkEvent::Up]);
+}
+
+#[test]
+fn a_switch_stays_where_it_is_without_power_and_a_command_does_not() {
+    let mut bench = Bench::new(2);
+    let node = bench.id(0);
+    let fast = Mode { bit_rate: BitRate::M1, listen_only: true };
+    bench.tell(0, |probe| probe.link(LinkCommand::SetMode(fast)));
+    bench.change(Change::SetBitRate(node, BitRate::K250));
+    bench.change(Change::SetBitRate(node, BitRate(0)));
+    bench.run_bits(1);
+    assert_eq!(bench.network.mode(node), Mode { bit_rate: BitRate::K250, listen_only: true });
+    bench.change(Change::PowerCycle(node));
+    bench.run_bits(1);
+    assert_eq!(bench.network.mode(node), Mode { bit_rate: BitRate::K250, listen_only: false });
+}
+
 #[test]
 fn a_reaction_takes_its_time() {
     let delay = Duration::from_micros(100);

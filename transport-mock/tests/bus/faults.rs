@@ -201,6 +201,24 @@ fn a_stuck_bus_drives_the_sender_off() {
     assert_eq!(bench.network.error_state(bench.id(1)), Some(ErrorState::Passive));
 }
 
+/// Otherwise noise that comes and goes would do the same each time.
+#[test]
+fn a_fault_that_is_switched_on_again_draws_other_numbers() {
+    let mut bench = Bench::new(1);
+    let mut errors = Vec::new();
+    for _ in 0..2 {
+        let began = bench.network.now();
+        bench.change(Change::FaultOn(FAULT, Fault::BitFlips { rate: 0.002, scope: Scope::Bus }));
+        bench.run_bits(2_000);
+        bench.change(Change::FaultOff(FAULT));
+        bench.run_bits(100);
+        let seen: Vec<u64> = bench.errors.drain(..).map(|error| bits_between(began, error.at)).collect();
+        assert!(!seen.is_empty());
+        errors.push(seen);
+    }
+    assert_ne!(errors[0], errors[1]);
+}
+
 #[test]
 fn the_same_seed_gives_the_same_lines_and_another_seed_others() {
     let run = |seed| {
