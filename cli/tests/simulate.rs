@@ -266,7 +266,9 @@ fn hear(stream: &mut TcpStream, end: &str) -> String {
     let mut heard = Vec::new();
     let mut byte = [0];
     while !heard.ends_with(end.as_bytes()) {
-        assert_eq!(stream.read(&mut byte).expect("an answer"), 1, "{}", String::from_utf8_lossy(&heard));
+        // A signal that interrupts the wait is no answer.
+        let read = stream.read_exact(&mut byte);
+        assert!(read.is_ok(), "{read:?} after {}", String::from_utf8_lossy(&heard));
         heard.push(byte[0]);
     }
     String::from_utf8(heard).expect("ASCII")
