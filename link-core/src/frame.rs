@@ -97,6 +97,14 @@ impl Frame {
         self.data.get(..len).unwrap_or_default()
     }
 
+    /// The data as they are on the wire, right-aligned, and how many bits they are.
+    pub(crate) fn data_bits(&self) -> (u64, u32) {
+        let len = self.data().len();
+        // Bytes that are not data are zero, and shifted out.
+        let bits = u32::try_from(len).map_or(0, |len| len.saturating_mul(8));
+        (u64::from_be_bytes(self.data).checked_shr(64_u32.saturating_sub(bits)).unwrap_or(0), bits)
+    }
+
     /// The order in which frames win arbitration: the smaller key wins.
     ///
     /// It is the arbitration field as sent, 32 bits: base identifier, RTR or SRR, IDE, identifier extension, RTR. So

@@ -81,7 +81,7 @@ pub fn bits(frame: &Frame) -> Bits {
 #[must_use]
 pub fn bit_len(frame: &Frame) -> u32 {
     let header = Header::of(frame);
-    header.len.wrapping_add(header.stuff_bits()).wrapping_add(TRAILER_BITS)
+    header.len.wrapping_add(header.stuffing()).wrapping_add(TRAILER_BITS)
 }
 
 /// CRC-15 of the low `len` bits of `value`, most significant first: polynomial 0x4599, initial value 0.
@@ -91,11 +91,13 @@ pub fn crc15(value: u128, len: u32) -> u16 {
     let bytes = value.to_be_bytes();
     let used = usize::try_from(len.div_ceil(8)).unwrap_or(bytes.len()).min(bytes.len());
     let (_, message) = bytes.split_at(bytes.len().saturating_sub(used));
-    message.iter().fold(0_u16, |crc, &byte| {
-        let [high, _] = (crc << 1).to_be_bytes();
+    // The register is kept left-aligned in 16 bits.
+    let register = message.iter().fold(0_u16, |register, &byte| {
+        let [high, _] = register.to_be_bytes();
         let entry = CRC_TABLE.get(usize::from(high ^ byte)).copied().unwrap_or_default();
-        (crc << 8 ^ entry) & 0x7FFF
-    })
+        register << 8 ^ entry
+    });
+    register >> 1
 }
 
 impl Iterator for Bits {
@@ -126,10 +128,12 @@ impl Iterator for Bits {
     }
 }
 
-/// The bits that are stuffed, start of frame to CRC, before stuffing, right-aligned: at most 118.
+/// The bits that are stuffed, start of frame to CRC, before stuffing: at most 118.
 #[derive(Clone, Debug)]
 struct Header {
-    bits: u128,
+    /// Right-aligned, with room for the CRC.
+    fields: u128,
+    crc: u16,
     len: u32,
     arbitration_end: u32,
     data_start: u32,
@@ -149,18 +153,17 @@ impl Header {
         bits = bits << 5 | u128::from(frame.dlc());
         len = len.wrapping_add(5);
         let data_start = len;
-        for &byte in frame.data() {
-            bits = bits << 8 | u128::from(byte);
-            len = len.wrapping_add(8);
-        }
-        let crc_start = len;
-        bits = bits << 15 | u128::from(crc15(bits, len));
-        Self { bits, len: len.wrapping_add(15), arbitration_end, data_start, crc_start }
+        let (data, data_len) = frame.data_bits();
+        bits = bits << data_len | u128::from(data);
+        let crc_start = len.wrapping_add(data_len);
+        let crc = crc15(bits, crc_start);
+        let len = crc_start.wrapping_add(CRC_BITS);
+        Self { fields: bits << CRC_BITS, crc, len, arbitration_end, data_start, crc_start }
     }
 
     fn bit(&self, index: u32) -> bool {
         match self.len.checked_sub(index.saturating_add(1)) {
-            Some(shift) => self.bits >> shift & 1 == 1,
+            Some(shift) => (self.fields | u128::from(self.crc)) >> shift & 1 == 1,
             None => true,
         }
     }
@@ -187,33 +190,56 @@ impl Header {
         }
     }
 
-    /// Counts the stuff bits, four bits at a step.
-    fn stuff_bits(&self) -> u32 {
+    /// How many stuff bits there are.
+    fn stuffing(&self) -> u32 {
         // Pad on the left to whole nibbles with alternating bits, which need no stuffing themselves and end in a
         // recessive bit, so that the dominant start of frame begins a new run.
         let padding = self.len.next_multiple_of(4).wrapping_sub(self.len);
-        let padded = self.bits | u128::from(PADDING & ((1_u8 << padding).wrapping_sub(1))) << self.len;
-        let mut left = self.len.wrapping_add(padding);
-        // The state before the first bit: one recessive bit was seen.
-        let mut state = 5_usize;
-        let mut stuffed = 0_u32;
-        while left > 0 {
+        let padded = self.fields | u128::from(PADDING & ((1_u8 << padding).wrapping_sub(1))) << self.len;
+        let high = u64::try_from(padded >> 64).unwrap_or_default();
+        let low = u64::try_from(padded & u128::from(u64::MAX)).unwrap_or_default();
+        let len = self.len.wrapping_add(padding);
+        let mut count = StuffCount { bits: 0, state: AFTER_RECESSIVE };
+        count.take(high, len.saturating_sub(64), 0);
+        count.take(low, len.min(64), CRC_NIBBLES);
+        // Last, because it takes time to compute: a processor can do both at once.
+        count.take(low | u64::from(self.crc), CRC_NIBBLES, 0);
+        count.bits
+    }
+}
+
+/// Counts stuff bits, four bits at a step.
+struct StuffCount {
+    bits: u32,
+    /// The state of [`STUFF_TABLE`], in the high nibble.
+    state: u8,
+}
+
+impl StuffCount {
+    /// Goes on with the bits of `word` below `from`, down to `to`, both multiples of four.
+    fn take(&mut self, word: u64, from: u32, to: u32) {
+        let mut left = from;
+        while left > to {
             left = left.wrapping_sub(4);
-            let [nibble, ..] = (padded >> left).to_le_bytes();
-            let index = state << 4 | usize::from(nibble & 0xF);
+            let [nibble, ..] = (word >> left).to_le_bytes();
+            let index = usize::from(self.state | nibble & 0xF);
             let step = STUFF_TABLE.get(index).copied().unwrap_or_default();
-            stuffed = stuffed.wrapping_add(u32::from(step >> 4));
-            state = usize::from(step & 0xF);
+            self.bits = self.bits.wrapping_add(u32::from(step & 0xF));
+            self.state = step & 0xF0;
         }
-        stuffed
     }
 }
 
 const STUFF_RUN: u32 = 5;
 const PADDING: u8 = 0b0101;
+const CRC_BITS: u32 = 15;
+/// Whole nibbles that hold the CRC.
+const CRC_NIBBLES: u32 = 16;
+/// One recessive bit was seen.
+const AFTER_RECESSIVE: u8 = 5 << 4;
 const CRC_POLYNOMIAL: u16 = 0x4599;
 const CRC_TABLE: [u16; 256] = crc_table();
-/// Indexed by state and nibble: the number of stuff bits inserted (high nibble) and the next state (low nibble). State
+/// Indexed by state and nibble: the next state (high nibble) and the number of stuff bits inserted (low nibble). State
 /// 0 to 4 is a run of 1 to 5 dominant bits, 5 to 9 one of recessive bits.
 const STUFF_TABLE: [u8; 160] = stuff_table();
 
@@ -222,11 +248,10 @@ const fn crc_table() -> [u16; 256] {
     let mut rest: &mut [u16] = &mut table;
     let mut byte: u16 = 0;
     while let Some((entry, tail)) = rest.split_first_mut() {
-        // The register holds 15 bits: the byte goes to its upper end.
-        let mut crc = byte << 7;
+        let mut crc = byte << 8;
         let mut bit = 0_u8;
         while bit < 8 {
-            crc = if crc & 0x4000 != 0 { (crc << 1 ^ CRC_POLYNOMIAL) & 0x7FFF } else { crc << 1 };
+            crc = if crc & 0x8000 != 0 { crc << 1 ^ CRC_POLYNOMIAL << 1 } else { crc << 1 };
             bit = bit.wrapping_add(1);
         }
         *entry = crc;
@@ -255,7 +280,7 @@ const fn stuff_table() -> [u8; 160] {
             }
             mask >>= 1;
         }
-        *entry = stuffed << 4 | state;
+        *entry = state << 4 | stuffed;
         index = index.wrapping_add(1);
         rest = tail;
     }
