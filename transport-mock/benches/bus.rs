@@ -20,15 +20,15 @@ fn main() {
         "500 kbit/s, full load, 8 data bytes", "x time", "frames/s", "ns/frame"
     );
     for slaves in [7, 63] {
-        report(&format!("{} nodes polled", slaves + 1), slaves, 0, config(), 20, &mut Ignore);
+        report(&format!("{} nodes polled", slaves + 1), slaves, 0, config(), 4, &mut Ignore);
     }
     let checked = BusConfig { shared: Some(|_| false), ..config() };
-    report("64 nodes polled, producers checked", 63, 0, checked.clone(), 20, &mut Ignore);
+    report("64 nodes polled, producers checked", 63, 0, checked.clone(), 4, &mut Ignore);
     let mut records = 0_u64;
     let mut count = |_: &Record<'_, ()>| records += 1;
-    report("64 nodes polled, every record seen", 63, 0, checked, 20, &mut count);
+    report("64 nodes polled, every record seen", 63, 0, checked, 4, &mut count);
     for idle in [0, 56, 248, 1016] {
-        report(&format!("8 nodes polled among {}", 8 + idle), 7, idle, config(), 20, &mut Ignore);
+        report(&format!("8 nodes polled among {}", 8 + idle), 7, idle, config(), 4, &mut Ignore);
     }
     for slaves in [7, 63] {
         report(
@@ -36,7 +36,7 @@ fn main() {
             slaves,
             0,
             config(),
-            2,
+            1,
             &mut Ignore,
         );
     }
@@ -83,17 +83,23 @@ fn report(name: &str, slaves: u16, idle: u16, config: BusConfig, seconds: u64, s
     }
     network.run_until(Instant::from_millis(100), sink);
 
-    let frames = |network: &Network<()>| network.machine::<Master>(master).unwrap().frames;
-    let before = frames(&network);
-    let started = WallInstant::now();
-    network.run_until(Instant::from_millis(100 + 1_000 * seconds), sink);
-    let spent = started.elapsed().as_secs_f64();
-    let frames = (frames(&network) - before) as f64;
+    // The fastest of some runs: whatever else the machine does only makes it slower.
+    let (mut fastest, mut frames) = (f64::MAX, 0.0);
+    for _ in 0..RUNS {
+        let counted = |network: &Network<()>| network.machine::<Master>(master).unwrap().frames;
+        let (before, end) = (counted(&network), network.now() + Duration::from_secs(seconds));
+        let started = WallInstant::now();
+        network.run_until(end, sink);
+        let spent = started.elapsed().as_secs_f64();
+        if spent < fastest {
+            (fastest, frames) = (spent, (counted(&network) - before) as f64);
+        }
+    }
     println!(
         "{name:<44} {:>9.0} {:>12.0} {:>9.0}",
-        seconds as f64 / spent,
-        frames / spent,
-        spent * 1e9 / frames
+        seconds as f64 / fastest,
+        frames / fastest,
+        fastest * 1e9 / frames
     );
 }
 
@@ -213,3 +219,6 @@ fn command_id(mac: u16) -> link_core::StandardId {
 
 /// Group 1 message 15: a slave's poll response.
 const RESPONSE: u16 = 0x3C0;
+
+/// How often each line is measured.
+const RUNS: u32 = 10;

@@ -4,7 +4,7 @@ use link_core::wire::Field;
 use link_core::{BusErrorKind, Frame, Instant};
 
 use super::acceptance::NodeSet;
-use super::engine::Flag;
+use super::phase::Flag;
 use super::{Bus, span};
 use crate::NodeId;
 

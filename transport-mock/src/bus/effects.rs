@@ -4,7 +4,7 @@ use link_core::{Frame, Input, Instant, LinkEvent, TxOutcome, TxToken};
 
 use super::attempt::{BusError, SenderOutcome};
 use super::counters::ErrorState;
-use super::engine::Effect;
+use super::phase::Effect;
 use super::{Bus, Note};
 use crate::NodeId;
 

@@ -1,8 +1,10 @@
 //! The exact path: every station, bit by bit, all in step.
 
+use link_core::wire::INTERMISSION_BITS;
 use link_core::{Frame, Instant};
 
-use super::engine::{Effect, JOINING_RUN, Phase};
+use super::engine::JOINING_RUN;
+use super::phase::{Effect, Phase};
 use super::segment::{Activity, Segment};
 use super::{Bus, after, span};
 
@@ -18,6 +20,33 @@ impl Bus {
         } else {
             Activity::Timed { next: at }
         };
+    }
+
+    /// Simulates a segment bit by bit from now on. What was passed over quickly is made up for: a frame from its
+    /// beginning, an intermission from the end of the frame.
+    pub(super) fn go_exact(&mut self, index: usize, now: Instant) {
+        let segment = &self.segments[index];
+        match segment.activity {
+            Activity::Quick { start, .. } => {
+                self.enter_exact(index, start);
+                self.spoil(index);
+                self.replay_exact(index, now);
+            }
+            Activity::Quiet if now < segment.free_at => {
+                let Some(bit) = segment.bit else { return };
+                let (free_at, intermission) = (segment.free_at, u64::from(INTERMISSION_BITS) * bit);
+                let sender = segment.last_sender;
+                self.enter_exact(index, Instant::from_nanos(free_at.as_nanos() - intermission));
+                for place in 0..self.segments[index].members.len() {
+                    let node = self.segments[index].members[place];
+                    if self.stations[node].has_joined() {
+                        self.stations[node].engine.pause(sender == Some(node));
+                    }
+                }
+                self.replay_exact(index, now);
+            }
+            Activity::Quiet | Activity::Exact { .. } | Activity::Timed { .. } => {}
+        }
     }
 
     /// The bit-level state of a station that slept, for the bit that begins at `at`.

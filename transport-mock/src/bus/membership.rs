@@ -6,7 +6,8 @@ use link_core::{Instant, LinkEvent, Mode};
 use super::Bus;
 use super::attempt::{Sender, SenderOutcome};
 use super::counters::Counters;
-use super::engine::{Phase, RECOVERY_SEQUENCES};
+use super::engine::RECOVERY_SEQUENCES;
+use super::phase::Phase;
 use super::segment::{Activity, Segment};
 use crate::NodeId;
 

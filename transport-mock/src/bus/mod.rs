@@ -9,6 +9,8 @@ mod engine;
 mod exact;
 mod fault;
 mod membership;
+mod phase;
+mod quick;
 mod segment;
 mod station;
 mod timed;
@@ -16,8 +18,8 @@ mod timed;
 pub use acceptance::NodeSet;
 pub use attempt::{BusError, Sender, SenderOutcome};
 pub use counters::{Counters, ErrorState};
-pub use engine::Flag;
 pub use fault::{Fault, FaultId, Scope, Which};
+pub use phase::Flag;
 
 pub(crate) use attempt::{Attempt, Finished};
 pub(crate) use station::{after, span};
@@ -27,8 +29,8 @@ use link_core::{FilterSet, Frame, Input, Instant, Mode, TxOutcome, TxToken};
 use crate::NodeId;
 use crate::record::Interest;
 use acceptance::Acceptance;
-use engine::Effect;
 use fault::Faults;
+use phase::Effect;
 use segment::{Activity, Segment};
 use station::Station;
 

@@ -1,15 +1,11 @@
-//! A segment of the bus, and the cheap path: a frame that nothing can go wrong with takes two steps, its beginning and
-//! its end.
+//! A segment of the bus: who is on it, what is going on, and what comes next.
 
-use link_core::wire::{INTERMISSION_BITS, bits};
-use link_core::{Frame, Instant, TxOutcome};
+use link_core::wire::INTERMISSION_BITS;
+use link_core::{Frame, Instant};
 
-use super::attempt::{Attempt, Sender, SenderOutcome};
-use super::counters::ErrorState;
-use super::engine::{JOINING_RUN, Phase, SUSPEND_BITS};
-use super::{Bus, NodeSet, after, span};
-use crate::NodeId;
-use crate::record::Interest;
+use super::attempt::Attempt;
+use super::phase::Phase;
+use super::{Bus, NodeSet, after};
 
 /// How the present moment is simulated.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -44,23 +40,23 @@ pub(crate) struct Segment {
     /// Those that take part: all but the bus-off ones and those that wait for a free bus.
     pub(super) joined: NodeSet,
     /// Those of them that acknowledge.
-    acknowledging: usize,
+    pub(super) acknowledging: usize,
     /// On the exact path: members that are simulated, and those that are in the same state as one of them, by its place.
     pub(super) leaders: Vec<usize>,
     pub(super) followers: Vec<(usize, usize)>,
     /// Members that wait for a free bus.
-    joining: Vec<usize>,
+    pub(super) joining: Vec<usize>,
     /// Members with mail.
     pub(super) waiting: Vec<usize>,
     /// Members with REC > 0.
-    blamed: Vec<usize>,
+    pub(super) blamed: Vec<usize>,
     /// The length of a bit, if all members agree.
     pub(super) bit: Option<u64>,
     pub(super) activity: Activity,
     /// The end of the intermission: nobody begins before.
     pub(super) free_at: Instant,
     /// Who sent the last frame on the cheap path: a transmitter until its intermission is over.
-    last_sender: Option<usize>,
+    pub(super) last_sender: Option<usize>,
     /// When the next frame begins, while the segment is quiet.
     next_start: Instant,
     /// When the first of `joining` has joined, while the segment is quiet.
@@ -243,121 +239,6 @@ impl Bus {
             Activity::Quick { start: at, end: after(at, len * bit), bit, sender, frame };
     }
 
-    /// Who wins arbitration among those that begin at `at`, and whether its first place is its own.
-    fn contest(&self, index: usize, at: Instant) -> Option<(usize, Frame, bool)> {
-        let mut best: Option<(u32, usize, &Frame)> = None;
-        let mut unique = true;
-        for &node in &self.segments[index].waiting {
-            let station = &self.stations[node];
-            if station.suspend_until > at || !station.has_joined() {
-                continue;
-            }
-            let Some(mail) = station.queue.head(at) else { continue };
-            match best {
-                Some((key, ..)) if mail.key > key => {}
-                Some((key, ..)) if mail.key == key => unique = false,
-                Some(_) | None => {
-                    best = Some((mail.key, node, &mail.frame));
-                    unique = true;
-                }
-            }
-        }
-        best.map(|(_, node, frame)| (node, *frame, unique))
-    }
-
-    /// The end of a frame on the cheap path.
-    pub(super) fn finish_quick(&mut self, index: usize) {
-        let Activity::Quick { start, end, bit, sender, frame } = self.segments[index].activity else {
-            return;
-        };
-        if self.interest.contains(Interest::LOSERS) {
-            self.record_contenders(index, start, sender, &frame);
-        } else if !self.interest.is_empty() {
-            let attempt = &mut self.segments[index].attempt;
-            attempt.senders.push(Sender { node: NodeId::new(sender), frame, outcome: SenderOutcome::Sent });
-        }
-        let segment = &mut self.segments[index];
-        segment.activity = Activity::Quiet;
-        segment.last_sender = Some(sender);
-        segment.free_at = after(end, u64::from(INTERMISSION_BITS) * bit);
-        let attempt = &mut segment.attempt;
-        attempt.frame = Some(frame);
-        (attempt.sent, attempt.settled) = (true, end);
-        if self.interest.contains(Interest::RECEIVERS) {
-            attempt.receivers.copy_from(&segment.joined);
-            attempt.receivers.remove(sender);
-        }
-
-        self.stations[sender].queue.send(start);
-        let token = self.stations[sender].queue.take_sent().map(|mail| mail.token);
-        if self.stations[sender].queue.is_empty() {
-            self.segments[index].waiting.retain(|&node| node != sender);
-        }
-        // Out of the way while the stations are told.
-        let acceptance = std::mem::replace(&mut self.acceptance, super::Acceptance::new());
-        let joined = std::mem::take(&mut self.segments[index].joined);
-        acceptance.for_each(&frame, &joined, sender, |node| {
-            if node != sender {
-                self.deliver(node, &frame);
-            } else if let Some(token) = token {
-                self.done(sender, token, TxOutcome::Sent);
-            }
-        });
-        self.acceptance = acceptance;
-        self.segments[index].joined = joined;
-        self.close_attempt(index, end);
-        self.settle_counters(index, sender, bit, end);
-        self.break_joining(index, start, end, bit);
-        self.plan(index);
-    }
-
-    /// The counters after a frame that all have received.
-    fn settle_counters(&mut self, index: usize, sender: usize, bit: u64, end: Instant) {
-        // In the order of the nodes, as on the exact path.
-        let mut blamed = std::mem::take(&mut self.segments[index].blamed);
-        let mut before = true;
-        blamed.retain(|&node| {
-            if before && node >= sender {
-                before = false;
-                self.settle_sender(sender, bit, end);
-            }
-            let station = &mut self.stations[node];
-            if node != sender && station.has_joined() && !station.mode.listen_only {
-                station.engine.counters.received();
-                self.report_counters(node, end);
-            }
-            self.stations[node].engine.counters.rec > 0
-        });
-        self.segments[index].blamed = blamed;
-        if before {
-            self.settle_sender(sender, bit, end);
-        }
-    }
-
-    fn settle_sender(&mut self, sender: usize, bit: u64, end: Instant) {
-        let station = &mut self.stations[sender];
-        station.engine.counters.sent();
-        if station.engine.counters.state() == ErrorState::Passive {
-            let bits = INTERMISSION_BITS + u32::from(SUSPEND_BITS);
-            station.suspend_until = after(end, u64::from(bits) * bit);
-        }
-        self.report_counters(sender, end);
-    }
-
-    /// A frame interrupts the recessive run that joining stations count.
-    fn break_joining(&mut self, index: usize, start: Instant, end: Instant, bit: u64) {
-        // ACK delimiter and end of frame are eight recessive bits, and the intermission follows.
-        let recessive_since = Instant::from_nanos(end.as_nanos().saturating_sub(8 * bit));
-        for &node in &self.segments[index].joining {
-            let station = &mut self.stations[node];
-            let Phase::Joining { left, .. } = station.engine.phase else { continue };
-            let sequences = span(station.heard_from, start) / (u64::from(JOINING_RUN) * station.bit());
-            let left = left - u16::try_from(sequences).unwrap_or(u16::MAX).min(left);
-            station.engine.phase = Phase::Joining { left: left.max(1), run: 0 };
-            station.heard_from = station.heard_from.max(recessive_since);
-        }
-    }
-
     fn complete_joining(&mut self, index: usize, at: Instant) {
         let joining = std::mem::take(&mut self.segments[index].joining);
         for node in joining {
@@ -370,57 +251,4 @@ impl Bus {
         }
         self.survey(index, at);
     }
-
-    /// Who began together with the winner of a frame on the cheap path, and in which bit they lost.
-    fn record_contenders(&mut self, index: usize, start: Instant, winner: usize, frame: &Frame) {
-        let segment = &mut self.segments[index];
-        for &node in &segment.waiting {
-            let station = &self.stations[node];
-            if station.suspend_until > start || !station.has_joined() {
-                continue;
-            }
-            let Some(mail) = station.queue.head(start) else { continue };
-            let outcome = if node == winner {
-                SenderOutcome::Sent
-            } else {
-                SenderOutcome::LostArbitration { bit: first_difference(&mail.frame, frame) }
-            };
-            segment.attempt.senders.push(Sender { node: NodeId::new(node), frame: mail.frame, outcome });
-        }
-        segment.attempt.senders.sort_unstable_by_key(|sender| sender.node);
-    }
-
-    /// Simulates a segment bit by bit from now on. What was passed over quickly is made up for: a frame from its
-    /// beginning, an intermission from the end of the frame.
-    pub(super) fn go_exact(&mut self, index: usize, now: Instant) {
-        let segment = &self.segments[index];
-        match segment.activity {
-            Activity::Quick { start, .. } => {
-                self.enter_exact(index, start);
-                self.spoil(index);
-                self.replay_exact(index, now);
-            }
-            Activity::Quiet if now < segment.free_at => {
-                let Some(bit) = segment.bit else { return };
-                let (free_at, intermission) = (segment.free_at, u64::from(INTERMISSION_BITS) * bit);
-                let sender = segment.last_sender;
-                self.enter_exact(index, Instant::from_nanos(free_at.as_nanos() - intermission));
-                for place in 0..self.segments[index].members.len() {
-                    let node = self.segments[index].members[place];
-                    if self.stations[node].has_joined() {
-                        self.stations[node].engine.pause(sender == Some(node));
-                    }
-                }
-                self.replay_exact(index, now);
-            }
-            Activity::Quiet | Activity::Exact { .. } | Activity::Timed { .. } => {}
-        }
-    }
-}
-
-/// The first bit in which two frames differ.
-fn first_difference(one: &Frame, other: &Frame) -> u32 {
-    let equal =
-        bits(one).zip(bits(other)).take_while(|(one, other)| one.recessive == other.recessive).count();
-    u32::try_from(equal).unwrap_or(u32::MAX)
 }

@@ -3,7 +3,8 @@
 use link_core::{FilterSet, Frame, Instant, Mode, TxToken};
 
 use super::counters::Counters;
-use super::engine::{Engine, JOINING_RUN, Phase};
+use super::engine::{Engine, JOINING_RUN};
+use super::phase::Phase;
 
 /// A frame that waits to be sent.
 #[derive(Clone, Debug)]

@@ -11,7 +11,7 @@
 
 use link_core::Instant;
 
-use super::engine::Phase;
+use super::phase::Phase;
 use super::segment::Activity;
 use super::{Bus, after, span};
 
