@@ -123,12 +123,20 @@ fn a_cut_cable_is_told_and_a_plugged_one_too() {
 
 #[test]
 fn what_is_kept_without_power_is_up_to_the_node() {
-    let mut network = Network::<()>::new(BusConfig::new(BitRate::K500, 1));
-    let silent = network.add_silent(NodeConfig::named("forgets"), Probe::default());
+    let mut network = Network::<std::convert::Infallible>::new(BusConfig::new(BitRate::K500, 1));
+    let forgets = network.add(NodeConfig::named("forgets"), Probe::default());
+    let remembers = network.add_with_memory(
+        NodeConfig::named("remembers"),
+        Probe::default(),
+        |old: &Probe, fresh: &mut Probe| fresh.recovers = old.recovers,
+    );
     network.run_until(Instant::from_millis(1), &mut transport_mock::Ignore);
-    network.command(silent, |probe: &mut Probe, _| probe.recovers = true);
-    network.apply(Change::PowerCycle(silent));
-    assert!(!network.machine::<Probe>(silent).unwrap().recovers);
+    for node in [forgets, remembers] {
+        network.command(node, |probe: &mut Probe, _| probe.recovers = true);
+        network.apply(Change::PowerCycle(node));
+    }
+    assert!(!network.machine::<Probe>(forgets).unwrap().recovers);
+    assert!(network.machine::<Probe>(remembers).unwrap().recovers);
 }
 
 /// What the old life of a node had asked for is no business of the new one.

@@ -12,6 +12,7 @@ mod confinement;
 mod differential;
 mod faults;
 mod harness;
+mod letter;
 mod nodes;
 mod rates;
 mod referee;
