@@ -75,9 +75,11 @@ fn report(name: &str, slaves: u16, idle: u16, config: BusConfig, seconds: u64, s
         network.add_silent(only(heard), Slave::new(0));
     }
     if name.contains("fault") {
-        // It strikes every frame, so that each is simulated bit by bit, and does no harm: this node has no power.
-        let receiver =
-            network.add_silent(NodeConfig { power_up: None, ..NodeConfig::named("") }, Slave::new(0));
+        // It strikes every frame, so that each is simulated bit by bit, and does no harm: this node only listens.
+        let receiver = network.add_silent(
+            NodeConfig { listen_only: true, ..only(Filter::exact(standard_id(0x7FF))) },
+            Slave::new(0),
+        );
         let fault = Fault::SpoiltEnd { receiver, filter: None, which: Which::All };
         network.schedule(Instant::from_millis(1), Change::FaultOn(FaultId(0), fault));
     }

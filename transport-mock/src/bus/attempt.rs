@@ -172,7 +172,14 @@ impl Bus {
         self.attempts += 1;
         let attempt = &mut self.segments[segment].attempt;
         attempt.begin(self.attempts, at);
-        self.faults.frame_starts(segment, at, bit, first, &mut attempt.spoilt)
+        let key = first.arbitration_key();
+        let hears = |node: NodeId| {
+            self.stations.get(node.index()).is_some_and(|station| {
+                let sends = station.queue.head(at).is_some_and(|mail| mail.key == key);
+                station.segment == segment && station.has_joined() && !sends
+            })
+        };
+        self.faults.frame_starts(segment, at, bit, first, hears, &mut attempt.spoilt)
     }
 
     /// A node begins to send in the bit that begins at `at`.

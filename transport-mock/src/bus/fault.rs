@@ -178,13 +178,14 @@ impl Faults {
     }
 
     /// A frame starts. Returns whether it must be simulated bit by bit, and fills in the receivers for which its end is
-    /// spoilt.
+    /// spoilt, if they hear it.
     pub(crate) fn frame_starts(
         &mut self,
         segment: usize,
         at: Instant,
         bit_time: u64,
         frame: &Frame,
+        hears: impl Fn(NodeId) -> bool,
         spoilt: &mut Vec<NodeId>,
     ) -> bool {
         spoilt.clear();
@@ -201,7 +202,7 @@ impl Faults {
                     active.count += 1;
                 }
                 Fault::SpoiltEnd { receiver, filter, which } => {
-                    if active.strikes(filter, which, frame) {
+                    if hears(receiver) && active.strikes(filter, which, frame) {
                         spoilt.push(receiver);
                         strikes = true;
                     }

@@ -152,6 +152,25 @@ fn a_spoilt_end_makes_duplicates_for_all_but_one() {
     assert_eq!(bench.errors[0].place.unwrap().1, Field::EndOfFrame);
 }
 
+#[test]
+fn only_frames_that_a_receiver_hears_can_be_spoilt_for_it() {
+    let mut bench = Bench::new(3);
+    let receiver = bench.id(2);
+    bench.change(Change::FaultOn(FAULT, Fault::SpoiltEnd { receiver, filter: None, which: Which::Next(1) }));
+    // One of its own, and one that is sent while it is away.
+    bench.send(2, data(0x100, &[]));
+    bench.run_bits(200);
+    bench.change(Change::Cut(receiver));
+    bench.send(0, data(0x101, &[]));
+    bench.run_bits(200);
+    bench.change(Change::Plug(receiver));
+    bench.run_bits(200);
+    assert_eq!((bench.frames.len(), bench.errors.len()), (2, 0));
+    bench.send(0, data(0x102, &[]));
+    bench.run_bits(200);
+    assert_eq!(bench.errors[0].node, receiver);
+}
+
 /// An overrun: the controller acknowledges, the node never sees the frame, and no other node can know.
 #[test]
 fn an_overrun_loses_frames_of_one_receiver_only() {
