@@ -45,7 +45,9 @@ impl<E: 'static> Network<E> {
                     self.note_change(ChangeKind::Clock(node, ppm));
                     self.nodes[node.index()].clock.set(now, ppm);
                     self.bus.set_clock(now, node.index(), ppm);
-                    self.drain(node.index());
+                    if self.is_powered(node) {
+                        self.drain(node.index());
+                    }
                 }
             }
             Change::SetReaction(node, reaction) => {

@@ -5,7 +5,7 @@ use std::time::Duration;
 use link_core::{BitRate, Frame, Instant};
 use transport_mock::nodes::{Babbler, External, ExternalEvent, Listener, Replay};
 use transport_mock::realtime::{Realtime, WallClock};
-use transport_mock::{BusConfig, Ignore, Network, NodeConfig};
+use transport_mock::{BusConfig, Change, Ignore, Network, NodeConfig, Record};
 
 use crate::harness::{Probe, data};
 
@@ -42,6 +42,21 @@ fn a_replay_keeps_the_gaps_of_the_recording() {
         assert_eq!(late, u64::from(frame.bit_len()) * 2_000, "it ends when its bits are sent");
     }
     assert!(network.machine::<Replay<std::vec::IntoIter<(Instant, Frame)>>>(replay).unwrap().is_done());
+}
+
+/// It has a deadline in its past, at which nobody may call it.
+#[test]
+fn the_clock_of_a_node_without_power_can_be_set() {
+    let mut network = network();
+    let babbler = Babbler::new(data(0x100, &[]), Duration::from_millis(1));
+    let babbler = network.add_silent(NodeConfig::named("babbler"), babbler);
+    network.schedule(Instant::from_micros(5_500), Change::PowerOff(babbler));
+    network.schedule(Instant::from_micros(5_600), Change::SetClock(babbler, 100));
+    let mut requests = 0;
+    network.run_until(Instant::from_millis(20), &mut |record: &Record<'_, ()>| {
+        requests += usize::from(matches!(record, Record::Request { .. }));
+    });
+    assert_eq!(requests, 5, "none after power was lost");
 }
 
 #[test]
