@@ -3,7 +3,9 @@
 use std::convert::Infallible;
 use std::time::Duration;
 
-use link_core::{Action, Deadline, Frame, Input, Instant, LinkCommand, LinkEvent, Machine, Timers};
+use link_core::{
+    Action, Deadline, Frame, Input, Instant, LinkCommand, LinkEvent, Machine, Timers, TxOutcome,
+};
 
 use super::{NextFrame, TOKEN};
 
@@ -13,6 +15,7 @@ use super::{NextFrame, TOKEN};
 pub struct Babbler {
     frame: Frame,
     interval: Duration,
+    up: bool,
     in_flight: bool,
     reset: bool,
     timers: Timers<NextFrame, 1>,
@@ -22,7 +25,7 @@ impl Babbler {
     /// Sends `frame`, and again `interval` after it was sent; zero is back to back.
     #[must_use]
     pub const fn new(frame: Frame, interval: Duration) -> Self {
-        Self { frame, interval, in_flight: false, reset: false, timers: Timers::new() }
+        Self { frame, interval, up: false, in_flight: false, reset: false, timers: Timers::new() }
     }
 }
 
@@ -32,16 +35,24 @@ impl Machine for Babbler {
     fn input(&mut self, now: Instant, input: Input) {
         let now = self.timers.advance(now);
         match input {
-            Input::Link(LinkEvent::Up) => self.timers.set(NextFrame, now),
-            Input::Link(LinkEvent::BusOff) => {
-                self.reset = true;
+            Input::Link(LinkEvent::Up) => {
+                self.up = true;
+                self.timers.set(NextFrame, now);
+            }
+            Input::Link(event @ (LinkEvent::BusOff | LinkEvent::Down)) => {
+                self.up = false;
+                self.reset = event == LinkEvent::BusOff;
                 self.timers.clear_all();
             }
-            Input::Link(LinkEvent::Down) => self.timers.clear_all(),
             Input::TxDone(_, outcome) => {
                 self.in_flight = false;
-                if outcome == link_core::TxOutcome::Sent {
-                    self.timers.set_after(NextFrame, self.interval);
+                let pause = match outcome {
+                    TxOutcome::Sent => self.interval,
+                    // Another mode. If that is listen-only, it is dropped again at once.
+                    TxOutcome::Dropped | TxOutcome::Withdrawn => self.interval.max(AFTER_DROP),
+                };
+                if self.up {
+                    self.timers.set_after(NextFrame, pause);
                 }
             }
             Input::Link(_) | Input::Frame(_) | Input::Tick => {}
@@ -71,3 +82,5 @@ impl Machine for Babbler {
         1
     }
 }
+
+const AFTER_DROP: Duration = Duration::from_millis(1);

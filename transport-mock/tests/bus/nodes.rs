@@ -73,6 +73,33 @@ fn a_babbler_with_priority_keeps_everybody_else_silent() {
     assert!(events.len() > 300, "it hears the babbler");
 }
 
+#[test]
+fn a_babbler_goes_on_after_whatever_is_done_to_its_controller() {
+    let mut network = Network::<()>::new(BusConfig::new(BitRate::K500, 1));
+    let listener = network.add_silent(NodeConfig::named("listener"), Listener::new(1));
+    let babbler =
+        network.add_silent(NodeConfig::named("babbler"), Babbler::new(data(0, &[0; 8]), Duration::ZERO));
+    let heard = |network: &Network<()>| network.machine::<Listener>(listener).unwrap().heard();
+    let listen = |on| vec![Change::SetListenOnly(babbler, on)];
+    for changes in [
+        vec![Change::SetBitRate(babbler, BitRate::K500)],
+        [listen(true), listen(false)].into_iter().flatten().collect(),
+        vec![Change::Cut(babbler), Change::Plug(babbler)],
+        vec![Change::PowerCycle(babbler)],
+    ] {
+        let mut at = network.now();
+        for change in changes {
+            // In the middle of a frame.
+            at += Duration::from_micros(10_100);
+            network.schedule(at, change);
+        }
+        network.run_until(at + Duration::from_millis(10), &mut Ignore);
+        let before = heard(&network);
+        network.run_until(network.now() + Duration::from_millis(10), &mut Ignore);
+        assert!(heard(&network) > before + 30);
+    }
+}
+
 /// A clock that jumps to where it is told to sleep to.
 struct Jumping(Instant);
 
