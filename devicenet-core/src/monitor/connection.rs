@@ -110,6 +110,10 @@ impl Connection {
     pub(super) fn enter(&mut self, state: ConnectionState, at: Instant) {
         if state == ConnectionState::Established && self.state != ConnectionState::Established {
             self.fresh = true;
+            if !self.assumed {
+                // What was sent before was ignored.
+                self.waiting = None;
+            }
         }
         self.set(state, false);
         self.active = at;
@@ -160,6 +164,9 @@ impl Connection {
 
     /// Lets the watchdog expire if it must have by `now`. `io_alive` says whether I/O of the same set is established.
     pub(super) fn settle(&mut self, now: Instant, explicit: bool, io_alive: bool) {
+        if self.state == ConnectionState::DeferredDelete && !io_alive {
+            self.set(ConnectionState::NonExistent, true);
+        }
         if self.state != ConnectionState::Established {
             return;
         }

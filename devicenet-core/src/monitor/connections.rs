@@ -189,7 +189,7 @@ impl fmt::Display for ConnectionName {
 pub struct ConnectionRecord {
     /// The slave, or the server of a dynamic connection.
     pub server: MacId,
-    /// The master, or the client; `None` if the allocation was not seen.
+    /// The master, or the client; `None` if neither an allocation nor an answer to it was seen.
     pub client: Option<MacId>,
     /// Which connection.
     pub name: ConnectionName,

@@ -61,7 +61,8 @@ fn request<const N: usize>(
             (vendor.is_some() && vendor != device.0) || (serial.is_some() && serial != device.1)
         }
     };
-    let unanswered = node.check.replace(Seen { n: reading.n, at }).is_some();
+    let before = node.check.replace(Seen { n: reading.n, at });
+    let unanswered = before.is_some();
     let rival = node.rival.take();
     if other && !(unanswered && rival == Some(check.device)) {
         reading.flag(Problem::TwoIdentities { mac });
@@ -79,6 +80,11 @@ fn request<const N: usize>(
     (node.identity.vendor, node.identity.serial) = device;
     let since = at.saturating_since(node.access_since);
     let access = node.access_at(at);
+    let follows = before.is_some_and(|before| at.saturating_since(before.at) <= SECOND_CHECK_WITHIN);
+    if core::mem::take(&mut node.half_checked) && access == AccessState::OnLine && follows {
+        // Quick Connect: on line since the first check.
+        return;
+    }
     node.access_since = at;
     node.access = match access {
         AccessState::FirstCheck if since <= SECOND_CHECK_WITHIN => AccessState::SecondCheck,

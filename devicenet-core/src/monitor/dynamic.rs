@@ -92,6 +92,7 @@ fn route_of<const N: usize>(
         client: dynamic.client,
         stream: Stream::explicit(identifier.raw(), header.mac.number()),
         opposite: opposite.map(|(id, mac)| Stream::explicit(id.raw(), mac.number())),
+        intrudes: false,
     })
 }
 

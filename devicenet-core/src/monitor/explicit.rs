@@ -4,6 +4,7 @@ use core::time::Duration;
 
 use cip_core::fragment::{AckStatus, FragmentByte, FragmentKind};
 use cip_core::message::BodyFormat;
+use link_core::Instant;
 
 use super::bodies::{self, Parsed};
 use super::connection::Flow;
@@ -65,6 +66,8 @@ pub(super) struct Route {
     pub(super) stream: Stream,
     /// The stream of the other direction.
     pub(super) opposite: Option<Stream>,
+    /// The client does not own the connection: the server ignores it.
+    pub(super) intrudes: bool,
 }
 
 impl Channel {
@@ -96,6 +99,13 @@ impl Channel {
         }
     }
 
+    /// Forgets the fragment that was sent last; a problem if its acknowledge is overdue.
+    fn give_up(&mut self, flow: Flow, at: Instant) -> Option<Problem> {
+        let flight = self.flight(flow).take().filter(|flight| !flight.acknowledged)?;
+        let overdue = at.saturating_since(flight.seen.at) > ACK_TIME;
+        overdue.then_some(Problem::FragmentUnacknowledged { count: flight.count })
+    }
+
     fn known(&mut self, flow: Flow) -> &mut bool {
         match flow {
             Flow::Consumed => &mut self.consumed_known,
@@ -117,6 +127,7 @@ pub(super) fn predefined(identifier: Identifier, server: MacId, flow: Flow, head
         client: header.mac,
         stream: Stream::explicit(identifier.raw(), master),
         opposite: Some(Stream::explicit(opposite.raw(), master)),
+        intrudes: false,
     }
 }
 
@@ -130,17 +141,24 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
 ) -> Option<Message<'s>> {
     let frame = reading.frame;
     let body = frame.data().get(1..).unwrap_or_default();
-    address(state, reading, route);
+    let intrudes = address(state, reading, route);
+    let route = &Route { intrudes, ..*route };
     if !header.fragmented {
         slots.discard(route.stream);
         if let Some(opposite) = route.opposite {
             slots.discard(opposite);
         }
         let channel = state.channel(route.link);
-        channel.consumed = None;
-        channel.produced = None;
+        let unacknowledged = match intrudes {
+            true => None,
+            false => {
+                let consumed = channel.give_up(Flow::Consumed, reading.at);
+                consumed.or(channel.give_up(Flow::Produced, reading.at))
+            }
+        };
         let seen = Seen { n: reading.n, at: reading.at };
         bodies::message(state, route, seen, header, body, 1).apply(reading);
+        reading.flag_if(unacknowledged);
         let channel = state.channel(route.link);
         channel.consumed_known = true;
         channel.produced_known = true;
@@ -161,8 +179,9 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
     fragment(state, slots, reading, header, route, byte, piece)
 }
 
-/// Source, destination, roles, and what the owner and the watchdog have to say.
-fn address<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, route: &Route) {
+/// Source, destination, roles, and what the owner and the watchdog have to say. True if the server ignores the frame
+/// because another master owns the connection.
+fn address<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, route: &Route) -> bool {
     let (server, client) = (route.link.server, route.client);
     let (source, destination) = match route.flow {
         Flow::Consumed => (client, server),
@@ -171,6 +190,7 @@ fn address<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, rout
     reading.src = Some(source);
     reading.dst = Some(destination);
     let at = reading.at;
+    let mut intrudes = false;
     if client == server {
         reading.flag(Problem::HeaderRepeatsIdentifier { mac: server });
     }
@@ -181,19 +201,23 @@ fn address<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, rout
         }
         let node = state.node(server);
         node.settle(at);
-        let owner = node.owner();
+        let owner = node.told_owner();
         let connection = node.connection(Predefined::Explicit);
         if route.flow == Flow::Consumed
             && connection.state == ConnectionState::Established
             && let Some(owner) = owner.filter(|&owner| owner != client)
         {
             reading.flag(Problem::NotOwner { owner });
+            intrudes = true;
         }
     } else {
         state.connection(route.link).settle(at, true, false);
     }
     let connection = state.connection(route.link);
     connection.count(reading.frame.data().len());
+    if intrudes {
+        return true;
+    }
     match (connection.state, route.flow) {
         (ConnectionState::Established, _) => connection.touch(at),
         // The server takes it while I/O goes on.
@@ -205,6 +229,7 @@ fn address<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, rout
         (ConnectionState::Unknown, _) => connection.active = at,
         _ => {}
     }
+    false
 }
 
 fn fragment<'s, const N: usize, const B: usize>(
@@ -223,14 +248,19 @@ fn fragment<'s, const N: usize, const B: usize>(
     let channel = state.channel(route.link);
     let known = *channel.known(route.flow);
     *channel.known(route.flow) |= byte.kind != FragmentKind::Middle;
-    let flight = Flight { seen, count: byte.count(), xid: header.xid, acknowledged: false };
-    let before = channel.flight(route.flow).replace(flight);
-    if let Some(before) = before.filter(|before| !before.acknowledged) {
-        reading.flag(Problem::FragmentUnacknowledged { count: before.count });
+    if !route.intrudes {
+        let flight = Flight { seen, count: byte.count(), xid: header.xid, acknowledged: false };
+        let before = channel.flight(route.flow).replace(flight);
+        if let Some(before) = before.filter(|before| !before.acknowledged) {
+            reading.flag(Problem::FragmentUnacknowledged { count: before.count });
+        }
     }
     if byte.kind == FragmentKind::First {
         // A new message: what the other side was sending is given up.
-        *channel.flight(route.flow.opposite()) = None;
+        if !route.intrudes {
+            let unacknowledged = channel.give_up(route.flow.opposite(), at);
+            reading.flag_if(unacknowledged);
+        }
         if let Some(opposite) = route.opposite {
             slots.discard(opposite);
         }
@@ -295,6 +325,9 @@ fn acknowledge<const N: usize, const B: usize>(
     if len != ACK_LEN {
         let found = u16::try_from(len).unwrap_or_default();
         reading.flag(Problem::Length { expected: 3, found });
+    }
+    if route.intrudes {
+        return;
     }
     let channel = state.channel(route.link);
     let known = *channel.known(acknowledged);

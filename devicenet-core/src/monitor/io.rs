@@ -1,4 +1,4 @@
-//! I/O of the predefined connection set: poll, bit-strobe, COS/cyclic, multicast poll.
+//! I/O between a slave and its master: poll, COS/cyclic, and the responses to bit-strobe and multicast poll.
 
 use cip_core::fragment::{FragmentByte, FragmentKind, IO_UNFRAGMENTED_LEN};
 use cip_core::message::AllocationChoice;
@@ -7,12 +7,13 @@ use super::FragmentationGuess;
 use super::connection::{Connection, Flow, Guess};
 use super::connections::{ConnectionState, Predefined};
 use super::kind::Kind;
-use super::nodes::{Node, Roles, Volley};
+use super::nodes::{Node, Roles};
 use super::pairing::Seen;
 use super::problem::Problem;
 use super::reading::{Fields, Frag, Message, Note, Reading, Span};
 use super::slots::{Piece, Slots, Stream};
 use super::state::State;
+use super::volley;
 use crate::id::{Identifier, MacId};
 
 /// How far a frame takes its message.
@@ -80,8 +81,8 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
             response(reading, connection, connection.produced.heard, reconsidered);
             connection.touch(at);
         }
-        (Predefined::BitStrobe, _) => strobed(state, reading, slave),
-        (Predefined::MulticastPoll, _) => polled_together(state, reading, slave),
+        (Predefined::BitStrobe, _) => volley::strobed(state, reading, slave),
+        (Predefined::MulticastPoll, _) => volley::polled(state, reading, slave),
         (_, Flow::Consumed) => {
             command(reading, state.node(slave).connection(which), acknowledged || !changes, reconsidered);
         }
@@ -94,62 +95,6 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
         let fields = Fields { value: Span::tail(data.len(), data.len()), ..Fields::default() };
         Message { kind: reading.kind, fields, data }
     })
-}
-
-/// Reads a bit-strobe command of `master` or a multicast poll command to the group `master`.
-pub(super) fn volley<const N: usize>(
-    state: &mut State<N>,
-    reading: &mut Reading<'_>,
-    which: Predefined,
-    master: MacId,
-) {
-    let (at, len) = (reading.at, reading.frame.data().len());
-    reading.fields.value = Span::tail(len, len);
-    if which == Predefined::BitStrobe {
-        reading.kind = Kind::BitStrobeCommand;
-        reading.src = Some(master);
-        state.add_role(master, Roles::MASTER);
-        if len != STROBE_LEN && len != 0 {
-            let found = u16::try_from(len).unwrap_or_default();
-            reading.flag(Problem::Length { expected: 8, found });
-        }
-    } else {
-        reading.kind = Kind::MulticastPollCommand;
-        // The group need not be the master's own MAC ID.
-        let owners = state.nodes().find_map(|(_, node)| {
-            node.choice().filter(|choice| choice.contains(AllocationChoice::MULTICAST_POLL)).and(node.owner())
-        });
-        reading.src = owners;
-    }
-    let seen = Seen { n: reading.n, at };
-    let slot = last_volley(state.node(master), which);
-    let before = slot.replace(Volley { seen, answered: 0 });
-    let mut missing = None;
-    let mut missing_count = 0_u8;
-    for (mac, node) in state.nodes_mut() {
-        let owner = node.owner();
-        if which == Predefined::BitStrobe && owner.is_some_and(|owner| owner != master) {
-            continue;
-        }
-        let connection = node.connection(which);
-        if connection.state == ConnectionState::Unknown && !connection.answers {
-            continue;
-        }
-        connection.settle(at, false, false);
-        let alive = connection.is_alive();
-        // A slave that has joined since then was not meant.
-        let was_there = before.is_some_and(|volley| connection.active <= volley.seen.at);
-        if alive && was_there && before.is_some_and(|volley| volley.answered & bit(mac) == 0) {
-            missing.get_or_insert(mac);
-            missing_count = missing_count.saturating_add(1);
-        }
-        if alive {
-            connection.touch(at);
-        }
-    }
-    if let Some(mac) = missing {
-        reading.flag(Problem::StrobeUnanswered { mac, count: missing_count });
-    }
 }
 
 fn kind(which: Predefined, flow: Flow, changes: bool) -> Kind {
@@ -188,7 +133,7 @@ fn command(reading: &mut Reading<'_>, connection: &mut Connection, answered: boo
     {
         reading.flag(Problem::PollUnanswered { n: before.n });
     }
-    if answered && !told_absent {
+    if answered {
         connection.waiting = Some(Seen { n: reading.n, at: reading.at });
     }
     connection.touch(reading.at);
@@ -199,9 +144,7 @@ fn response(reading: &mut Reading<'_>, connection: &mut Connection, heard: bool,
     if let Some(command) = connection.waiting.take() {
         reading.request = Some(command.answered(reading.at));
         connection.answers = true;
-        if connection.state != ConnectionState::Established {
-            connection.infer(ConnectionState::Established, reading.at);
-        }
+        prove(reading, connection);
     } else if reconsidered {
         // Its first fragment has been paired.
     } else if heard {
@@ -225,54 +168,23 @@ fn produced(reading: &mut Reading<'_>, node: &mut Node, acknowledged: bool, reco
     if acknowledged {
         connection.waiting = Some(Seen { n: reading.n, at: reading.at });
     }
-    if connection.state != ConnectionState::Established {
-        connection.infer(ConnectionState::Established, reading.at);
-    }
+    prove(reading, connection);
     if !acknowledged || !connection.answers {
         // Only an acknowledge restarts the watchdog; without acknowledges there is none.
         connection.touch(reading.at);
     }
 }
 
-fn strobed<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, slave: MacId) {
-    let owner = state.node(slave).owner();
-    let master = owner.or_else(|| {
-        let latest = state.nodes().filter_map(|(mac, node)| node.strobe.map(|volley| (volley.seen.n, mac)));
-        latest.max().map(|(_, mac)| mac)
-    });
-    reading.dst = reading.dst.or(master);
-    let volley = master.and_then(|master| state.node(master).strobe.as_mut());
-    answer(reading, volley, slave);
-    join(reading, state.node(slave).connection(Predefined::BitStrobe));
-}
-
-fn polled_together<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, slave: MacId) {
-    let latest = state.nodes_mut().filter_map(|(_, node)| node.multicast.as_mut());
-    answer(reading, latest.max_by_key(|volley| volley.seen.n), slave);
-    join(reading, state.node(slave).connection(Predefined::MulticastPoll));
-}
-
-fn answer(reading: &mut Reading<'_>, volley: Option<&mut Volley>, slave: MacId) {
-    match volley {
-        Some(volley) if volley.answered & bit(slave) == 0 => {
-            volley.answered |= bit(slave);
-            reading.request = Some(volley.seen.answered(reading.at));
-        }
-        Some(_) => reading.flag(Problem::UnexpectedIoResponse),
-        None => reading.assumed = true,
+/// The slave takes part in the connection: it is established, whatever was seen before.
+pub(super) fn prove(reading: &mut Reading<'_>, connection: &mut Connection) {
+    if connection.state == ConnectionState::Established {
+        return;
     }
-}
-
-/// A slave that answers a command to many.
-fn join(reading: &Reading<'_>, connection: &mut Connection) {
-    connection.answers = true;
-    if connection.state != ConnectionState::Established {
-        connection.infer(ConnectionState::Established, reading.at);
+    if !connection.assumed {
+        reading.note = Some(Note::NoConnection(connection.state));
+        reading.assumed = true;
     }
-}
-
-fn last_volley(node: &mut Node, which: Predefined) -> &mut Option<Volley> {
-    if which == Predefined::BitStrobe { &mut node.strobe } else { &mut node.multicast }
+    connection.infer(ConnectionState::Established, reading.at);
 }
 
 /// The data of a frame: whole, or a fragment if the connection size is above eight bytes or the frames look like it.
@@ -372,9 +284,3 @@ fn check_size(reading: &mut Reading<'_>, size: Option<u16>, len: usize) {
         reading.flag(Problem::IoLength { expected, found });
     }
 }
-
-fn bit(mac: MacId) -> u64 {
-    1_u64.rotate_left(u32::from(mac.number()))
-}
-
-const STROBE_LEN: usize = 8;

@@ -11,9 +11,9 @@ use super::reading::{Answered, Fields, Frag, Message, Reading};
 /// The fields that the decoder adds to those of the recorded frame (time, number, identifier, data), absent ones left
 /// out:
 ///
-/// `protocol`, `group`, `msg`, `src`, `dst`, `kind`, `service`, `service_name`, `class`, `instance`, `attribute`,
-/// `attribute_name`, `status`, `additional`, `status_name`, `choice`, `vendor`, `serial`, `port`, `value`,
-/// `value_text`, `frag` { `type`, `count`, `status` }, `message` { the same for the whole message, `data` }, `request`
+/// `protocol`, `group`, `msg`, `src`, `dst`, `kind`, `service`, `service_name`, `requested` (the service that was
+/// refused), `class`, `instance`, `attribute`, `attribute_name`, `status`, `additional`, `status_name`, `choice`,
+/// `vendor`, `serial`, `port`, `value`, `value_text`, `frag` { `type`, `count`, `status` }, `message` { the same for the whole message, `data` }, `request`
 /// { `n`, `latency` in seconds }, `problem`, `problem_code`, `note`, `assumed`, `text`.
 impl Serialize for Reading<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -94,6 +94,7 @@ fn fields<M: SerializeMap>(
 ) -> Result<(), M::Error> {
     optional(map, "service", fields.service)?;
     optional(map, "service_name", fields.service_name(kind))?;
+    optional(map, "requested", fields.requested.filter(|&requested| fields.service != Some(requested)))?;
     optional(map, "class", fields.class)?;
     optional(map, "instance", fields.instance)?;
     optional(map, "attribute", fields.attribute)?;

@@ -14,7 +14,7 @@ use super::nodes::{Allocation, Identity, Node, Roles};
 use super::pairing::Transaction;
 use super::problem::Problem;
 use super::state::State;
-use crate::id::{Identifier, MacId};
+use crate::id::{Identifier, MacId, Purpose};
 
 /// Learns from the response to `request`. What the response reveals to be wrong is returned.
 pub(super) fn success<const N: usize>(
@@ -41,6 +41,9 @@ fn devicenet<const N: usize>(
     data: &[u8],
     at: Instant,
 ) {
+    if request.instance.is_none_or(InstanceId::is_class) {
+        return;
+    }
     let [choice, _] = request.argument.to_le_bytes();
     let choice = AllocationChoice::from_bits_retain(choice);
     match request.service {
@@ -68,6 +71,14 @@ fn devicenet<const N: usize>(
 
 fn allocated(node: &mut Node, choice: AllocationChoice, master: MacId, format: BodyFormat, at: Instant) {
     node.settle(at);
+    if node.told_owner().is_some_and(|held| held != master) {
+        // Another master gets it only after all of its connections have ended.
+        node.connections.iter_mut().for_each(|connection| connection.end(at));
+        node.explicit = Channel::NEW;
+    }
+    if choice.contains(AllocationChoice::MULTICAST_POLL) {
+        node.group = None;
+    }
     if choice.contains(AllocationChoice::EXPLICIT) {
         node.connection(Predefined::Explicit).allocate(Predefined::Explicit, at);
         node.explicit = Channel::told(format);
@@ -192,9 +203,18 @@ fn connection<const N: usize>(
 ) -> Option<Problem> {
     let owner = state.node(server).owner();
     let predefined = Predefined::from_instance(instance);
-    if request.service == ServiceCode::DELETE && predefined.is_none() {
-        state.close_dynamic(server, instance, at);
+    if request.service == ServiceCode::DELETE {
+        match predefined {
+            Some(which) => state.node(server).connection(which).end(at),
+            None if instance.is_class() => state.drop_connections(server, at),
+            None => state.close_dynamic(server, instance, at),
+        }
         return None;
+    }
+    if predefined == Some(Predefined::MulticastPoll)
+        && let Some(group) = group_of(request, data)
+    {
+        state.node(server).group = Some(group);
     }
     let held = state.instance(server, instance)?;
     match request.service {
@@ -205,10 +225,20 @@ fn connection<const N: usize>(
         }
         ServiceCode::SET_ATTRIBUTE_SINGLE => set(held, request.attribute?.0, request.argument, data, at),
         ServiceCode::APPLY_ATTRIBUTES | ServiceCode::RESET => held.enter(ConnectionState::Established, at),
-        ServiceCode::DELETE => held.end(at),
         _ => {}
     }
     None
+}
+
+/// The multicast group that attribute 5 of a multicast poll connection names: what was read, or what was set.
+fn group_of(request: &Transaction, data: &[u8]) -> Option<MacId> {
+    let raw = match (request.attribute?.0, request.service, data) {
+        (CONSUMED_ID, ServiceCode::GET_ATTRIBUTE_SINGLE, &[low, high]) => u16::from_le_bytes([low, high]),
+        (CONSUMED_ID, ServiceCode::SET_ATTRIBUTE_SINGLE, _) => request.argument,
+        _ => return None,
+    };
+    let identifier = Identifier::new(raw)?;
+    identifier.mac_id().filter(|_| identifier.purpose() == Purpose::MulticastPollCommand)
 }
 
 fn got(held: &mut Connection, attribute: u16, data: &[u8], at: Instant) {

@@ -88,6 +88,7 @@ mod tests;
 mod text;
 mod ucmm;
 mod unconnected;
+mod volley;
 
 pub use connections::{ConnectionName, ConnectionRecord, ConnectionState, Predefined};
 pub use kind::Kind;
@@ -262,11 +263,11 @@ fn dispatch<'s, const N: usize, const B: usize>(
         | Purpose::UnconnectedRequest
         | Purpose::UnconnectedResponse => explicit_family(state, slots, reading, identifier, mac, purpose),
         Purpose::BitStrobeCommand => {
-            io::volley(state, reading, Predefined::BitStrobe, mac);
+            volley::command(state, reading, Predefined::BitStrobe, mac);
             None
         }
         Purpose::MulticastPollCommand => {
-            io::volley(state, reading, Predefined::MulticastPoll, mac);
+            volley::command(state, reading, Predefined::MulticastPoll, mac);
             None
         }
         _ => {

@@ -137,6 +137,10 @@ pub(super) struct Node {
     /// `None`: no Allocate, Release or allocation information was seen.
     pub(super) allocation: Option<Allocation>,
     pub(super) connections: [Connection; 5],
+    /// Who was answered on the explicit connection: the owner as long as no allocation was seen.
+    pub(super) client: Option<MacId>,
+    /// The multicast group, from attribute 5 of instance 5 or by its answers; `None`: the owner's MAC ID.
+    pub(super) group: Option<MacId>,
     /// The explicit connection of the predefined set.
     pub(super) explicit: Channel,
     /// Requests on the Group 2 Only unconnected port.
@@ -145,6 +149,8 @@ pub(super) struct Node {
     pub(super) ucmm: Waiting<4>,
     /// The duplicate MAC ID check request that a response answers.
     pub(super) check: Option<Seen>,
+    /// It takes part after a single check: if the second follows, by Quick Connect.
+    pub(super) half_checked: bool,
     /// The device that has sent it, if it is not the one known by this MAC ID.
     pub(super) rival: Option<DeviceIdentity>,
     /// As a master: its bit-strobe command.
@@ -167,11 +173,14 @@ impl Node {
         identity: Identity { vendor: None, serial: None, device_type: None, product: None, revision: None },
         name: heapless::Vec::new(),
         allocation: None,
+        client: None,
+        group: None,
         connections: [Connection::NEW; 5],
         explicit: Channel::NEW,
         port: Waiting::new(),
         ucmm: Waiting::new(),
         check: None,
+        half_checked: false,
         rival: None,
         strobe: None,
         multicast: None,
@@ -194,9 +203,29 @@ impl Node {
         }
     }
 
-    /// The master that owns the connection set, if that is known.
+    /// The master that owns the connection set, as an allocation has told or else as the traffic suggests.
     pub(super) fn owner(&self) -> Option<MacId> {
+        self.allocation.map_or(self.client, |allocation| allocation.master)
+    }
+
+    /// The master that owns the connection set, if an allocation has told.
+    pub(super) fn told_owner(&self) -> Option<MacId> {
         self.allocation.and_then(|allocation| allocation.master)
+    }
+
+    /// It has answered `client` on its explicit connection, which it does for the owner only.
+    pub(super) fn answers_owner(&mut self, client: MacId) {
+        self.client = Some(client);
+        if let Some(allocation) = &mut self.allocation
+            && allocation.master.is_some()
+        {
+            allocation.master = Some(client);
+        }
+    }
+
+    /// The multicast group that its multicast poll connection belongs to.
+    pub(super) fn multicast_group(&self) -> Option<MacId> {
+        self.group.or(self.owner())
     }
 
     /// The choice, if an allocation is known to exist.
@@ -249,6 +278,7 @@ impl Node {
     /// The node is there: it has sent something other than a check.
     pub(super) fn takes_part(&mut self, at: Instant) {
         if matches!(self.access, AccessState::Unknown | AccessState::FirstCheck | AccessState::SecondCheck) {
+            self.half_checked = self.access == AccessState::FirstCheck;
             self.access = AccessState::OnLine;
             self.access_since = at;
         }
@@ -260,6 +290,7 @@ impl Node {
             connection.end(at);
         }
         self.allocation = Some(Allocation { choice: AllocationChoice::empty(), master: None });
+        self.group = None;
         self.explicit = Channel::NEW;
         self.port = Waiting::new();
         self.ucmm = Waiting::new();
@@ -298,7 +329,7 @@ pub struct NodeRecord {
     pub product_name: heapless::Vec<u8, NAME_CAPACITY>,
     /// The allocation choice, if an allocation was seen.
     pub choice: Option<AllocationChoice>,
-    /// The master that owns its predefined connection set.
+    /// The master that owns its predefined connection set: of the allocation, or else the one that it answers.
     pub master: Option<MacId>,
     /// Frames that it has sent.
     pub frames: u64,

@@ -120,13 +120,18 @@ fn response<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>) {
     }
 }
 
-/// The MAC ID under which the device was heard, if one is known; it is faulted.
+/// The MAC ID under which the device was heard last, if one is known; it is faulted.
 fn faulted<const N: usize>(state: &mut State<N>, device: DeviceIdentity) -> Option<MacId> {
-    let (mac, node) = state.nodes_mut().find(|(_, node)| {
+    let known = state.nodes_mut().filter(|(_, node)| {
         node.identity.vendor == Some(device.vendor) && node.identity.serial == Some(device.serial)
-    })?;
-    node.access = AccessState::Faulted;
-    Some(mac)
+    });
+    // A device that was moved is known by its old MAC ID as well.
+    if let Some((mac, node)) = known.max_by_key(|(_, node)| node.access_since) {
+        node.access = AccessState::Faulted;
+        return Some(mac);
+    }
+    // A twin that has met the owner of its MAC ID, which stays on line.
+    state.nodes().find(|(_, node)| node.rival == Some(device)).map(|(mac, _)| mac)
 }
 
 fn device(reading: &mut Reading<'_>, device: DeviceIdentity) {

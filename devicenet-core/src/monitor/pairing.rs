@@ -61,16 +61,20 @@ impl<const N: usize> Waiting<N> {
     /// Remembers a request. A client has one at a time: a newer one replaces it, in a full set the oldest of all.
     /// Returns false if the request of another client was forgotten.
     pub(super) fn insert(&mut self, request: Transaction) -> bool {
-        let own =
-            self.requests.iter_mut().find(|slot| slot.is_none_or(|held| held.requester == request.requester));
-        if let Some(slot) = own {
+        let requests = &self.requests;
+        let is_own =
+            |slot: &Option<Transaction>| slot.is_some_and(|held| held.requester == request.requester);
+        let own = requests.iter().position(is_own);
+        let room = own.or_else(|| requests.iter().position(Option::is_none));
+        let oldest = || {
+            let ages = requests.iter().enumerate().min_by_key(|(_, slot)| slot.map_or(0, |held| held.seen.n));
+            ages.map(|(index, _)| index)
+        };
+        let index = room.or_else(oldest);
+        if let Some(slot) = index.and_then(|index| self.requests.get_mut(index)) {
             *slot = Some(request);
-            return true;
         }
-        if let Some(oldest) = self.requests.iter_mut().min_by_key(|slot| slot.map_or(0, |held| held.seen.n)) {
-            *oldest = Some(request);
-        }
-        false
+        room.is_some()
     }
 
     /// The oldest request that the response answers.
@@ -80,13 +84,9 @@ impl<const N: usize> Waiting<N> {
         matching.min_by_key(|request| request.seen.n)
     }
 
-    /// The newest request of a client.
+    /// The request of a client.
     pub(super) fn of(&self, requester: MacId) -> Option<&Transaction> {
-        self.requests
-            .iter()
-            .flatten()
-            .filter(|request| request.requester == requester)
-            .max_by_key(|r| r.seen.n)
+        self.requests.iter().flatten().find(|request| request.requester == requester)
     }
 
     /// Forgets the request of frame `n`.

@@ -173,6 +173,13 @@ pub enum Problem {
         /// How many.
         count: u8,
     },
+    /// Slaves did not answer the multicast poll command to this group before this one.
+    MulticastPollUnanswered {
+        /// The first of them.
+        mac: MacId,
+        /// How many.
+        count: u8,
+    },
     /// The COS or cyclic message before this one was not acknowledged.
     Unacknowledged {
         /// Frame number of that message.
@@ -246,6 +253,7 @@ impl Problem {
             Self::MisplacedPollResponse => "misplaced_poll_response",
             Self::PollUnanswered { .. } => "poll_unanswered",
             Self::StrobeUnanswered { .. } => "strobe_unanswered",
+            Self::MulticastPollUnanswered { .. } => "multicast_poll_unanswered",
             Self::Unacknowledged { .. } => "cos_unacknowledged",
             Self::UnexpectedIoResponse => "unexpected_io_response",
             Self::IoLength { .. } => "io_length",

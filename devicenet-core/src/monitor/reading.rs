@@ -204,7 +204,8 @@ pub struct Answered {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Note {
-    /// It is for a connection that is not established: the receiver ignores it.
+    /// It is on a connection that is not established by what was seen before. A receiver ignores it; a slave that answers
+    /// all the same shows that something was missed.
     NoConnection(ConnectionState),
     /// A message that this frame is part of does not fit into the monitor.
     NotStored,

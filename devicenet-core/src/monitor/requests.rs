@@ -34,7 +34,11 @@ pub(super) fn connected<const N: usize>(
         request(Kind::ExplicitRequest, channel.format, seen, route.client, header, body, before);
     parsed.assumed = assumed;
     channel.asked = true;
-    channel.pending = transaction.map(|transaction| Transaction { assumed, ..transaction });
+    // The server ignores a client that does not own the connection: the request of the one that does waits on.
+    let waits = channel.pending.is_some_and(|held| held.requester != route.client);
+    if !(route.intrudes && waits) {
+        channel.pending = transaction.map(|transaction| Transaction { assumed, ..transaction });
+    }
     parsed
 }
 

@@ -56,6 +56,9 @@ pub(super) fn connected<const N: usize>(
         if connection.state != ConnectionState::Established {
             connection.infer(ConnectionState::Established, seen.at);
         }
+        if route.link.dynamic.is_none() {
+            state.node(server).answers_owner(client);
+        }
     }
     parsed.request = Some(transaction.seen.answered(seen.at));
     parsed.assumed = transaction.assumed;

@@ -173,6 +173,10 @@ fn opened<const N: usize>(
         None => GroupSelect::GROUP_3.number(),
     };
     let Some(message_group) = group_of(group) else { return };
+    if let Some(problem) = unusable(message_group, destination, source) {
+        reading.flag(problem);
+        return;
+    }
     let requests = match message_group {
         2 => Identifier::group2(server, destination),
         _ => asked.and_then(|(_, source)| identifier(message_group, source, client)),
@@ -316,6 +320,19 @@ fn check_open(reading: &mut Reading<'_>, format: FormatByte, group: GroupSelect,
     }
 }
 
+/// What is wrong with the Message IDs of an Open response. In Group 2 IDs 6 and 7 are never assigned and the two differ;
+/// in the other groups there is no destination Message ID, and Group 3 has 0-4 for it.
+fn unusable(group: u8, destination: u8, source: u8) -> Option<Problem> {
+    let reserved = |field, found: u8| Some(Problem::ReservedValue { field, found: found.into() });
+    match group {
+        2 if source > GROUP_2_LAST || source == destination => reserved("source Message ID", source),
+        2 if destination > GROUP_2_LAST => reserved("destination Message ID", destination),
+        3 if source > GROUP_3_LAST => reserved("source Message ID", source),
+        1 | 3 if destination != 0 => reserved("destination Message ID", destination),
+        _ => None,
+    }
+}
+
 /// Group Select and source Message ID of an Open request.
 fn asked(request: Transaction) -> (u8, u8) {
     let [_, byte] = request.argument.to_le_bytes();
@@ -351,4 +368,5 @@ fn group_of(select: u8) -> Option<u8> {
 pub(super) const OPEN: ServiceCode = ServiceCode(0x4B);
 pub(super) const CLOSE: ServiceCode = ServiceCode(0x4C);
 const CLOSED_LEN: usize = 2;
+const GROUP_2_LAST: u8 = 5;
 const GROUP_3_LAST: u8 = 4;

@@ -284,6 +284,16 @@ fn no_message_is_made_of_a_gap() {
     }
 }
 
+#[test]
+fn an_error_response_names_the_service_that_was_refused() {
+    let mut observer = Observer::new();
+    assert_eq!(observer.line(0, "454: 01 0E 64 01 01").json.get("requested"), None);
+    let refused = observer.line(1, "453: 01 94 16 FF").json;
+    assert_eq!((&refused["service"], &refused["requested"]), (&json!(0x14), &json!(0x0E)));
+    observer.line(2, "454: 01 0E 01 01 01");
+    assert_eq!(observer.line(3, "453: 01 8E 34 12").json.get("requested"), None);
+}
+
 /// Every vector with its reading: one monitor for each source.
 fn read_all() -> Vec<(u16, Line)> {
     let mut observer = Observer::new();

@@ -122,3 +122,22 @@ fn twins_that_start_together_are_both_suspected() {
     assert!(bus.group2(10, 7, &TWIN).problem.is_some());
     assert_eq!(bus.node(10).access, AccessState::SuspectedDuplicate);
 }
+
+/// Quick Connect: allocated between its two checks.
+#[test]
+fn a_node_that_takes_part_after_one_check_keeps_its_connections() {
+    let mut bus = Bus::new();
+    bus.group2(10, 7, &DEVICE);
+    bus.group2(10, 6, &[0x01, 0x4B, 3, 1, 0x03, 1]);
+    bus.group2(10, 3, &[0x01, 0xCB, 0]);
+    bus.establish(10, 2, 100);
+    assert_eq!(bus.node(10).access, AccessState::OnLine);
+    let heard = bus.wait(990).group2(10, 7, &DEVICE);
+    assert_eq!((heard.note, heard.problem), (None, None));
+    assert_eq!(bus.node(10).access, AccessState::OnLine);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::Established);
+    // Both checks are done: the next is that of a restart.
+    let heard = bus.wait(990).group2(10, 7, &DEVICE);
+    assert_eq!(heard.note, Some(Note::Restarted));
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::NonExistent);
+}

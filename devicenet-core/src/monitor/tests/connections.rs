@@ -174,3 +174,66 @@ fn an_allocation_through_a_dynamic_connection() {
     assert_eq!(bus.state(63, Predefined::Poll), ConnectionState::Configuring);
     assert_eq!(bus.node(63).master, Some(mac(0)));
 }
+
+#[test]
+fn deferred_delete_ends_with_the_io() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.group2(10, 4, &[0x01, 0x10, 5, 1, 12, 3]);
+    bus.group2(10, 3, &[0x01, 0x90]);
+    bus.establish(10, 2, 1000);
+    for _ in 0..12 {
+        bus.wait(1000).group2(10, 5, &[1]);
+        bus.group1(15, 10, &[2]);
+    }
+    bus.wait(5000).group2(11, 5, &[]);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::TimedOut);
+    assert_eq!(bus.state(10, Predefined::Explicit), ConnectionState::NonExistent);
+}
+
+/// The slave would have refused it otherwise.
+#[test]
+fn the_allocation_of_another_master_ends_what_was_before() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.establish(10, 2, 0);
+    bus.group2(10, 6, &[0x02, 0x4B, 3, 1, 0x01, 2]);
+    bus.group2(10, 3, &[0x02, 0xCB, 0]);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::NonExistent);
+    assert_eq!(
+        (bus.node(10).master, bus.node(10).choice.map(|choice| choice.bits())),
+        (Some(mac(2)), Some(1))
+    );
+}
+
+/// Attribute 5 of the class is a list of services, not the allocation.
+#[test]
+fn a_class_attribute_of_the_devicenet_object_is_no_allocation() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.group2(10, 4, &[0x01, 0x0E, 3, 0, 5]);
+    bus.group2(10, 3, &[0x01, 0x8E, 0x00, 0x00]);
+    assert_eq!(
+        (bus.node(10).master, bus.node(10).choice.map(|choice| choice.bits())),
+        (Some(mac(1)), Some(3))
+    );
+}
+
+#[test]
+fn delete_of_the_class_ends_every_connection() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.establish(10, 2, 1000);
+    bus.group2(10, 4, &[0x01, 0x09, 5, 0]);
+    bus.group2(10, 3, &[0x01, 0x89]);
+    for which in [Predefined::Explicit, Predefined::Poll] {
+        assert_eq!(bus.state(10, which), ConnectionState::NonExistent, "{which}");
+    }
+}
+
+/// Without the allocation: a slave answers its owner only.
+#[test]
+fn the_owner_is_who_is_answered() {
+    let mut bus = Bus::new();
+    assert_eq!(bus.group1(13, 10, &[1]).dst, None);
+    bus.group2(10, 4, &[0x01, 0x0E, 1, 1, 1]);
+    bus.group2(10, 3, &[0x01, 0x8E, 0x34, 0x12]);
+    let heard = bus.group1(13, 10, &[1]);
+    assert_eq!((heard.dst, heard.assumed), (Some(1), true));
+}

@@ -172,3 +172,77 @@ fn the_identity_of_a_node_is_learned_from_its_answers() {
     assert_eq!(node.product_name, b"abc");
     assert_eq!(node.responses, 7);
 }
+
+/// A slave ignores a master that does not own it, and so does its watchdog.
+#[test]
+fn a_second_master_does_not_disturb_the_owner() {
+    let mut bus = Bus::with_slave(10, 0x01);
+    let asked = bus.group2(10, 4, &[0x01, 0x0E, 1, 1, 1]).n;
+    let heard = bus.group2(10, 4, &[0x02, 0x0E, 1, 1, 2]);
+    assert_eq!(heard.problem, Some(Problem::NotOwner { owner: mac(1) }));
+    let heard = bus.group2(10, 3, &[0x01, 0x8E, 0x34, 0x12]);
+    assert_eq!((heard.problem, heard.answers()), (None, Some(asked)));
+    // The same between fragments.
+    bus.group2(10, 4, &[0x81, 0x00, 0x10, 4, 0x66, 3, 1, 2]);
+    bus.group2(10, 3, &[0x81, 0xC0, 0]);
+    bus.group2(10, 4, &[0x82, 0x00, 0x10, 4, 0x66, 3, 1, 2]);
+    let heard = bus.group2(10, 4, &[0x81, 0x81, 3]);
+    assert_eq!((heard.problem, heard.message.is_some()), (None, true));
+    assert_eq!(bus.group2(10, 3, &[0x81, 0xC1, 0]).problem, None);
+    bus.wait(9_000).group2(10, 4, &[0x02, 0x0E, 1, 1, 2]);
+    bus.wait(2_000);
+    bus.group2(11, 4, &[0x01, 0x0E, 1, 1, 2]);
+    assert_eq!(bus.state(10, Predefined::Explicit), ConnectionState::NonExistent);
+}
+
+/// A response to it shows that the set has changed hands unseen.
+#[test]
+fn a_second_master_that_is_answered_is_the_owner() {
+    let mut bus = Bus::with_slave(10, 0x01);
+    let asked = bus.group2(10, 4, &[0x02, 0x0E, 1, 1, 1]);
+    assert_eq!(asked.problem, Some(Problem::NotOwner { owner: mac(1) }));
+    assert_eq!(bus.group2(10, 3, &[0x02, 0x8E, 0x34, 0x12]).answers(), Some(asked.n));
+    assert_eq!(bus.group2(10, 4, &[0x02, 0x0E, 1, 1, 1]).problem, None);
+    assert_eq!(bus.node(10).master, Some(mac(2)));
+}
+
+/// Client 2 asks twice, with a free place before its first request.
+#[test]
+fn a_request_that_is_repeated_replaces_the_first() {
+    let mut bus = Bus::new();
+    bus.group2(10, 6, &[0x01, 0x4B, 3, 1, 1, 1]);
+    bus.group2(10, 6, &[0x02, 0x4B, 3, 1, 1, 2]);
+    bus.group2(10, 3, &[0x01, 0xCB, 0]);
+    let repeated = bus.wait(1000).group2(10, 6, &[0x02, 0x4B, 3, 1, 1, 2]).n;
+    assert_eq!(bus.group2(10, 3, &[0x02, 0x94, 0x0C, 0x01]).answers(), Some(repeated));
+}
+
+#[test]
+fn an_acknowledge_that_never_comes_is_told_by_the_next_message() {
+    let mut bus = Bus::with_slave(10, 0x01);
+    bus.group2(10, 4, &[0x81, 0x00, 0x10, 4, 0x66, 3, 1, 2]);
+    assert_eq!(bus.wait(500).group2(10, 4, &[0x01, 0x0E, 1, 1, 1]).problem, None, "given up in time");
+    bus.group2(10, 4, &[0x81, 0x00, 0x10, 4, 0x66, 3, 1, 2]);
+    let heard = bus.wait(1500).group2(10, 4, &[0x01, 0x0E, 1, 1, 1]);
+    assert_eq!(heard.problem, Some(Problem::FragmentUnacknowledged { count: 0 }));
+}
+
+/// Message IDs that belong to others are not taken from them.
+#[test]
+fn a_ucmm_response_with_message_ids_that_are_not_assigned() {
+    for (group, ids, code) in [
+        (0x10, 0x65, Some("reserved_value")),
+        (0x10, 0x46, Some("reserved_value")),
+        (0x10, 0x44, Some("reserved_value")),
+        (0x10, 0x45, None),
+        (0x31, 0x05, Some("reserved_value")),
+        (0x31, 0x12, Some("reserved_value")),
+        (0x31, 0x02, None),
+    ] {
+        let mut bus = Bus::new();
+        bus.group3(6, 2, &[20, 0x4B, 0, group]);
+        let heard = bus.group3(5, 20, &[2, 0xCB, 0, ids, 6, 0]);
+        assert_eq!(heard.problem.map(|problem| problem.code()), code, "{group:02X} {ids:02X}");
+        assert_eq!(bus.monitor.connections().count(), usize::from(code.is_none()), "{group:02X} {ids:02X}");
+    }
+}

@@ -170,3 +170,61 @@ fn an_answer_between_two_frames_says_that_they_are_messages() {
     let heard = bus.group1(15, 10, &[]);
     assert_eq!((heard.problem, heard.answers()), (None, Some(command.n)));
 }
+
+/// The frame that has established the connection is missing from the recording.
+#[test]
+fn a_slave_that_answers_is_established() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    let command = bus.group2(10, 5, &[1]);
+    let heard = bus.group1(15, 10, &[2]);
+    assert_eq!((heard.problem, heard.answers()), (None, Some(command.n)));
+    assert_eq!(heard.note, Some(Note::NoConnection(ConnectionState::Configuring)));
+    assert!(heard.assumed);
+    let heard = bus.group2(10, 5, &[1]);
+    assert_eq!((heard.note, heard.problem), (None, None));
+    assert_eq!(bus.group1(15, 10, &[2]).note, None);
+}
+
+#[test]
+fn a_poll_before_the_packet_rate_is_set_is_not_missed() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.group2(10, 5, &[1]);
+    bus.establish(10, 2, 1000);
+    assert_eq!(bus.group2(10, 5, &[1]).problem, None);
+}
+
+#[test]
+fn multicast_groups_are_kept_apart() {
+    let mut bus = Bus::new();
+    for (slave, group) in [(5, 20_u16), (9, 21)] {
+        bus.group2(slave, 6, &[0x01, 0x4B, 3, 1, 0x09, 1]);
+        bus.group2(slave, 3, &[0x01, 0xCB, 0]);
+        let [low, high] = (0x401 | group << 3).to_le_bytes();
+        bus.group2(slave, 4, &[0x01, 0x10, 5, 5, 5, low, high]);
+        bus.group2(slave, 3, &[0x01, 0x90]);
+        bus.establish(slave, 5, 1000);
+    }
+    let first = bus.group2(20, 1, &[1]);
+    let second = bus.group2(21, 1, &[2]);
+    assert_eq!(first.text, "multicast poll * <- 1  01");
+    assert_eq!(bus.group1(12, 5, &[3]).answers(), Some(first.n));
+    assert_eq!(bus.group1(12, 9, &[4]).answers(), Some(second.n));
+    assert_eq!(bus.group2(20, 1, &[1]).problem, None);
+    let heard = bus.group2(20, 1, &[1]);
+    assert_eq!(heard.problem, Some(Problem::MulticastPollUnanswered { mac: mac(5), count: 1 }));
+    assert!(heard.text.ends_with("! no response to the multicast poll before from 5"), "{}", heard.text);
+    assert_eq!(bus.group2(21, 1, &[1]).problem, None, "it has answered");
+}
+
+/// A group that was set before the recording began.
+#[test]
+fn the_answers_tell_the_multicast_group() {
+    let mut bus = Bus::with_slave(10, 0x09);
+    bus.establish(10, 5, 1000);
+    let command = bus.group2(20, 1, &[1]);
+    assert_eq!(command.src, None);
+    assert_eq!(bus.group1(12, 10, &[2]).answers(), Some(command.n));
+    let command = bus.group2(20, 1, &[1]);
+    assert_eq!((command.src, command.problem), (Some(1), None));
+    assert!(bus.group2(20, 1, &[1]).problem.is_some());
+}

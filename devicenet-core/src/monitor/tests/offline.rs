@@ -62,3 +62,26 @@ fn a_frame_with_29_bits_is_foreign() {
     assert_eq!(reading.problem, Some(Problem::ExtendedIdentifier));
     assert_eq!(monitor.nodes().count(), 0);
 }
+
+#[test]
+fn a_faulted_node_is_known_by_the_mac_id_that_it_had_last() {
+    const DEVICE: [u8; 7] = [0x00, 0x06, 0x00, 0x08, 0x07, 0x06, 0x05];
+    let mut bus = Bus::new();
+    bus.group2(10, 7, &DEVICE);
+    bus.wait(5000).group2(20, 7, &DEVICE);
+    assert_eq!(bus.frame(0x7EC, &DEVICE).src, Some(20));
+    assert_eq!(bus.node(10).access, AccessState::FirstCheck);
+}
+
+/// The newcomer has lost its MAC ID to the node that has answered: that one is on line.
+#[test]
+fn a_twin_that_answers_to_who_is_not_the_node_that_has_the_mac_id() {
+    const TWIN: [u8; 7] = [0x00, 0x77, 0x00, 0x04, 0x03, 0x02, 0x01];
+    let mut bus = Bus::with_slave(10, 0x01);
+    bus.group2(10, 7, &[0x00, 0x34, 0x12, 0x45, 0x23, 0x00, 0x00]);
+    bus.group2(10, 7, &TWIN);
+    bus.group2(10, 7, &[0x80, 0x34, 0x12, 0x45, 0x23, 0x00, 0x00]);
+    assert_eq!(bus.frame(0x7EC, &TWIN).src, Some(10));
+    assert_eq!(bus.node(10).access, AccessState::SuspectedDuplicate);
+    assert_eq!(bus.node(10).serial, Some(0x2345));
+}

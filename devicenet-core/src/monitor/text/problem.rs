@@ -108,13 +108,11 @@ impl fmt::Display for Problem {
             Self::PollUnanswered { n } => number(f, "no response to the poll before, frame ", n),
             Self::StrobeUnanswered { mac, count } => {
                 number(f, "no response to the bit-strobe before from ", u8::from(mac).into())?;
-                match count.saturating_sub(1) {
-                    0 => Ok(()),
-                    more => {
-                        number(f, " and ", more.into())?;
-                        f.write_str(" more")
-                    }
-                }
+                and_more(f, count)
+            }
+            Self::MulticastPollUnanswered { mac, count } => {
+                number(f, "no response to the multicast poll before from ", u8::from(mac).into())?;
+                and_more(f, count)
             }
             Self::Unacknowledged { n } => number(f, "no acknowledge of the message before, frame ", n),
             Self::UnexpectedIoResponse => f.write_str("I/O response without a command"),
@@ -144,6 +142,17 @@ impl serde::Serialize for Problem {
 fn number(f: &mut fmt::Formatter<'_>, words: &str, value: u64) -> fmt::Result {
     f.write_str(words)?;
     write_decimal(f, value)
+}
+
+/// How many others of `count`, after the first.
+fn and_more(f: &mut fmt::Formatter<'_>, count: u8) -> fmt::Result {
+    match count.saturating_sub(1) {
+        0 => Ok(()),
+        more => {
+            number(f, " and ", more.into())?;
+            f.write_str(" more")
+        }
+    }
 }
 
 fn bytes(count: u16) -> &'static str {

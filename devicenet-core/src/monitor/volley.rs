@@ -1,0 +1,129 @@
+//! Commands to many slaves, bit-strobe and multicast poll, and their responses.
+
+use cip_core::message::AllocationChoice;
+
+use super::connection::Connection;
+use super::connections::{ConnectionState, Predefined};
+use super::io::prove;
+use super::kind::Kind;
+use super::nodes::{Node, Roles, Volley};
+use super::pairing::Seen;
+use super::problem::Problem;
+use super::reading::{Reading, Span};
+use super::state::State;
+use crate::id::MacId;
+
+/// Reads a bit-strobe command of `sender`, or a multicast poll command to the group `sender`.
+pub(super) fn command<const N: usize>(
+    state: &mut State<N>,
+    reading: &mut Reading<'_>,
+    which: Predefined,
+    sender: MacId,
+) {
+    let (at, len) = (reading.at, reading.frame.data().len());
+    reading.fields.value = Span::tail(len, len);
+    if which == Predefined::BitStrobe {
+        reading.kind = Kind::BitStrobeCommand;
+        reading.src = Some(sender);
+        state.add_role(sender, Roles::MASTER);
+        if len != STROBE_LEN && len != 0 {
+            let found = u16::try_from(len).unwrap_or_default();
+            reading.flag(Problem::Length { expected: 8, found });
+        }
+    } else {
+        reading.kind = Kind::MulticastPollCommand;
+        // The group need not be the master's own MAC ID.
+        let mut members = state.nodes().filter(|(_, node)| node.multicast_group() == Some(sender));
+        reading.src = members.find_map(|(_, node)| {
+            node.choice().filter(|choice| choice.contains(AllocationChoice::MULTICAST_POLL)).and(node.owner())
+        });
+    }
+    let seen = Seen { n: reading.n, at };
+    let before = last(state.node(sender), which).replace(Volley { seen, answered: 0 });
+    let mut missing = None;
+    let mut count = 0_u8;
+    for (mac, node) in state.nodes_mut() {
+        let addressed = if which == Predefined::BitStrobe { node.owner() } else { node.multicast_group() };
+        if addressed.is_some_and(|addressed| addressed != sender) {
+            continue;
+        }
+        let connection = node.connection(which);
+        if connection.state == ConnectionState::Unknown && !connection.answers {
+            continue;
+        }
+        connection.settle(at, false, false);
+        if !connection.is_alive() {
+            continue;
+        }
+        // A slave that has joined since then was not meant.
+        let unanswered =
+            |volley: Volley| connection.active <= volley.seen.at && volley.answered & bit(mac) == 0;
+        if before.is_some_and(unanswered) {
+            missing.get_or_insert(mac);
+            count = count.saturating_add(1);
+        }
+        connection.touch(at);
+    }
+    match (missing, which) {
+        (Some(mac), Predefined::BitStrobe) => reading.flag(Problem::StrobeUnanswered { mac, count }),
+        (Some(mac), _) => reading.flag(Problem::MulticastPollUnanswered { mac, count }),
+        (None, _) => {}
+    }
+}
+
+/// Reads a bit-strobe response.
+pub(super) fn strobed<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, slave: MacId) {
+    let owner = state.node(slave).owner();
+    let master = owner.or_else(|| {
+        let latest = state.nodes().filter_map(|(mac, node)| node.strobe.map(|volley| (volley.seen.n, mac)));
+        latest.max().map(|(_, mac)| mac)
+    });
+    reading.dst = reading.dst.or(master);
+    let volley = master.and_then(|master| state.node(master).strobe.as_mut());
+    answer(reading, volley, slave);
+    join(reading, state.node(slave).connection(Predefined::BitStrobe));
+}
+
+/// Reads a multicast poll response.
+pub(super) fn polled<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, slave: MacId) {
+    let told = state.node(slave).multicast_group();
+    if told.is_none_or(|group| state.node(group).multicast.is_none()) {
+        // Its group was never polled: it belongs to the one that was polled last.
+        let polled =
+            state.nodes().filter_map(|(mac, node)| node.multicast.map(|volley| (volley.seen.n, mac)));
+        let latest = polled.max().map(|(_, mac)| mac);
+        let node = state.node(slave);
+        node.group = latest.or(node.group);
+    }
+    let group = state.node(slave).multicast_group();
+    let volley = group.and_then(|group| state.node(group).multicast.as_mut());
+    answer(reading, volley, slave);
+    join(reading, state.node(slave).connection(Predefined::MulticastPoll));
+}
+
+fn answer(reading: &mut Reading<'_>, volley: Option<&mut Volley>, slave: MacId) {
+    match volley {
+        Some(volley) if volley.answered & bit(slave) == 0 => {
+            volley.answered |= bit(slave);
+            reading.request = Some(volley.seen.answered(reading.at));
+        }
+        Some(_) => reading.flag(Problem::UnexpectedIoResponse),
+        None => reading.assumed = true,
+    }
+}
+
+/// A slave that answers a command to many.
+fn join(reading: &mut Reading<'_>, connection: &mut Connection) {
+    connection.answers = true;
+    prove(reading, connection);
+}
+
+fn last(node: &mut Node, which: Predefined) -> &mut Option<Volley> {
+    if which == Predefined::BitStrobe { &mut node.strobe } else { &mut node.multicast }
+}
+
+fn bit(mac: MacId) -> u64 {
+    1_u64.rotate_left(u32::from(mac.number()))
+}
+
+const STROBE_LEN: usize = 8;
