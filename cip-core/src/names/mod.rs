@@ -17,7 +17,9 @@ mod application;
 mod infrastructure;
 
 use crate::code::{AdditionalCode, AttributeId, ClassId, InstanceId, ServiceCode};
+use crate::codec::{Reader, Wire};
 use crate::data_type::DataType;
+use crate::message::UintList;
 
 /// One attribute of a class or of its instances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -127,6 +129,30 @@ impl Shape {
             return Some(2);
         }
         if matches!(self, Self::DiagnosticCounters) { Some(34) } else { None }
+    }
+
+    /// The number of bytes that a value takes which `data` begin with; `None` if they do not tell it.
+    ///
+    /// ```
+    /// use cip_core::data_type::DataType;
+    /// use cip_core::names::Shape;
+    ///
+    /// assert_eq!(Shape::VendorId.value_len(&[0x34, 0x12, 0x07]), Some(2));
+    /// assert_eq!(Shape::Data(DataType::ShortString).value_len(&[2, b'a', b'b', 0x07]), Some(3));
+    /// assert_eq!(Shape::UintList.value_len(&[1, 0, 5, 0, 0x07]), Some(4));
+    /// assert_eq!(Shape::Bytes.value_len(&[1]), None);
+    /// ```
+    pub fn value_len(self, data: &[u8]) -> Option<usize> {
+        if let Some(size) = self.size() {
+            return Some(size);
+        }
+        let mut reader = Reader::new(data);
+        match self {
+            Self::Data(ty) => ty.read(&mut reader).map(|_| ()).ok()?,
+            Self::UintList => UintList::read(&mut reader).map(|_| ()).ok()?,
+            _ => return None,
+        }
+        Some(reader.offset())
     }
 }
 

@@ -4,7 +4,8 @@ use cip_core::code::{AttributeId, ClassId, DeviceType, InstanceId, ServiceCode, 
 use cip_core::codec::Wire;
 use cip_core::epath::Epath;
 use cip_core::identity::{DeviceIdentity, IdentityAttributes, OptionalAttributes};
-use cip_core::message::{AllocationChoice, BodyFormat};
+use cip_core::message::{AllocationChoice, AttributeReplies, BodyFormat};
+use cip_core::names::attribute_info;
 use link_core::Instant;
 
 use super::connection::{Connection, EXPLICIT_EPR};
@@ -25,6 +26,9 @@ pub(super) fn success<const N: usize>(
     at: Instant,
 ) -> Option<Problem> {
     let (class, instance) = (request.class?, request.instance?);
+    if request.service == ServiceCode::GET_ATTRIBUTE_LIST {
+        return several(state, server, request, data, at);
+    }
     match class {
         ClassId::DEVICENET => devicenet(state, server, request, data, at),
         ClassId::IDENTITY => identity(state, server, instance, request, data, at),
@@ -32,6 +36,26 @@ pub(super) fn success<const N: usize>(
         _ => {}
     }
     None
+}
+
+/// Learns from the response to Get_Attribute_List as from as many single ones.
+fn several<const N: usize>(
+    state: &mut State<N>,
+    server: MacId,
+    request: &Transaction,
+    data: &[u8],
+    at: Instant,
+) -> Option<Problem> {
+    let (class, instance) = (request.class?, request.instance?);
+    let len = |attribute, data: &[u8]| attribute_info(class, instance, attribute)?.shape.value_len(data);
+    let mut problem = None;
+    for reply in AttributeReplies::parse(data).ok()?.iter(len).flatten() {
+        let Ok(value) = reply.value else { continue };
+        let service = ServiceCode::GET_ATTRIBUTE_SINGLE;
+        let single = Transaction { service, attribute: Some(reply.attribute), ..*request };
+        problem = problem.or(success(state, server, &single, value, at));
+    }
+    problem
 }
 
 fn devicenet<const N: usize>(

@@ -39,8 +39,9 @@
 //! | broadcasts | `heartbeat 3  operational, configuration 0x0000` |
 //! | offline connection set | `offline Who  all nodes, delay by byte 2` |
 //!
-//! A MAC ID that is not known is `?`. After the words stand, if there are any, a note and `assumed` in parentheses, and
-//! after ` ! ` the problem.
+//! Services for several attributes, or for a member of one, stand with what they name: `Get_Attribute_List: Vendor 4660,
+//! Product name "ab"`. A MAC ID that is not known is `?`. After the words stand, if there are any, a note and `assumed`
+//! in parentheses, and after ` ! ` the problem.
 //!
 //! # Example
 //!

@@ -5,6 +5,7 @@ mod connections;
 mod explicit;
 mod io;
 mod offline;
+mod services;
 mod storage;
 
 use std::boxed::Box;

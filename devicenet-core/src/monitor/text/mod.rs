@@ -2,6 +2,7 @@
 
 mod explicit;
 mod problem;
+mod service;
 mod value;
 
 pub use value::ValueText;

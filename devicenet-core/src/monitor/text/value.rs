@@ -8,6 +8,7 @@ use cip_core::names::{attribute_name, service_name};
 use cip_core::text::{Hex, write_decimal, write_hex16, write_prefixed_hex};
 use cip_core::value::AttributeValue;
 
+use super::service::ServiceText;
 use super::write_mac;
 use crate::id::MacId;
 use crate::message::{DeviceState, GroupSelect, HeartbeatFlags, ShutdownCode};
@@ -26,8 +27,14 @@ impl Fields {
     /// What `value`, the value of these fields, means.
     pub(in crate::monitor) fn text_of<'a>(&'a self, value: &'a [u8]) -> Option<ValueText<'a>> {
         let has_detail = self.detail != Detail::None && self.detail != Detail::WhoAnswer;
-        let has_meaning = !value.is_empty() && self.attribute_known() && self.status.is_none();
-        (has_detail || has_meaning).then_some(ValueText { fields: self, value })
+        let has_meaning = has_detail
+            || match self.requested.or(self.service) {
+                Some(ServiceCode::GET_ATTRIBUTE_SINGLE | ServiceCode::SET_ATTRIBUTE_SINGLE) => {
+                    !value.is_empty() && self.attribute_known() && self.status.is_none()
+                }
+                _ => ServiceText::of(self, value).is_some(),
+            };
+        has_meaning.then_some(ValueText { fields: self, value })
     }
 
     /// The name of the attribute.
@@ -78,20 +85,34 @@ impl fmt::Display for ValueText<'_> {
         if fields.detail != Detail::None {
             return write_detail(f, fields);
         }
-        let (Some(class), Some(instance), Some(attribute)) =
-            (fields.class, fields.instance, fields.attribute)
-        else {
-            return fmt::Display::fmt(&Hex(self.value), f);
-        };
-        let value = AttributeValue { class, instance, attribute, data: self.value };
-        match short_name(class, instance, attribute) {
-            Some(name) => {
-                f.write_str(name)?;
-                f.write_str(" ")?;
-                fmt::Display::fmt(&value, f)
-            }
-            None => write!(f, "{value:#}"),
+        if let Some(text) = ServiceText::of(fields, self.value) {
+            return text.write(f, fields);
         }
+        match (fields.class, fields.instance, fields.attribute) {
+            (Some(class), Some(instance), Some(attribute)) => {
+                write_attribute(f, class, instance, attribute, self.value)
+            }
+            _ => fmt::Display::fmt(&Hex(self.value), f),
+        }
+    }
+}
+
+/// The name of an attribute and its value.
+pub(super) fn write_attribute(
+    f: &mut Formatter<'_>,
+    class: ClassId,
+    instance: InstanceId,
+    attribute: AttributeId,
+    data: &[u8],
+) -> fmt::Result {
+    let value = AttributeValue { class, instance, attribute, data };
+    match short_name(class, instance, attribute) {
+        Some(name) => {
+            f.write_str(name)?;
+            f.write_str(" ")?;
+            fmt::Display::fmt(&value, f)
+        }
+        None => write!(f, "{value:#}"),
     }
 }
 
