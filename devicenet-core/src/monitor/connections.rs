@@ -165,11 +165,11 @@ impl fmt::Display for ConnectionState {
 pub enum ConnectionName {
     /// One of the predefined set.
     Predefined(Predefined),
-    /// Opened by UCMM.
+    /// Opened by UCMM, or made by Create.
     Dynamic {
         /// The instance at the server; `None` if the response to Open was not seen.
         instance: Option<InstanceId>,
-        /// The message group, 1-3.
+        /// The message group, 1-3; of a connection made by Create, that of the identifier named last.
         group: u8,
     },
 }

@@ -3,7 +3,9 @@
 
 use cip_core::fragment::{FragmentByte, FragmentKind};
 
+use super::FragmentationGuess;
 use super::connection::Flow;
+use super::created;
 use super::explicit::{self, Route};
 use super::kind::Kind;
 use super::problem::Problem;
@@ -20,7 +22,11 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
     slots: &'s mut Slots<N, B>,
     reading: &mut Reading<'_>,
     identifier: Identifier,
+    guess: FragmentationGuess,
 ) -> Option<Message<'s>> {
+    if let Some(ends) = created::find(state, identifier) {
+        return created::observe(state, slots, reading, ends, guess);
+    }
     let frame = reading.frame;
     let header = frame.data().first().copied().map(ExplicitHeader::from);
     if let Some(header) = header

@@ -18,7 +18,7 @@ use crate::id::{Identifier, MacId};
 
 /// How far a frame takes its message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Progress {
+pub(super) enum Progress {
     /// The message is complete.
     Complete,
     /// It is not, or is lost.
@@ -67,7 +67,7 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
         // It was answered: a message, not a first fragment.
         opposite.guess = Guess::Plain;
     }
-    let (progress, message) = data(slots, reading, connection, lane, guess);
+    let (progress, message) = data(slots, reading, connection, lane.identifier, flow, guess);
     if progress == Progress::Part {
         return None;
     }
@@ -188,17 +188,18 @@ pub(super) fn prove(reading: &mut Reading<'_>, connection: &mut Connection) {
 }
 
 /// The data of a frame: whole, or a fragment if the connection size is above eight bytes or the frames look like it.
-fn data<'s, const N: usize, const B: usize>(
+pub(super) fn data<'s, const N: usize, const B: usize>(
     slots: &'s mut Slots<N, B>,
     reading: &mut Reading<'_>,
     connection: &mut Connection,
-    lane: Lane,
+    identifier: Identifier,
+    flow: Flow,
     guess: FragmentationGuess,
 ) -> (Progress, Option<&'s [u8]>) {
     let frame = reading.frame;
     let field = frame.data();
-    let stream = Stream::io(lane.identifier.raw());
-    let side = connection.side(lane.flow);
+    let stream = Stream::io(identifier.raw());
+    let side = connection.side(flow);
     let size = side.size;
     if let Some(size) = size {
         side.guess = Guess::Plain;

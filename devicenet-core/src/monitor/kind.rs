@@ -40,7 +40,7 @@ pub enum Kind {
     CosCyclic,
     /// Its acknowledge.
     CosCyclicAck,
-    /// Message of a dynamic I/O connection.
+    /// Message of an I/O connection with an identifier of its own.
     Io,
     /// Device Heartbeat.
     Heartbeat,

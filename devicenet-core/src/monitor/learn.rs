@@ -10,6 +10,7 @@ use link_core::Instant;
 
 use super::connection::{Connection, EXPLICIT_EPR};
 use super::connections::{ConnectionState, Predefined};
+use super::created;
 use super::explicit::{Channel, Knowledge};
 use super::nodes::{Allocation, Identity, Node, Roles};
 use super::pairing::Transaction;
@@ -240,6 +241,9 @@ fn connection<const N: usize>(
     {
         state.node(server).group = Some(group);
     }
+    if predefined.is_none() {
+        created::learn(state, server, instance, request, data, at);
+    }
     let held = state.instance(server, instance)?;
     match request.service {
         ServiceCode::GET_ATTRIBUTE_SINGLE => {
@@ -247,7 +251,9 @@ fn connection<const N: usize>(
             got(held, attribute, data, at);
             return wrong_identifier(predefined?, server, owner, attribute, data);
         }
-        ServiceCode::SET_ATTRIBUTE_SINGLE => set(held, request.attribute?.0, request.argument, data, at),
+        ServiceCode::SET_ATTRIBUTE_SINGLE => {
+            set(held, request.attribute?.0, request.argument, data, at, predefined.is_some());
+        }
         ServiceCode::APPLY_ATTRIBUTES | ServiceCode::RESET => held.enter(ConnectionState::Established, at),
         _ => {}
     }
@@ -256,13 +262,22 @@ fn connection<const N: usize>(
 
 /// The multicast group that attribute 5 of a multicast poll connection names: what was read, or what was set.
 fn group_of(request: &Transaction, data: &[u8]) -> Option<MacId> {
-    let raw = match (request.attribute?.0, request.service, data) {
-        (CONSUMED_ID, ServiceCode::GET_ATTRIBUTE_SINGLE, &[low, high]) => u16::from_le_bytes([low, high]),
-        (CONSUMED_ID, ServiceCode::SET_ATTRIBUTE_SINGLE, _) => request.argument,
-        _ => return None,
-    };
+    let (_, raw) = connection_id(request, data).filter(|&(attribute, _)| attribute == CONSUMED_ID)?;
     let identifier = Identifier::new(raw)?;
     identifier.mac_id().filter(|_| identifier.purpose() == Purpose::MulticastPollCommand)
+}
+
+/// Attribute 4 or 5 of the Connection object: what was read, or what was set.
+pub(super) fn connection_id(request: &Transaction, data: &[u8]) -> Option<(u16, u16)> {
+    let attribute = request.attribute?.0;
+    let raw = match (attribute, request.service, data) {
+        (PRODUCED_ID | CONSUMED_ID, ServiceCode::GET_ATTRIBUTE_SINGLE, &[low, high]) => {
+            u16::from_le_bytes([low, high])
+        }
+        (PRODUCED_ID | CONSUMED_ID, ServiceCode::SET_ATTRIBUTE_SINGLE, _) => request.argument,
+        _ => return None,
+    };
+    Some((attribute, raw))
 }
 
 fn got(held: &mut Connection, attribute: u16, data: &[u8], at: Instant) {
@@ -290,7 +305,8 @@ fn got(held: &mut Connection, attribute: u16, data: &[u8], at: Instant) {
     }
 }
 
-fn set(held: &mut Connection, attribute: u16, argument: u16, data: &[u8], at: Instant) {
+/// `applies`: the expected packet rate establishes a connection of the predefined set; others wait for Apply_Attributes.
+fn set(held: &mut Connection, attribute: u16, argument: u16, data: &[u8], at: Instant, applies: bool) {
     let [low, _] = argument.to_le_bytes();
     match attribute {
         EXPECTED_PACKET_RATE => {
@@ -304,9 +320,12 @@ fn set(held: &mut Connection, attribute: u16, argument: u16, data: &[u8], at: In
                 // A new rate does not bring a connection back that has timed out.
                 ConnectionState::TimedOut if !held.assumed => {}
                 ConnectionState::Established => held.active = at,
-                _ => held.enter(ConnectionState::Established, at),
+                _ if applies => held.enter(ConnectionState::Established, at),
+                _ => {}
             }
         }
+        PRODUCED_SIZE => held.produced.size = Some(argument),
+        CONSUMED_SIZE => held.consumed.size = Some(argument),
         WATCHDOG_ACTION => held.watchdog_action = Some(low),
         INHIBIT_TIME => held.inhibit = Some(argument),
         TIMEOUT_MULTIPLIER => held.multiplier = low,
@@ -366,8 +385,8 @@ pub(super) fn opened(at: Instant) -> Connection {
 const MAC_ID: AttributeId = AttributeId(1);
 const ALLOCATION_INFORMATION: AttributeId = AttributeId(5);
 const STATE: u16 = 1;
-const PRODUCED_ID: u16 = 4;
-const CONSUMED_ID: u16 = 5;
+pub(super) const PRODUCED_ID: u16 = 4;
+pub(super) const CONSUMED_ID: u16 = 5;
 const PRODUCED_SIZE: u16 = 7;
 const CONSUMED_SIZE: u16 = 8;
 pub(super) const EXPECTED_PACKET_RATE: u16 = 9;

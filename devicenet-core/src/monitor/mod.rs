@@ -9,6 +9,7 @@
 //! |---|---|
 //! | allocation choice and owner of each slave | Allocate, Release, allocation information, on the unconnected port and on explicit connections |
 //! | explicit connections of UCMM, with their identifiers and body format | Open, Close |
+//! | I/O connections with identifiers of their own | Create, Set of attributes 4 and 5 of the Connection object |
 //! | sizes, expected packet rates, paths, watchdog actions of connections | Get and Set of attributes of the Connection object; sizes also from [`set_io_sizes`](SizedMonitor::set_io_sizes) |
 //! | connection states | the above, and watchdogs by the time stamps of the frames |
 //! | who a node is, and where it stands on its way to the network | duplicate MAC ID checks, Identity object, offline connection set |
@@ -67,6 +68,7 @@ mod bodies;
 mod broadcast;
 mod connection;
 mod connections;
+mod created;
 mod dup_mac;
 mod dynamic;
 mod explicit;
@@ -207,7 +209,7 @@ impl<const N: usize, const B: usize> SizedMonitor<N, B> {
         });
         let dynamic = self.state.dynamics.iter().flatten().map(|held| {
             let mut connection = held.connection;
-            connection.settle(self.state.now, true, false);
+            connection.settle(self.state.now, !held.is_io, false);
             let name = ConnectionName::Dynamic { instance: held.instance, group: held.group };
             ConnectionRecord::of(name, held.server, Some(held.client), &connection)
         });
@@ -257,7 +259,7 @@ fn dispatch<'s, const N: usize, const B: usize>(
         return message;
     }
     let message = match purpose {
-        Purpose::Dynamic => dynamic::observe(state, slots, reading, identifier),
+        Purpose::Dynamic => dynamic::observe(state, slots, reading, identifier, config.fragmentation),
         Purpose::ExplicitRequest
         | Purpose::ExplicitResponse
         | Purpose::Group2UnconnectedRequest

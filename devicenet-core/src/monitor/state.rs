@@ -18,6 +18,8 @@ pub(super) struct State<const N: usize> {
     pub(super) dynamics: [Option<Dynamic>; N],
     /// How many of them use Group 2, whose identifiers belong to the predefined set otherwise.
     pub(super) group2_dynamics: usize,
+    /// How many of them were made by Create.
+    pub(super) created: usize,
     pub(super) offline: Offline,
     pub(super) now: Instant,
     pub(super) lost: Lost,
@@ -46,15 +48,19 @@ pub(super) struct Offline {
     pub(super) identify: Option<Seen>,
 }
 
-/// A connection opened by UCMM.
+/// A connection opened by UCMM, or made by Create.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct Dynamic {
     pub(super) client: MacId,
     pub(super) server: MacId,
     pub(super) group: u8,
     pub(super) instance: Option<InstanceId>,
+    /// What the server consumes.
     pub(super) requests: Option<Identifier>,
+    /// What the server produces.
     pub(super) responses: Option<Identifier>,
+    /// Made by Create, for I/O: its frames have no header.
+    pub(super) is_io: bool,
     pub(super) connection: Connection,
     pub(super) channel: Channel,
 }
@@ -68,8 +74,11 @@ pub(super) struct Link {
 }
 
 impl Dynamic {
-    /// The direction of a frame with this identifier and header, if it belongs to the connection.
+    /// The direction of a frame with this identifier and header, if it is an explicit message of the connection.
     pub(super) fn flow(&self, identifier: Identifier, header: MacId) -> Option<Flow> {
+        if self.is_io {
+            return None;
+        }
         if self.responses == Some(identifier) && header == self.client {
             return Some(Flow::Produced);
         }
@@ -84,6 +93,7 @@ impl<const N: usize> State<N> {
             nodes: [const { Node::NEW }; MacId::COUNT],
             dynamics: [const { None }; N],
             group2_dynamics: 0,
+            created: 0,
             offline: Offline { ownership: None, who: None, identify: None },
             now: Instant::ZERO,
             lost: Lost { evicted_messages: 0, long_messages: 0, connections: 0, requests: 0 },
@@ -121,11 +131,13 @@ impl<const N: usize> State<N> {
         if let Some(predefined) = Predefined::from_instance(instance) {
             return Some(self.node(server).connection(predefined));
         }
-        let found = self.dynamics.iter_mut().flatten();
-        found
-            .filter(|dynamic| dynamic.server == server && dynamic.instance == Some(instance))
-            .map(|dynamic| &mut dynamic.connection)
-            .next()
+        self.dynamic(server, instance).map(|dynamic| &mut dynamic.connection)
+    }
+
+    /// The dynamic connection with that instance at a server.
+    pub(super) fn dynamic(&mut self, server: MacId, instance: InstanceId) -> Option<&mut Dynamic> {
+        let mut held = self.dynamics.iter_mut().flatten();
+        held.find(|dynamic| dynamic.server == server && dynamic.instance == Some(instance))
     }
 
     /// The dynamic connection that a frame belongs to, and its direction.
@@ -164,7 +176,7 @@ impl<const N: usize> State<N> {
             self.lost.connections = self.lost.connections.saturating_add(1);
         }
         *slot = Some(new);
-        self.count_group2();
+        self.count_dynamics();
         Some(index)
     }
 
@@ -175,7 +187,7 @@ impl<const N: usize> State<N> {
                 dynamic.end(at);
             }
         }
-        self.count_group2();
+        self.count_dynamics();
     }
 
     /// A node has restarted or left the network.
@@ -184,7 +196,7 @@ impl<const N: usize> State<N> {
         for dynamic in self.dynamics.iter_mut().flatten().filter(|dynamic| dynamic.server == mac) {
             dynamic.end(at);
         }
-        self.count_group2();
+        self.count_dynamics();
     }
 
     /// Counts the frame, for its sender.
@@ -214,8 +226,9 @@ impl<const N: usize> State<N> {
         self.node(mac).roles |= role;
     }
 
-    fn count_group2(&mut self) {
-        let used = |dynamic: &&Dynamic| dynamic.group == 2 && dynamic.requests.is_some();
+    fn count_dynamics(&mut self) {
+        let used = |dynamic: &&Dynamic| !dynamic.is_io && dynamic.group == 2 && dynamic.requests.is_some();
+        self.created = self.dynamics.iter().flatten().filter(|dynamic| dynamic.is_io).count();
         self.group2_dynamics = self.dynamics.iter().flatten().filter(used).count();
     }
 }

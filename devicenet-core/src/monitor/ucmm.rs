@@ -198,6 +198,7 @@ fn opened<const N: usize>(
         instance: Some(open.connection),
         requests,
         responses,
+        is_io: false,
         connection,
         channel: Channel::told(body_format.unwrap_or_default()),
     };
@@ -254,6 +255,7 @@ pub(super) fn unknown<const N: usize>(
         instance: None,
         requests: from_client.then_some(identifier),
         responses: (!from_client).then_some(identifier),
+        is_io: false,
         connection,
         channel: Channel::NEW,
     })
@@ -262,7 +264,7 @@ pub(super) fn unknown<const N: usize>(
 impl Dynamic {
     /// Takes an identifier for the direction that is not known yet, if the frame fits.
     fn complete(&mut self, identifier: Identifier, source: MacId, header: MacId) -> bool {
-        if identifier.group().number() != Some(self.group) {
+        if self.is_io || identifier.group().number() != Some(self.group) {
             return false;
         }
         if self.requests.is_none()
@@ -296,7 +298,7 @@ fn missed(
     connection.assumed = true;
     let group = group_of(asked(request).0).unwrap_or(3);
     let channel = Channel::likely(FormatByte(format).format().unwrap_or_default());
-    Dynamic { client, server, group, instance: None, requests, responses, connection, channel }
+    Dynamic { client, server, group, instance: None, requests, responses, is_io: false, connection, channel }
 }
 
 fn address(reading: &mut Reading<'_>, source: MacId, destination: MacId) {

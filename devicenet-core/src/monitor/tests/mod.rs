@@ -2,6 +2,7 @@
 
 mod access;
 mod connections;
+mod created;
 mod explicit;
 mod io;
 mod offline;
