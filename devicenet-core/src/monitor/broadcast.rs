@@ -7,6 +7,7 @@ use cip_core::codec::{ParseError, Wire};
 
 use super::bodies::problem_of;
 use super::kind::Kind;
+use super::nodes::AccessState;
 use super::problem::Problem;
 use super::reading::{Detail, Reading};
 use super::state::State;
@@ -104,7 +105,10 @@ fn shutdown<const N: usize>(
 ) -> Result<(), ParseError> {
     reading.fields.service = Some(SHUTDOWN);
     state.drop_connections(sender, reading.at);
-    state.node(sender).heartbeat = None;
+    let node = state.node(sender);
+    node.heartbeat = None;
+    node.access = AccessState::OffLine;
+    node.access_since = reading.at;
     let shutdown = Shutdown::parse(data)?;
     reading.fields.class = Some(shutdown.class);
     reading.fields.instance = Some(shutdown.instance);

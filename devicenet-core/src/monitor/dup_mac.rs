@@ -89,7 +89,8 @@ fn request<const N: usize>(
     node.access = match access {
         AccessState::FirstCheck if since <= SECOND_CHECK_WITHIN => AccessState::SecondCheck,
         AccessState::Unknown | AccessState::FirstCheck => AccessState::FirstCheck,
-        AccessState::SecondCheck | AccessState::OnLine | AccessState::Faulted => AccessState::FirstCheck,
+        AccessState::SecondCheck | AccessState::OnLine => AccessState::FirstCheck,
+        AccessState::Faulted | AccessState::OffLine => AccessState::FirstCheck,
         AccessState::SuspectedDuplicate => AccessState::SuspectedDuplicate,
     };
     let is_first = node.access == AccessState::FirstCheck;

@@ -343,9 +343,9 @@ fn io_connection(purpose: Purpose) -> (Predefined, Flow) {
     }
 }
 
-/// A node that sends anything but a check is on line.
+/// A node that sends anything but a check or its farewell is on line.
 fn take_part<const N: usize>(state: &mut State<N>, reading: &Reading<'_>) {
-    if let Some(source) = reading.src {
+    if let Some(source) = reading.src.filter(|_| reading.kind != Kind::Shutdown) {
         state.node(source).takes_part(reading.at);
     }
 }

@@ -61,6 +61,8 @@ pub enum AccessState {
     SuspectedDuplicate,
     /// It has told on the offline connection set that it has a communication fault.
     Faulted,
+    /// It has said that it goes off line: Device Shutdown.
+    OffLine,
 }
 
 impl AccessState {
@@ -74,6 +76,7 @@ impl AccessState {
             Self::OnLine => "online",
             Self::SuspectedDuplicate => "suspected_duplicate",
             Self::Faulted => "faulted",
+            Self::OffLine => "offline",
         }
     }
 }
@@ -87,6 +90,7 @@ impl fmt::Display for AccessState {
             Self::OnLine => "on line",
             Self::SuspectedDuplicate => "suspected duplicate",
             Self::Faulted => "faulted",
+            Self::OffLine => "off line",
         })
     }
 }
@@ -277,7 +281,12 @@ impl Node {
 
     /// The node is there: it has sent something other than a check.
     pub(super) fn takes_part(&mut self, at: Instant) {
-        if matches!(self.access, AccessState::Unknown | AccessState::FirstCheck | AccessState::SecondCheck) {
+        let is_new = match self.access {
+            AccessState::Unknown | AccessState::FirstCheck | AccessState::SecondCheck => true,
+            AccessState::OffLine => true,
+            AccessState::OnLine | AccessState::SuspectedDuplicate | AccessState::Faulted => false,
+        };
+        if is_new {
             self.half_checked = self.access == AccessState::FirstCheck;
             self.access = AccessState::OnLine;
             self.access_since = at;

@@ -91,6 +91,12 @@ fn a_shutdown_ends_the_connections() {
     let heard = bus.group2(3, 3, &[0x03, 0xCE, 0x04, 0x00, 0x02, 0x00, 0x01, 0x02]);
     assert_eq!(heard.text, "shutdown 3  Assembly 2, vendor-specific code 0x0201");
     assert_eq!(bus.state(3, Predefined::Explicit), ConnectionState::NonExistent);
+    assert_eq!(bus.node(3).access, AccessState::OffLine);
+    bus.group2(3, 7, &DEVICE);
+    assert_eq!(bus.node(3).access, AccessState::FirstCheck);
+    bus.group2(3, 3, &[0x03, 0xCE, 0x01, 0x00, 0x01, 0x00, 0x00, 0x00]);
+    bus.group1(15, 3, &[]);
+    assert_eq!(bus.node(3).access, AccessState::OnLine, "it is there after all");
 }
 
 /// On the identifier of explicit responses 0x4E is also a service of a class, and the header tells them apart.

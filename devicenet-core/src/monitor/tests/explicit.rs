@@ -246,3 +246,14 @@ fn a_ucmm_response_with_message_ids_that_are_not_assigned() {
         assert_eq!(bus.monitor.connections().count(), usize::from(code.is_none()), "{group:02X} {ids:02X}");
     }
 }
+
+/// The master stays without its slave; a Get that asks in vain concerns nobody else.
+#[test]
+fn a_refused_allocation_is_a_problem_and_a_refused_get_is_none() {
+    let mut bus = Bus::with_slave(10, 0x01);
+    bus.group2(10, 4, &[0x01, 0x4B, 3, 1, 0x08, 1]);
+    let heard = bus.group2(10, 3, &[0x01, 0x94, 0x02, 0x02]);
+    assert_eq!(heard.problem.map(|problem| problem.code()), Some("allocation_refused"));
+    bus.group2(10, 4, &[0x01, 0x0E, 1, 1, 99]);
+    assert_eq!(bus.group2(10, 3, &[0x01, 0x94, 0x14, 0xFF]).problem, None);
+}

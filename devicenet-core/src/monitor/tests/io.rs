@@ -228,3 +228,14 @@ fn the_answers_tell_the_multicast_group() {
     assert_eq!((command.src, command.problem), (Some(1), None));
     assert!(bus.group2(20, 1, &[1]).problem.is_some());
 }
+
+#[test]
+fn fragments_beyond_the_connection_size() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.monitor.set_io_sizes(mac(10), Predefined::Poll, Some(10), None);
+    bus.establish(10, 2, 1000);
+    bus.group2(10, 5, &[0x00, 1, 2, 3, 4, 5, 6, 7]);
+    let heard = bus.group2(10, 5, &[0x81, 8, 9, 10, 11]);
+    assert_eq!((heard.problem, heard.message), (Some(Problem::TooLong { limit: 10 }), None));
+    assert!(heard.text.ends_with("! longer than the connection size of 10 bytes"), "{}", heard.text);
+}

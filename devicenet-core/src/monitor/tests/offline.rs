@@ -85,3 +85,13 @@ fn a_twin_that_answers_to_who_is_not_the_node_that_has_the_mac_id() {
     assert_eq!(bus.node(10).access, AccessState::SuspectedDuplicate);
     assert_eq!(bus.node(10).serial, Some(0x2345));
 }
+
+#[test]
+fn a_data_length_code_above_eight_is_eight_bytes_with_a_problem() {
+    let mut monitor = Box::new(Monitor::new(MonitorConfig::default()));
+    let id = link_core::frame::standard_id(0x455);
+    let reading = monitor.observe(Instant::ZERO, 1, &Frame::with_dlc(id, 9, [7; 8]).unwrap());
+    assert_eq!(reading.problem, Some(Problem::DataLengthCode { dlc: 9 }));
+    assert_eq!(reading.value(), Some(&[7; 8][..]));
+    assert_eq!(monitor.observe(Instant::ZERO, 2, &Frame::new(id, &[7; 8]).unwrap()).problem, None);
+}
