@@ -13,11 +13,18 @@ pub struct Hex<'a>(pub &'a [u8]);
 
 impl fmt::Display for Hex<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, &byte) in self.0.iter().enumerate() {
-            if index != 0 {
-                f.write_char(' ')?;
+        let mut separator = 1;
+        for chunk in self.0.chunks(HEX_CHUNK) {
+            let mut text = [b' '; 3 * HEX_CHUNK];
+            for (place, &byte) in text.chunks_exact_mut(3).zip(chunk) {
+                if let [_, high, low] = place {
+                    [*high, *low] = digits(byte);
+                }
             }
-            write_hex8(f, byte)?;
+            // Each byte has a space before it; the very first has none.
+            let end = chunk.len().saturating_mul(3);
+            write_ascii(f, text.get(separator..end).unwrap_or_default())?;
+            separator = 0;
         }
         Ok(())
     }
@@ -56,8 +63,7 @@ impl fmt::Debug for Quoted<'_> {
 
 /// Writes two hexadecimal digits.
 pub fn write_hex8(f: &mut fmt::Formatter<'_>, byte: u8) -> fmt::Result {
-    f.write_char(digit(byte >> 4))?;
-    f.write_char(digit(byte & 0x0F))
+    write_ascii(f, &digits(byte))
 }
 
 /// Writes four hexadecimal digits.
@@ -81,6 +87,9 @@ pub fn write_prefixed_hex(f: &mut fmt::Formatter<'_>, value: u32) -> fmt::Result
 
 /// Writes a decimal number; width and fill of the formatter are not applied.
 pub fn write_decimal(f: &mut fmt::Formatter<'_>, value: u64) -> fmt::Result {
+    if let Ok(digit @ 0..=9) = u8::try_from(value) {
+        return f.write_char(char::from(digit | b'0'));
+    }
     let mut digits = [b'0'; MAX_DECIMAL_DIGITS];
     let mut rest = value;
     let mut used: usize = 0;
@@ -92,8 +101,7 @@ pub fn write_decimal(f: &mut fmt::Formatter<'_>, value: u64) -> fmt::Result {
             break;
         }
     }
-    let text = digits.get(MAX_DECIMAL_DIGITS.saturating_sub(used)..).unwrap_or_default();
-    f.write_str(core::str::from_utf8(text).map_err(|_| fmt::Error)?)
+    write_ascii(f, digits.get(MAX_DECIMAL_DIGITS.saturating_sub(used)..).unwrap_or_default())
 }
 
 /// Writes a signed decimal number; width and fill of the formatter are not applied.
@@ -118,10 +126,18 @@ fn write_character(f: &mut fmt::Formatter<'_>, byte: u8) -> fmt::Result {
     }
 }
 
-fn digit(nibble: u8) -> char {
-    char::from_digit(u32::from(nibble), 16).unwrap_or('?').to_ascii_uppercase()
+/// Several characters at once: a formatter is entered through a table of functions each time.
+fn write_ascii(f: &mut fmt::Formatter<'_>, text: &[u8]) -> fmt::Result {
+    f.write_str(core::str::from_utf8(text).map_err(|_| fmt::Error)?)
 }
 
+fn digits(byte: u8) -> [u8; 2] {
+    [byte >> 4, byte & 0x0F].map(|nibble| HEX_DIGITS.get(usize::from(nibble)).copied().unwrap_or(b'?'))
+}
+
+const HEX_DIGITS: [u8; 16] = *b"0123456789ABCDEF";
+/// The data of a frame in one piece.
+const HEX_CHUNK: usize = 8;
 const MAX_DECIMAL_DIGITS: usize = 20;
 
 #[cfg(test)]

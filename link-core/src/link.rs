@@ -54,7 +54,8 @@ pub struct Mode {
 /// program do not allow it.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub enum LinkCommand {
-    /// Change bit rate and mode. Pending transmissions are dropped.
+    /// Change bit rate and mode. Pending transmissions are dropped; their answers come before or after
+    /// [`ModeSet`](LinkEvent::ModeSet).
     SetMode(Mode),
     /// Deliver only frames that pass one of these filters. A port may deliver more.
     SetFilter(FilterSet),
