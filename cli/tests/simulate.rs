@@ -100,6 +100,49 @@ fn the_same_seed_gives_the_same_bytes_in_every_form() {
 }
 
 #[test]
+fn a_segment_does_not_know_what_is_on_the_other() {
+    let text = r#"
+[bus]
+duration = "2s"
+[[node]]
+name = "near"
+protocol = "devicenet"
+role = "access"
+mac = 10
+identity = { vendor = 1, serial = 1 }
+[[node]]
+name = "far"
+protocol = "devicenet"
+role = "access"
+mac = 10
+power_up = "100ms"
+identity = { vendor = 1, serial = 2 }
+[[node]]
+name = "near-ear"
+role = "external"
+[[node]]
+name = "far-ear"
+role = "external"
+[[fault]]
+kind = "segment"
+nodes = ["far", "far-ear"]
+"#;
+    let output = |scenario: &Scratch| stdout(&devicenet(&["simulate", scenario.path()])).to_owned();
+    let apart = output(&Scratch::new("apart.toml", text));
+    assert!(apart.contains("far") && !apart.contains("two nodes"), "{apart}");
+    let whole = output(&Scratch::new("whole.toml", text.split("[[fault]]").next().expect("the nodes")));
+    assert!(whole.contains("two nodes check MAC ID 10"), "{whole}");
+}
+
+#[test]
+fn the_columns_of_the_trace_do_not_move() {
+    let output = devicenet(&["simulate"]);
+    let columns: std::collections::BTreeSet<_> =
+        stdout(&output).lines().filter_map(|line| line.find(" | ")).collect();
+    assert_eq!(columns.len(), 1, "{columns:?}");
+}
+
+#[test]
 fn another_seed_gives_another_run() {
     let run = |seed| devicenet(&["simulate", "--seed", seed]).stdout;
     assert_ne!(run("1"), run("2"));
@@ -113,7 +156,7 @@ fn an_expectation_that_fails_is_told_and_exits_1() {
     assert_eq!(output.status.code(), Some(1));
     let told = format!(
         "expectation failed: {}, line 15: valve: expected comm_fault by 1ms; found online since 936us; it never came \
-         after\n0 of 1 expectations held\n",
+         after\n0 of 1 expectation held\n",
         scenario.path()
     );
     assert!(stdout(&output).ends_with(&told), "{}", stdout(&output));
@@ -136,7 +179,7 @@ fn a_run_that_is_cut_short_judges_what_it_can() {
     let scenario = Scratch::new("short.toml", &text);
     let output = devicenet(&["simulate", "--until", "10ms", scenario.path()]);
     assert_eq!(output.status.code(), Some(0));
-    assert!(stdout(&output).ends_with("0 of 0 expectations held, 1 lie after the end of the run\n"));
+    assert!(stdout(&output).ends_with("0 of 0 expectations held, 1 lies after the end of the run\n"));
 }
 
 #[test]

@@ -151,9 +151,12 @@ fn conclude(output: &mut Output, outcome: &Outcome, with_summary: bool, json: bo
     for failure in &verdict.failures {
         let _ = writeln!(out, "expectation failed: {}, {failure}", scenario.file);
     }
-    let _ = write!(out, "{} of {} expectations held", verdict.held, verdict.held + verdict.failures.len());
+    let judged = verdict.held + verdict.failures.len();
+    let plural = if judged == 1 { "" } else { "s" };
+    let _ = write!(out, "{} of {judged} expectation{plural} held", verdict.held);
     let _ = match verdict.unjudged {
         0 => writeln!(out),
+        1 => writeln!(out, ", 1 lies after the end of the run"),
         more => writeln!(out, ", {more} lie after the end of the run"),
     };
 }

@@ -114,7 +114,8 @@ impl Nodes<'_> {
 /// Turns records into sights, and keeps the judge informed.
 pub(super) struct Observer<'a> {
     scenario: &'a Scenario,
-    monitor: Box<Monitor>,
+    /// One for each segment of the bus: each sees only what is on its own.
+    monitors: Vec<Monitor>,
     judge: Judge,
     attached: Vec<Attached>,
     /// The highest transmit error counter of each node.
@@ -131,9 +132,9 @@ impl<'a> Observer<'a> {
         };
         let judge = Judge::new(scenario, initial);
         let attached = vec![Attached { power: false, cable: true }; scenario.nodes.len()];
-        let monitor = Box::new(Monitor::new(MonitorConfig::default()));
+        let monitors = vec![Monitor::new(MonitorConfig::default())];
         let highest = vec![0; scenario.nodes.len()];
-        Self { scenario, monitor, judge, attached, highest, frames: 0, views }
+        Self { scenario, monitors, judge, attached, highest, frames: 0, views }
     }
 
     /// The run is over.
@@ -184,7 +185,8 @@ impl<'a> Observer<'a> {
         let reading = match record.outcome {
             Outcome::Ok => {
                 self.frames += 1;
-                Some(self.monitor.observe(record.end, self.frames, record.frame))
+                let monitor = self.monitors.get_mut(record.segment);
+                monitor.map(|monitor| monitor.observe(record.end, self.frames, record.frame))
             }
             Outcome::Error(_) | Outcome::Abandoned => None,
         };
@@ -237,6 +239,12 @@ impl<'a> Observer<'a> {
             }
             ChangeKind::Plug(node) => self.attached[node.index()].cable = true,
             ChangeKind::Cut(node) => self.attached[node.index()].cable = false,
+            // Each part goes on with what was seen before; those that come back are new to the others.
+            ChangeKind::Split(_) => {
+                self.monitors.truncate(1);
+                self.monitors.extend_from_within(..);
+            }
+            ChangeKind::Join => self.monitors.truncate(1),
             _ => {}
         }
         if let Some((node, what)) = self.words(change) {

@@ -42,7 +42,7 @@ struct Storm {
 
 impl TextView {
     pub(super) fn new(out: SharedBuffer, coloured: bool, nodes: &[crate::scenario::Node]) -> Self {
-        let widest = nodes.iter().map(|node| node.name.len()).max().unwrap_or(0).min(WIDEST_NAME);
+        let widest = node_width(nodes);
         Self { out, trace: Trace::new(coloured).with_node_width(widest), storm: None, is_first: true }
     }
 
@@ -143,6 +143,18 @@ impl Drop for TextView {
     }
 }
 
+/// The width of the node column: room for every name, and for two that send together unless their names are long. It is
+/// known before the run, so that the column does not move in the middle of it.
+fn node_width(nodes: &[crate::scenario::Node]) -> usize {
+    let mut lengths: Vec<usize> = nodes.iter().map(|node| node.name.len()).collect();
+    lengths.sort_unstable_by(|one, other| other.cmp(one));
+    match lengths.as_slice() {
+        [] => 0,
+        [one] => *one,
+        [one, other, ..] => (one + "+".len() + other).min(WIDEST_PAIR).max(*one),
+    }
+}
+
 /// `left`, `left+right`, `twin-01+62`; of those that lost arbitration nobody speaks, unless all did.
 fn senders(nodes: &Nodes<'_>, senders: &[Sender]) -> String {
     let has_lost = |sender: &&Sender| matches!(sender.outcome, SenderOutcome::LostArbitration { .. });
@@ -209,7 +221,7 @@ pub(super) const fn field_name(field: Field) -> &'static str {
     }
 }
 
-const WIDEST_NAME: usize = 16;
+const WIDEST_PAIR: usize = 20;
 const MOST_COUNTERS: usize = 4;
 /// Failures that are told between two frames that get through.
 const MOST_TOLD: usize = 12;
