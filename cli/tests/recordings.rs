@@ -59,6 +59,21 @@ fn every_capture_is_read_to_its_end() {
     }
 }
 
+#[test]
+fn a_byte_order_mark_is_skipped() {
+    for text in ["(1.000000) can0 455#01\n", "base hex  timestamps absolute\n 1.000000 1  455  Rx   d 1 01\n"]
+    {
+        let plain = read_bytes(text.as_bytes()).unwrap();
+        let marked = read_bytes(format!("\u{FEFF}{text}").as_bytes()).unwrap();
+        let frames = |all: Vec<Result<RecordedFrame, RecordingError>>| -> Vec<_> {
+            all.into_iter().map(|frame| frame.unwrap().content).collect()
+        };
+        let plain = frames(plain);
+        assert_eq!(plain.len(), 1);
+        assert_eq!(frames(marked), plain);
+    }
+}
+
 /// The text log, the screen output, pcap and pcapng hold the same 20 frames at the same times.
 #[test]
 fn four_formats_of_the_same_traffic_agree() {

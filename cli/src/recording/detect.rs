@@ -38,6 +38,7 @@ impl fmt::Display for Format {
 impl Format {
     /// Recognises a format by a binary signature, or by the first line that one of the text formats can read.
     pub(super) fn detect(beginning: &[u8]) -> Result<Self, RecordingError> {
+        let beginning = without_bom(beginning);
         match beginning {
             [0xA1, 0xB2, 0xC3, 0xD4, ..] | [0xD4, 0xC3, 0xB2, 0xA1, ..] => return Ok(Self::Pcap),
             [0xA1, 0xB2, 0x3C, 0x4D, ..] | [0x4D, 0x3C, 0xB2, 0xA1, ..] => return Ok(Self::Pcap),
@@ -47,6 +48,19 @@ impl Format {
             }
             [0x28, 0xB5, 0x2F, 0xFD, ..] => {
                 return Err(RecordingError::UnknownFormat("zstd data (unpack it first)"));
+            }
+            [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => {
+                return Err(RecordingError::UnknownFormat("UTF-16 text (save it as UTF-8)"));
+            }
+            [b'L', b'O', b'G', b'G', ..] => {
+                return Err(RecordingError::UnknownFormat(
+                    "Vector BLF (convert it, for instance with python-can: `can_logconvert FILE.blf FILE.log`)",
+                ));
+            }
+            _ if beginning.starts_with(b";$FILEVERSION=") => {
+                return Err(RecordingError::UnknownFormat(
+                    "PEAK trace (convert it, for instance with python-can: `can_logconvert FILE.trc FILE.log`)",
+                ));
             }
             _ if beginning.iter().take(512).any(|byte| *byte == 0) => {
                 return Err(RecordingError::UnknownFormat("binary data"));
@@ -71,9 +85,22 @@ impl Format {
         match beginning.trim_ascii() {
             // A log into which nothing was written.
             [] => Ok(Self::CandumpLog),
+            _ if is_scenario(beginning) => {
+                Err(RecordingError::UnknownFormat("a scenario (run it with `devicenet simulate`)"))
+            }
             _ => Err(RecordingError::UnknownFormat("text of another kind")),
         }
     }
+}
+
+/// Text without the byte order mark that some editors put before UTF-8.
+pub(super) fn without_bom(beginning: &[u8]) -> &[u8] {
+    beginning.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(beginning)
+}
+
+/// Whether a line opens a table that every scenario has.
+fn is_scenario(beginning: &[u8]) -> bool {
+    beginning.split(|byte| *byte == b'\n').any(|line| matches!(line.trim_ascii(), b"[bus]" | b"[[node]]"))
 }
 
 #[cfg(test)]
@@ -87,6 +114,7 @@ mod tests {
         assert_eq!(Format::detect(b"date Mon Sep 30 15:06:13.191 2019\n").unwrap(), Format::Asc);
         assert_eq!(Format::detect(b"   0.5 1  123  Rx   d 0\n").unwrap(), Format::Asc);
         assert_eq!(Format::detect(b"").unwrap(), Format::CandumpLog);
+        assert_eq!(Format::detect(b"\xEF\xBB\xBF").unwrap(), Format::CandumpLog);
     }
 
     #[test]
@@ -94,6 +122,15 @@ mod tests {
         let found = |bytes| Format::detect(bytes).unwrap_err().to_string();
         assert!(found(b"\x1F\x8B\x08").ends_with("gzip data (unpack it first) found"));
         assert!(found(b"\x7FELF\x00").ends_with("binary data found"));
+        assert!(found(b"\xFF\xFE(\x001\x00").ends_with("UTF-16 text (save it as UTF-8) found"));
+        assert!(found(b"\xFE\xFF\x00(\x001").ends_with("UTF-16 text (save it as UTF-8) found"));
+        assert!(found(b"LOGG\x90\x00\x00\x00").contains("Vector BLF (convert it"));
+        assert!(found(b";$FILEVERSION=2.1\n;$STARTTIME=43008\n").contains("PEAK trace (convert it"));
+        assert!(
+            found(b"# A cell.\ntitle = \"Cell\"\n[bus]\r\n")
+                .ends_with("a scenario (run it with `devicenet simulate`) found")
+        );
+        assert!(found(b"[[node]]\n").contains("devicenet simulate"));
         assert!(found(b"[package]\nname = 1\n").ends_with("text of another kind found"));
     }
 }

@@ -12,6 +12,9 @@ pub enum RecordingError {
     /// The operating system refuses.
     #[error("{0}")]
     Io(#[from] io::Error),
+    /// The path is that of a folder.
+    #[error("is a directory, not a recording")]
+    Directory,
     /// No line or header in the beginning belongs to a known format.
     #[error("not a recording: candump log or screen output, pcap, pcapng or Vector ASC expected, {0} found")]
     UnknownFormat(&'static str),

@@ -46,6 +46,11 @@ impl<R: Read> Lines<R> {
         &self.buffer[self.start..self.end]
     }
 
+    /// Drops so many bytes of what [`ahead`](Self::ahead) shows.
+    pub(super) fn skip(&mut self, bytes: usize) {
+        self.start = (self.start + bytes).min(self.end);
+    }
+
     /// What was read, and then the rest of the source.
     pub(super) fn into_reader(self) -> impl Read {
         let peeked = self.buffer[self.start..self.end].to_vec();

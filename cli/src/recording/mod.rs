@@ -7,7 +7,7 @@
 //! | pcap, pcapng with `LINKTYPE_CAN_SOCKETCAN` | yes | pcapng |
 //! | Vector ASC | yes | |
 //!
-//! The format is found in the content. A line that cannot be read is an error that says where and what was expected;
+//! The format is found in the content; a UTF-8 byte order mark before it is skipped. A line that cannot be read is an error that says where and what was expected;
 //! reading goes on after it.
 //!
 //! ```
@@ -87,6 +87,8 @@ impl Recording {
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
         match path.as_os_str() == "-" {
             true => Self::from_reader(io::stdin().lock()),
+            // Not every operating system says so itself.
+            false if path.is_dir() => Err(RecordingError::Directory),
             false => Self::from_reader(File::open(path)?),
         }
     }
@@ -100,13 +102,15 @@ impl Recording {
         // A pipe may give the beginning in pieces, and must not be waited for longer than necessary.
         let format = loop {
             lines.read_ahead()?;
-            let nothing_yet = lines.ahead().trim_ascii().is_empty();
+            let nothing_yet = detect::without_bom(lines.ahead()).trim_ascii().is_empty();
             match Format::detect(lines.ahead()) {
                 Ok(_) if nothing_yet && lines.can_read_ahead() => {}
                 Err(_) if lines.can_read_ahead() => {}
                 result => break result?,
             }
         };
+        let bom = lines.ahead().len() - detect::without_bom(lines.ahead()).len();
+        lines.skip(bom);
         let screen = Screen::detect(lines.ahead());
         let reader = match format {
             Format::CandumpLog => Reader::Candump(lines),
