@@ -7,6 +7,7 @@ use core::time::Duration;
 pub(super) struct Histogram {
     buckets: Box<[u32; BUCKETS]>,
     count: u64,
+    min: Duration,
     max: Duration,
 }
 
@@ -15,6 +16,7 @@ impl Histogram {
         let bucket = &mut self.buckets[bucket_of(nanos(span))];
         *bucket = bucket.saturating_add(1);
         self.count += 1;
+        self.min = if self.count == 1 { span } else { self.min.min(span) };
         self.max = self.max.max(span);
     }
 
@@ -27,14 +29,14 @@ impl Histogram {
         self.max
     }
 
-    /// The duration that `percent` of all do not exceed.
+    /// The duration that `percent` of all do not exceed, never below the shortest or above the longest.
     pub(super) fn percentile(&self, percent: u64) -> Duration {
         let rank = (self.count * percent).div_ceil(100).max(1);
         let mut seen = 0;
         for (bucket, count) in self.buckets.iter().enumerate() {
             seen += u64::from(*count);
             if seen >= rank {
-                return Duration::from_nanos(middle_of(bucket)).min(self.max);
+                return Duration::from_nanos(middle_of(bucket)).clamp(self.min, self.max);
             }
         }
         self.max
@@ -43,7 +45,7 @@ impl Histogram {
 
 impl Default for Histogram {
     fn default() -> Self {
-        Self { buckets: Box::new([0; BUCKETS]), count: 0, max: Duration::ZERO }
+        Self { buckets: Box::new([0; BUCKETS]), count: 0, min: Duration::ZERO, max: Duration::ZERO }
     }
 }
 
@@ -104,7 +106,18 @@ mod tests {
     fn a_single_value_is_every_percentile() {
         let mut histogram = Histogram::default();
         histogram.record(Duration::from_micros(300));
-        assert_eq!(histogram.percentile(50), histogram.percentile(99));
-        assert!(histogram.percentile(99) <= Duration::from_micros(300));
+        for percent in [1, 50, 99, 100] {
+            assert_eq!(histogram.percentile(percent), Duration::from_micros(300));
+        }
+    }
+
+    #[test]
+    fn a_percentile_is_within_what_was_seen() {
+        let mut histogram = Histogram::default();
+        for micros in [300, 300, 301] {
+            histogram.record(Duration::from_micros(micros));
+        }
+        assert!(histogram.percentile(50) >= Duration::from_micros(300), "{:?}", histogram.percentile(50));
+        assert!(histogram.percentile(99) <= Duration::from_micros(301));
     }
 }
