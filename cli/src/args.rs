@@ -54,13 +54,14 @@ format is found in the content. What a frame means is learned from those before 
 request that a response answers. Every channel of the recording is a bus of its own.",
     after_long_help = "\
 Exit codes:
-  0  every line was read, and no frame shown has a problem
+  0  every line was read, and no frame shown has a problem; also when there is no frame, or none passes the filters,
+     which a note on standard error says
   1  some frame shown has a problem, or some line could not be read
   2  wrong usage, not a recording, cut off or damaged; with --strict also a line that could not be read
 
 Examples:
   devicenet decode recording.log
-  devicenet decode --mac 10 --kind explicit_request --kind explicit_response recording.pcapng
+  devicenet decode --mac 10 --kind explicit_request,explicit_response recording.pcapng
   devicenet decode --summary --bit-rate 500k recording.log
   devicenet decode --json recording.log | jq -r 'select(.problem) | [.n, .text] | @tsv'
   devicenet decode --mac 10 --record only-10.pcapng recording.log
@@ -73,13 +74,13 @@ pub struct DecodeArgs {
     /// Which protocol the frames belong to
     #[arg(long, value_enum, default_value_t = Protocol::Auto)]
     pub protocol: Protocol,
-    /// Only frames to or from this node (MAC ID 0 to 63); bit-strobe commands are to every node
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=63))]
+    /// Only frames to or from this node (MAC ID 0 to 63, or 0x00 to 0x3F); bit-strobe commands are to every node
+    #[arg(long, value_name = "N", value_parser = parse_mac_id)]
     pub mac: Option<u8>,
-    /// Only frames of this kind, named as in the JSON output; may be given more than once
-    #[arg(long, value_name = "KIND", value_parser = kind_parser(), hide_possible_values = true)]
+    /// Only frames of this kind, named as in the JSON output; several with commas, or given more than once
+    #[arg(long, value_name = "KIND", value_parser = kind_parser(), value_delimiter = ',')]
     pub kind: Vec<Kind>,
-    /// Instead of the frames, a summary for each node and connection
+    /// Instead of the frames, a summary: each node, each connection, each kind of problem
     #[arg(long)]
     pub summary: bool,
     /// The bit rate of the bus, from which the summary computes the bus load
@@ -89,7 +90,7 @@ pub struct DecodeArgs {
     #[arg(long)]
     pub strict: bool,
     /// Write the frames shown into a recording as well: pcapng for a name that ends so, else a candump log; `-` writes it
-    /// to standard output, and nothing else there
+    /// to standard output, and nothing else there, so not with --json or --summary
     #[arg(long, short = 'o', value_name = "FILE")]
     pub record: Option<PathBuf>,
 }
@@ -116,6 +117,15 @@ fn kind_parser() -> impl TypedValueParser<Value = Kind> {
         .try_map(|name| Kind::ALL.into_iter().find(|kind| kind.name() == name).ok_or("no such kind"))
 }
 
+/// `10`, `0x0A`.
+fn parse_mac_id(text: &str) -> Result<u8, String> {
+    let number = match text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
+        Some(digits) => u8::from_str_radix(digits, 16),
+        None => text.parse(),
+    };
+    number.ok().filter(|mac| *mac <= 63).ok_or_else(|| "a MAC ID is 0 to 63".to_owned())
+}
+
 /// `125k`, `125000`, `125_000`, `1M`.
 fn parse_bit_rate(text: &str) -> Result<u32, String> {
     let plain = text.replace('_', "");
@@ -137,6 +147,16 @@ mod tests {
     fn the_definition_is_consistent() {
         use clap::CommandFactory as _;
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn mac_ids_in_decimal_and_hexadecimal() {
+        assert_eq!(parse_mac_id("10"), Ok(10));
+        assert_eq!(parse_mac_id("0x0A"), Ok(10));
+        assert_eq!(parse_mac_id("0X3f"), Ok(63));
+        for text in ["", "0x", "64", "0x40", "-1", "abc", "1.5"] {
+            assert_eq!(parse_mac_id(text), Err("a MAC ID is 0 to 63".to_owned()), "{text}");
+        }
     }
 
     #[test]

@@ -180,13 +180,13 @@ bus load 0.45 % at 125 kbit/s, stuff bits and intermission included
 
 node  frames  bytes  problems    load  response p50       p99       max  access   device
    1      15     50         0  0.22 %             -         -         -  on line
-  10      15     54         0  0.23 %      0.299 ms  0.299 ms  0.300 ms  on line  vendor 4660, serial 0x00002345
+  10      15     54         0  0.23 %      0.300 ms  0.300 ms  0.300 ms  on line  vendor 4660, serial 0x00002345
 
 node  connection              frames  bytes  problems    load  response p50       p99       max  states seen
   10  duplicate MAC ID check       2     14         0  0.04 %             -         -         -
-  10  explicit                    13     59         0  0.22 %      0.299 ms  0.299 ms  0.300 ms  non-existent, established
-  10  poll                        11     15         0  0.13 %      0.299 ms  0.299 ms  0.300 ms  non-existent, configuring, established
-  10  unconnected port             4     16         0  0.06 %      0.299 ms  0.299 ms  0.300 ms
+  10  explicit                    13     59         0  0.22 %      0.300 ms  0.300 ms  0.300 ms  non-existent, established
+  10  poll                        11     15         0  0.13 %      0.300 ms  0.300 ms  0.300 ms  non-existent, configuring, established
+  10  unconnected port             4     16         0  0.06 %      0.300 ms  0.300 ms  0.300 ms
 ";
     assert_eq!(stdout(&output), expected);
     let objects = json_lines(&run(&["decode", "--summary", "--json", &file]));
@@ -194,7 +194,7 @@ node  connection              frames  bytes  problems    load  response p50     
     assert_eq!(what, ["bus", "node", "node", "connection", "connection", "connection", "connection"]);
     assert_eq!(
         objects[2]["response"],
-        serde_json::json!({ "count": 13, "p50": 0.000_299_008, "p99": 0.000_299_008, "max": 0.0003 })
+        serde_json::json!({ "count": 13, "p50": 0.0003, "p99": 0.0003, "max": 0.0003 })
     );
     assert_eq!(objects[5]["states"], serde_json::json!(["non_existent", "configuring", "established"]));
 }
@@ -259,6 +259,8 @@ fn what_is_no_recording_is_an_error() {
     );
     let directory = run(&["decode", env!("CARGO_MANIFEST_DIR")]);
     assert_exit(&directory, 2);
+    let expected = concat!("error: ", env!("CARGO_MANIFEST_DIR"), ": is a directory, not a recording\n");
+    assert_eq!(stderr(&directory), expected);
 }
 
 #[test]
@@ -359,6 +361,78 @@ fn a_recording_is_converted_on_standard_output_and_never_over_itself() {
     let output = run(&["decode", "--record", &file, &file]);
     assert_exit(&output, 2);
     assert_eq!(std::fs::read_to_string(&file).unwrap(), original);
+}
+
+#[test]
+fn nothing_found_is_said_on_standard_error() {
+    for arguments in [&["decode", "-"][..], &["decode", "--json", "-"], &["decode", "--summary", "-"]] {
+        let output = run_with_input(arguments, "");
+        assert_exit(&output, 0);
+        assert_eq!(stderr(&output), "note: <stdin>: no frames\n");
+    }
+    let file = capture("icpdas-can8124-poll.log");
+    let output = run(&["decode", "--mac", "0x3F", &file]);
+    assert_exit(&output, 0);
+    assert_eq!(
+        (stdout(&output), stderr(&output)),
+        ("", &*format!("note: {file}: no frame of 4 passed the filters\n"))
+    );
+    let output = run(&["decode", "--summary", "--mac", "63", &file]);
+    let header = "\
+can0: 0 frames in 0.000 s, 0 with a problem
+bus load - at 125 kbit/s, stuff bits and intermission included
+";
+    assert_eq!(stdout(&output), header);
+    let objects = json_lines(&run_with_input(&["decode", "--summary", "--json", "-"], ""));
+    assert_eq!((objects.len(), &objects[0]["summary"], &objects[0]["frames"]), (1, &"bus".into(), &0.into()));
+}
+
+#[test]
+fn the_summary_tells_which_problems_there_are() {
+    let log = "(1.000000) can0 7F0#\n(1.500000) can0 00000455#\n(1.700000) can0 00000456#\n\
+               (2.000000) can0 20000004#0004000000000000\n";
+    let output = run_with_input(&["decode", "--summary", "-"], log);
+    assert_exit(&output, 1);
+    let expected = "
+problem              frames  first frame  first time  first in words
+extended_identifier       2            2    1.500000  29-bit identifier
+invalid_identifier        1            1    1.000000  identifier that must not be used
+error_frame               1            4    2.000000  error frame: controller problem
+";
+    assert!(stdout(&output).ends_with(expected), "{}", stdout(&output));
+    let objects = json_lines(&run_with_input(&["decode", "--summary", "--json", "-"], log));
+    let problems: Vec<_> = objects.iter().filter(|object| object["summary"] == "problem").collect();
+    assert_eq!(problems.len(), 3);
+    let expected = serde_json::json!({
+        "summary": "problem", "channel": "can0", "problem": "extended_identifier", "frames": 2,
+        "first": { "n": 2, "t": 1.5, "text": "29-bit identifier" },
+    });
+    assert_eq!(*problems[0], expected);
+}
+
+#[test]
+fn kinds_are_listed_in_the_help_and_taken_with_commas() {
+    let help = run(&["decode", "--help"]);
+    assert!(stdout(&help).contains("explicit_request, explicit_response"), "{}", stdout(&help));
+    let file = capture("session-two-slaves-on-vcan.log");
+    let apart = run(&["decode", "--kind", "poll_command", "--kind", "poll_response", &file]);
+    let with_comma = run(&["decode", "--kind", "poll_command,poll_response", &file]);
+    assert_eq!(stdout(&with_comma), stdout(&apart));
+    assert_eq!(stdout(&with_comma).lines().count(), 4);
+    let wrong = run(&["decode", "--mac", "abc", &file]);
+    assert_exit(&wrong, 2);
+    assert!(stderr(&wrong).contains("a MAC ID is 0 to 63"), "{}", stderr(&wrong));
+}
+
+#[test]
+fn two_outputs_do_not_share_standard_output() {
+    for option in ["--json", "--summary"] {
+        let output = run(&["decode", option, "--record", "-", &capture("candump-ta.txt")]);
+        assert_exit(&output, 2);
+        assert_eq!(stdout(&output), "");
+        let expected = format!("error: {option} and `--record -` both want standard output");
+        assert!(stderr(&output).starts_with(&expected), "{}", stderr(&output));
+    }
 }
 
 /// A path for this test process only.

@@ -145,6 +145,14 @@ impl Meaning<'_> {
             Self::Outside(_) => true,
         }
     }
+
+    /// A stable name for the kind of its problem.
+    pub(super) fn problem_code(&self) -> Option<&'static str> {
+        match self {
+            Self::Read(reading) => reading.problem.map(|problem| problem.code()),
+            Self::Outside(outside) => Some(outside.code()),
+        }
+    }
 }
 
 impl fmt::Display for Meaning<'_> {

@@ -25,6 +25,12 @@ use progress::Progress;
 /// # Errors
 /// [`Failure`] when the recording cannot be read to its end, with `--strict` also when a line is bad.
 pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
+    if args.is_record_on_stdout() && (json || args.summary) {
+        let other = if json { "--json" } else { "--summary" };
+        return Err(Failure::Usage(format!(
+            "{other} and `--record -` both want standard output: record into a file, or leave {other} out"
+        )));
+    }
     let file = shown(&args.file, "<stdin>");
     let unreadable = |error: RecordingError| {
         let separator = if error.is_fatal() { ": " } else { ":" };
@@ -39,7 +45,7 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
     let mut copy = args.record.as_deref().map(|path| Copy::create(path, &args.file)).transpose()?;
     let mut progress = Progress::new(&args.file, &output.borrow());
     let mut decoder = Decoder::new(args, json, output.borrow().is_coloured());
-    let (mut bad_lines, mut problems) = (0u64, 0u64);
+    let (mut frames, mut shown_frames, mut bad_lines, mut problems) = (0u64, 0u64, 0u64, 0u64);
     while let Some(entry) = recording.next() {
         let mut output = output.borrow_mut();
         let frame = match entry {
@@ -56,11 +62,13 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
             }
         };
         progress.advance(frame.n);
+        frames = frame.n;
         match decoder.frame(&mut output.buffer, &frame, recording.channels()) {
             Verdict::Hidden => continue,
             Verdict::Fine => {}
             Verdict::Problem => problems += 1,
         }
+        shown_frames += 1;
         output.line_done()?;
         if let Some(copy) = &mut copy {
             copy.write(&recording, &frame)?;
@@ -76,6 +84,11 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
     if bad_lines > 0 {
         let lines = if bad_lines == 1 { "line" } else { "lines" };
         output::warn(format_args!("{file}: {bad_lines} {lines} could not be read"));
+    }
+    match (frames, shown_frames) {
+        (0, _) => output::note(format_args!("{file}: no frames")),
+        (_, 0) => output::note(format_args!("{file}: no frame of {frames} passed the filters")),
+        _ => {}
     }
     Ok(if bad_lines + problems > 0 { Exit::Findings } else { Exit::Done })
 }

@@ -13,6 +13,16 @@ pub(super) enum Outside {
     Fd,
 }
 
+impl Outside {
+    /// A stable name, as those of the problems that a monitor finds.
+    pub(super) fn code(self) -> &'static str {
+        match self {
+            Self::Error(_) => "error_frame",
+            Self::Fd => "can_fd_frame",
+        }
+    }
+}
+
 impl fmt::Display for Outside {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

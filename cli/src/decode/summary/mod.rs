@@ -1,7 +1,8 @@
-//! `decode --summary`: what each node and each connection did, in constant memory.
+//! `decode --summary`: what each node and each connection did, and which problems there were, in constant memory.
 
 mod connection;
 mod histogram;
+mod problems;
 mod table;
 
 use core::time::Duration;
@@ -14,6 +15,7 @@ use super::decoder::Meaning;
 use crate::recording::{Content, RecordedFrame};
 use connection::ConnectionKey;
 use histogram::Histogram;
+use problems::Problems;
 use table::{Cell, Table};
 
 /// The counts of a recording.
@@ -31,6 +33,7 @@ struct Bus {
     nodes: Vec<Node>,
     /// Sorted.
     connections: Vec<(ConnectionKey, Connection)>,
+    problems: Problems,
 }
 
 #[derive(Debug, Default)]
@@ -66,7 +69,8 @@ struct Connection {
 
 impl Summary {
     pub(super) fn new(bit_rate: u32) -> Self {
-        Self { bit_rate, buses: Vec::new() }
+        // A recording without frames is still a bus.
+        Self { bit_rate, buses: vec![Bus::new()] }
     }
 
     /// Counts a frame of a bus.
@@ -76,6 +80,7 @@ impl Summary {
         bus.span = Some((first.min(frame.at), last.max(frame.at)));
         let seen = Seen::new(frame, meaning);
         bus.total.add(&seen);
+        bus.problems.observe(frame, meaning);
         bus.nodes[meaning.source().map_or(NODES, usize::from)].count.add(&seen);
         if let Meaning::Read(reading) = meaning
             && let Some(key) = ConnectionKey::of(reading)
@@ -113,20 +118,25 @@ impl Summary {
     pub(super) fn text(&self, channel: impl Fn(usize) -> String) -> String {
         let mut out = String::new();
         for (index, bus) in self.buses.iter().enumerate() {
-            let Some((first, last)) = bus.span else { continue };
-            let seconds = last.saturating_since(first).as_secs_f64();
+            if index > 0 {
+                out.push('\n');
+            }
             out += &format!(
-                "{}: {} frames in {seconds:.3} s, {} with a problem\n\
-                 bus load {} at {} kbit/s, stuff bits and intermission included\n\n",
+                "{}: {} frames in {:.3} s, {} with a problem\n\
+                 bus load {} at {} kbit/s, stuff bits and intermission included\n",
                 channel(index),
                 bus.total.frames,
+                bus.seconds(),
                 bus.total.problems,
                 percent(bus.load(&bus.total, self.bit_rate)),
                 f64::from(self.bit_rate) / 1000.0,
             );
-            out += &self.node_table(bus).to_string();
-            out.push('\n');
-            out += &self.connection_table(bus).to_string();
+            if bus.total.frames > 0 {
+                out += &format!("\n{}\n{}", self.node_table(bus), self.connection_table(bus));
+            }
+            if !bus.problems.is_empty() {
+                out += &format!("\n{}", bus.problems.table());
+            }
         }
         out
     }
@@ -156,19 +166,14 @@ impl Summary {
         table
     }
 
-    /// As JSON, one object a line: first the bus, then its nodes, then its connections.
+    /// As JSON, one object a line: first the bus, then its nodes, its connections, its problems.
     pub(super) fn json(&self, channel: impl Fn(usize) -> String) -> String {
         let mut out = String::new();
         for (index, bus) in self.buses.iter().enumerate() {
-            let Some((first, last)) = bus.span else { continue };
             let channel = channel(index);
-            let seconds = Some(last.saturating_since(first).as_secs_f64());
+            let seconds = Some(bus.seconds());
             let record = |summary| Record { summary, channel: &channel, ..Record::default() };
-            let mut push = |record: &Record<'_>| {
-                // Numbers and strings: nothing in it can fail.
-                out += &serde_json::to_string(record).unwrap_or_default();
-                out.push('\n');
-            };
+            let mut push = |record: &Record<'_>| out += &line(record);
             let load = |count: &Count| bus.load(count, self.bit_rate);
             let bus_record = Record { seconds, bit_rate: Some(self.bit_rate), ..record("bus") };
             push(&bus_record.with_count(&bus.total, load(&bus.total)));
@@ -182,6 +187,9 @@ impl Summary {
                     Record { node: key.node, connection: Some(key.name), ..record("connection") };
                 push(&Record { states, ..connection }.with_count(count, load(count)));
             }
+            for problem in bus.problems.records(&channel) {
+                out += &line(&problem);
+            }
         }
         out
     }
@@ -190,7 +198,13 @@ impl Summary {
 impl Bus {
     fn new() -> Self {
         let nodes = core::iter::repeat_with(Node::default).take(NODES + 1).collect();
-        Self { span: None, total: Count::default(), nodes, connections: Vec::new() }
+        Self {
+            span: None,
+            total: Count::default(),
+            nodes,
+            connections: Vec::new(),
+            problems: Problems::default(),
+        }
     }
 
     fn connection(&mut self, key: ConnectionKey) -> &mut Connection {
@@ -208,10 +222,14 @@ impl Bus {
         numbered.filter(|(_, node)| node.count.frames > 0)
     }
 
+    /// The time between the first and the last frame.
+    fn seconds(&self) -> f64 {
+        self.span.map_or(0.0, |(first, last)| last.saturating_since(first).as_secs_f64())
+    }
+
     /// The part of the time between the first and the last frame that frames took, 0 to 1.
     fn load(&self, count: &Count, bit_rate: u32) -> Option<f64> {
-        let (first, last) = self.span?;
-        let bits = last.saturating_since(first).as_secs_f64() * f64::from(bit_rate);
+        let bits = self.seconds() * f64::from(bit_rate);
         (bits > 0.0).then(|| count.bits as f64 / bits)
     }
 }
@@ -325,6 +343,12 @@ impl Record<'_> {
         }
         self
     }
+}
+
+/// An object as a line.
+fn line(record: &impl Serialize) -> String {
+    // Numbers and strings: nothing in it can fail.
+    serde_json::to_string(record).unwrap_or_default() + "\n"
 }
 
 /// `Pressure gauge, vendor 4660, serial 0x00002345`, as far as it is known.

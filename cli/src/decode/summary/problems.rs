@@ -1,0 +1,107 @@
+//! Which problems a bus has: of each kind how many, and the first.
+
+use serde::Serialize;
+
+use super::table::{Cell, Table};
+use crate::decode::decoder::Meaning;
+use crate::recording::RecordedFrame;
+use crate::text::push_seconds;
+
+/// One entry for each kind of problem, of which there is a fixed number.
+#[derive(Debug, Default)]
+pub(super) struct Problems(Vec<Entry>);
+
+#[derive(Debug)]
+struct Entry {
+    code: &'static str,
+    count: u64,
+    first: First,
+}
+
+/// The first frame with a problem of a kind.
+#[derive(Debug)]
+struct First {
+    n: u64,
+    /// Seconds, with the digits of the recording.
+    time: String,
+    words: String,
+}
+
+impl Problems {
+    /// Counts the problem of a frame, if it has one.
+    #[inline]
+    pub(super) fn observe(&mut self, frame: &RecordedFrame, meaning: &Meaning<'_>) {
+        if let Some(code) = meaning.problem_code() {
+            self.add(code, frame, meaning);
+        }
+    }
+
+    #[cold]
+    fn add(&mut self, code: &'static str, frame: &RecordedFrame, meaning: &Meaning<'_>) {
+        if let Some(entry) = self.0.iter_mut().find(|entry| entry.code == code) {
+            entry.count += 1;
+            return;
+        }
+        let words = match meaning {
+            Meaning::Read(reading) => reading.problem.map(|problem| problem.to_string()).unwrap_or_default(),
+            Meaning::Outside(outside) => outside.to_string(),
+        };
+        let mut time = Vec::new();
+        push_seconds(&mut time, frame.at, frame.digits);
+        let time = String::from_utf8_lossy(&time).into_owned();
+        self.0.push(Entry { code, count: 1, first: First { n: frame.n, time, words } });
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The most frequent first; equally frequent ones as they came.
+    fn sorted(&self) -> Vec<&Entry> {
+        let mut entries: Vec<_> = self.0.iter().collect();
+        entries.sort_by_key(|entry| core::cmp::Reverse(entry.count));
+        entries
+    }
+
+    pub(super) fn table(&self) -> Table {
+        let mut table = Table::new(&["problem", "frames", "first frame", "first time", "first in words"]);
+        for Entry { code, count, first } in self.sorted() {
+            table.row(vec![
+                Cell::left(*code),
+                Cell::right(count.to_string()),
+                Cell::right(first.n.to_string()),
+                Cell::right(first.time.clone()),
+                Cell::left(first.words.clone()),
+            ]);
+        }
+        table
+    }
+
+    pub(super) fn records<'a>(&'a self, channel: &'a str) -> impl Iterator<Item = Record<'a>> {
+        self.sorted().into_iter().map(move |Entry { code, count, first }| Record {
+            summary: "problem",
+            channel,
+            problem: code,
+            frames: *count,
+            first: FirstRecord { n: first.n, t: first.time.parse().unwrap_or_default(), text: &first.words },
+        })
+    }
+}
+
+/// One line of the JSON summary.
+#[derive(Serialize)]
+pub(super) struct Record<'a> {
+    summary: &'static str,
+    channel: &'a str,
+    problem: &'static str,
+    frames: u64,
+    first: FirstRecord<'a>,
+}
+
+/// Number, time in seconds and problem of a frame.
+#[derive(Serialize)]
+struct FirstRecord<'a> {
+    n: u64,
+    t: f64,
+    text: &'a str,
+}
