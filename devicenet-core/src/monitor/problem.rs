@@ -147,7 +147,7 @@ pub enum Problem {
         /// The count of the fragment.
         count: u8,
     },
-    /// The acknowledge of a fragment that was not sent.
+    /// The acknowledge of a fragment that nobody waits for: it was not sent, or its message was abandoned.
     UnknownAcknowledge {
         /// The count acknowledged.
         count: u8,

@@ -19,7 +19,7 @@ const CAPTURES: &[(&str, &str, &[Found])] = &[
         "slave-04-fragmented-response.log",
         "a fragmented response with every variation of the acknowledges",
         &[
-            // The master acknowledges a fragment that was not sent.
+            // The master acknowledges a fragment that is not waited for.
             (22, "unknown_acknowledge"),
             // It says "too much data", and then acknowledges all the same: the slave sends a stray fragment.
             (30, "fragment_refused"),

@@ -95,7 +95,7 @@ impl fmt::Display for Problem {
             }
             Self::UnknownAcknowledge { count } => {
                 number(f, "acknowledge of fragment ", count.into())?;
-                f.write_str(", which was not sent")
+                f.write_str(", which is not waited for")
             }
             Self::LateAcknowledge { count } => {
                 number(f, "acknowledge of fragment ", count.into())?;
