@@ -178,9 +178,9 @@ fn the_summary_counts_nodes_and_connections() {
 can0: 30 frames in 4.210 s, 0 with a problem
 bus load 0.45 % at 125 kbit/s, stuff bits and intermission included
 
-node  frames  bytes  problems    load  response p50       p99       max  access   device
-   1      15     50         0  0.22 %             -         -         -  on line
-  10      15     54         0  0.23 %      0.300 ms  0.300 ms  0.300 ms  on line  vendor 4660, serial 0x00002345
+node  frames  bytes  problems    load  response p50       p99       max  access  device
+   1      15     50         0  0.22 %             -         -         -  online
+  10      15     54         0  0.23 %      0.300 ms  0.300 ms  0.300 ms  online  vendor 4660, serial 0x00002345
 
 node  connection              frames  bytes  problems    load  response p50       p99       max  states seen
   10  duplicate MAC ID check       2     14         0  0.04 %             -         -         -

@@ -265,6 +265,20 @@ fn the_summary_is_a_table_with_the_last_states() {
     assert!(text.contains("22s at 125 kbit/s: "), "{text}");
 }
 
+/// One node has defended its MAC ID, the other has restarted after it could not.
+#[test]
+fn the_decoder_finds_the_same_last_states_in_the_recording() {
+    let recording = Scratch::new("states.log", "");
+    assert_eq!(devicenet(&["simulate", "--record", recording.path()]).status.code(), Some(0));
+    let output = devicenet(&["decode", "--summary", recording.path()]);
+    let text = stdout(&output);
+    for (node, serial) in [("10", "0x00005001"), ("20", "0x00004001")] {
+        let row =
+            text.lines().rfind(|line| line.split_whitespace().next() == Some(node) && line.ends_with(serial));
+        assert!(row.is_some_and(|row| row.contains("  online  ")), "{text}");
+    }
+}
+
 /// A served bus. Ends with the test.
 struct Served {
     child: Child,

@@ -91,7 +91,8 @@ fn request<const N: usize>(
         AccessState::Unknown | AccessState::FirstCheck => AccessState::FirstCheck,
         AccessState::SecondCheck | AccessState::OnLine => AccessState::FirstCheck,
         AccessState::Faulted | AccessState::OffLine => AccessState::FirstCheck,
-        AccessState::SuspectedDuplicate => AccessState::SuspectedDuplicate,
+        // It starts anew: another objects, or it has the MAC ID after both checks.
+        AccessState::SuspectedDuplicate => AccessState::FirstCheck,
     };
     let is_first = node.access == AccessState::FirstCheck;
     if access == AccessState::OnLine {
@@ -115,13 +116,14 @@ fn response<const N: usize>(
         None => reading.assumed = true,
     }
     reading.flag(Problem::DuplicateMacId { mac });
-    // The one that answers is on line and stays there.
+    // Only a node on line answers, and it stays there: the other one loses.
     node.identity.vendor = Some(check.device.vendor);
     node.identity.serial = Some(check.device.serial);
-    node.access = AccessState::SuspectedDuplicate;
+    node.access = AccessState::OnLine;
+    node.half_checked = false;
     node.access_since = reading.at;
 }
 
 const LEN: usize = 7;
 /// The second request comes one second after the first was sent; a busy bus delays it.
-const SECOND_CHECK_WITHIN: Duration = Duration::from_secs(2);
+pub(super) const SECOND_CHECK_WITHIN: Duration = Duration::from_secs(2);

@@ -9,6 +9,7 @@ use link_core::Instant;
 
 use super::connection::Connection;
 use super::connections::{ConnectionState, Predefined};
+use super::dup_mac::SECOND_CHECK_WITHIN;
 use super::explicit::Channel;
 use super::pairing::{Seen, Waiting};
 use crate::id::MacId;
@@ -57,7 +58,7 @@ pub enum AccessState {
     SecondCheck,
     /// It takes part: it has sent something else, or nobody has objected for a second after the second check.
     OnLine,
-    /// Two nodes claim the MAC ID.
+    /// Two devices claim the MAC ID, and none of them has it yet.
     SuspectedDuplicate,
     /// It has told on the offline connection set that it has a communication fault.
     Faulted,
@@ -66,7 +67,7 @@ pub enum AccessState {
 }
 
 impl AccessState {
-    /// The machine-readable name.
+    /// The name, the same for programs and for people.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -75,7 +76,7 @@ impl AccessState {
             Self::SecondCheck => "second_check",
             Self::OnLine => "online",
             Self::SuspectedDuplicate => "suspected_duplicate",
-            Self::Faulted => "faulted",
+            Self::Faulted => "comm_fault",
             Self::OffLine => "offline",
         }
     }
@@ -83,15 +84,7 @@ impl AccessState {
 
 impl fmt::Display for AccessState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Unknown => "unknown",
-            Self::FirstCheck => "first check",
-            Self::SecondCheck => "second check",
-            Self::OnLine => "on line",
-            Self::SuspectedDuplicate => "suspected duplicate",
-            Self::Faulted => "faulted",
-            Self::OffLine => "off line",
-        })
+        f.write_str(self.name())
     }
 }
 
@@ -284,9 +277,14 @@ impl Node {
         let is_new = match self.access {
             AccessState::Unknown | AccessState::FirstCheck | AccessState::SecondCheck => true,
             AccessState::OffLine => true,
-            AccessState::OnLine | AccessState::SuspectedDuplicate | AccessState::Faulted => false,
+            // A newcomer would have checked a second time by now: the owner has kept its MAC ID.
+            AccessState::SuspectedDuplicate => at.saturating_since(self.access_since) > SECOND_CHECK_WITHIN,
+            AccessState::OnLine | AccessState::Faulted => false,
         };
         if is_new {
+            if self.access == AccessState::SuspectedDuplicate {
+                self.check = None;
+            }
             self.half_checked = self.access == AccessState::FirstCheck;
             self.access = AccessState::OnLine;
             self.access_since = at;

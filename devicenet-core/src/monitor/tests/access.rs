@@ -44,7 +44,56 @@ fn a_twin_is_told_by_its_identity_and_by_the_response() {
     assert_eq!(heard.problem, Some(Problem::DuplicateMacId { mac: mac(10) }));
     assert_eq!(heard.answers(), Some(asked));
     assert_eq!(heard.text, "dup MAC 10 response  vendor 4660 serial 0x00002345  ! duplicate MAC ID 10");
+    let node = bus.node(10);
+    assert_eq!((node.access, node.serial), (AccessState::OnLine, Some(0x2345)), "it has defended its MAC ID");
+    assert_eq!(node.problems, 2, "both frames stay problems");
+    // The next to ask is suspected anew.
+    let heard = bus.wait(5000).group2(10, 7, &TWIN);
+    assert_eq!(heard.problem, Some(Problem::TwoIdentities { mac: mac(10) }));
     assert_eq!(bus.node(10).access, AccessState::SuspectedDuplicate);
+}
+
+/// The owner could not object, for example because it was bus-off, and starts again.
+#[test]
+fn a_suspected_node_that_restarts_comes_on_line_by_two_undisputed_checks() {
+    let mut bus = Bus::new();
+    bus.group2(10, 7, &DEVICE);
+    bus.wait(999).group2(10, 7, &DEVICE);
+    bus.wait(1500).group2(10, 7, &TWIN);
+    assert_eq!(bus.node(10).access, AccessState::SuspectedDuplicate);
+    let heard = bus.wait(120).group2(10, 7, &DEVICE);
+    assert_eq!((heard.problem, bus.node(10).access), (None, AccessState::FirstCheck));
+    bus.wait(999).group2(10, 7, &DEVICE);
+    assert_eq!(bus.node(10).access, AccessState::SecondCheck);
+    bus.wait(1000).group2(1, 7, &TWIN);
+    let node = bus.node(10);
+    assert_eq!((node.access, node.serial, node.problems), (AccessState::OnLine, Some(0x2345), 1));
+}
+
+#[test]
+fn a_suspected_node_is_on_line_if_it_goes_on_after_the_newcomer_has_fallen_silent() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.group2(10, 7, &DEVICE);
+    bus.wait(999).group2(10, 7, &DEVICE);
+    bus.wait(5000).group2(10, 7, &TWIN);
+    bus.wait(1000).group1(15, 10, &[]);
+    assert_eq!(bus.node(10).access, AccessState::SuspectedDuplicate, "the second check may still come");
+    bus.wait(1001).group1(15, 10, &[]);
+    assert_eq!(bus.node(10).access, AccessState::OnLine);
+    // A check of the newcomer long after is a first one again.
+    let heard = bus.wait(60_000).group2(10, 7, &TWIN);
+    assert_eq!(heard.problem, Some(Problem::TwoIdentities { mac: mac(10) }));
+}
+
+#[test]
+fn an_access_state_has_one_spelling() {
+    for (state, name) in [
+        (AccessState::OnLine, "online"),
+        (AccessState::Faulted, "comm_fault"),
+        (AccessState::SuspectedDuplicate, "suspected_duplicate"),
+    ] {
+        assert_eq!((state.name(), state.to_string().as_str()), (name, name));
+    }
 }
 
 #[test]

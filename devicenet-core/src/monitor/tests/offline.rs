@@ -82,7 +82,7 @@ fn a_twin_that_answers_to_who_is_not_the_node_that_has_the_mac_id() {
     bus.group2(10, 7, &TWIN);
     bus.group2(10, 7, &[0x80, 0x34, 0x12, 0x45, 0x23, 0x00, 0x00]);
     assert_eq!(bus.frame(0x7EC, &TWIN).src, Some(10));
-    assert_eq!(bus.node(10).access, AccessState::SuspectedDuplicate);
+    assert_eq!(bus.node(10).access, AccessState::OnLine);
     assert_eq!(bus.node(10).serial, Some(0x2345));
 }
 
