@@ -257,6 +257,10 @@ fn what_is_no_recording_is_an_error() {
         stderr(&manifest)
             .contains("not a recording: candump log or screen output, pcap, pcapng or Vector ASC")
     );
+    // It holds a log, which is not what is meant.
+    let scenario = run(&["decode", concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/plant.toml")]);
+    assert_exit(&scenario, 2);
+    assert!(stderr(&scenario).contains("`devicenet simulate`"), "{}", stderr(&scenario));
     let directory = run(&["decode", env!("CARGO_MANIFEST_DIR")]);
     assert_exit(&directory, 2);
     let expected = concat!("error: ", env!("CARGO_MANIFEST_DIR"), ": is a directory, not a recording\n");

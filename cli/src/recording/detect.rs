@@ -69,6 +69,10 @@ impl Format {
         }
         let mut channels = Channels::default();
         for line in beginning.split(|byte| *byte == b'\n') {
+            // Before anything else: a scenario may hold a log that it replays.
+            if is_of_scenario(line) {
+                return Err(RecordingError::UnknownFormat("a scenario (run it with `devicenet simulate`)"));
+            }
             if candump::parse(line.trim_ascii_end(), &mut channels).is_ok() {
                 return Ok(Self::CandumpLog);
             }
@@ -85,9 +89,6 @@ impl Format {
         match beginning.trim_ascii() {
             // A log into which nothing was written.
             [] => Ok(Self::CandumpLog),
-            _ if is_scenario(beginning) => {
-                Err(RecordingError::UnknownFormat("a scenario (run it with `devicenet simulate`)"))
-            }
             _ => Err(RecordingError::UnknownFormat("text of another kind")),
         }
     }
@@ -99,8 +100,8 @@ pub(super) fn without_bom(beginning: &[u8]) -> &[u8] {
 }
 
 /// Whether a line opens a table that every scenario has.
-fn is_scenario(beginning: &[u8]) -> bool {
-    beginning.split(|byte| *byte == b'\n').any(|line| matches!(line.trim_ascii(), b"[bus]" | b"[[node]]"))
+fn is_of_scenario(line: &[u8]) -> bool {
+    matches!(line.trim_ascii(), b"[bus]" | b"[[node]]")
 }
 
 #[cfg(test)]
