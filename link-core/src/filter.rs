@@ -160,4 +160,12 @@ mod tests {
         }
         assert!(set.as_slice().len() <= FilterSet::CAPACITY);
     }
+
+    #[test]
+    fn a_set_full_of_one_format_gives_up_for_a_filter_of_the_other() {
+        let mut set: FilterSet = (0..16).map(|raw| Filter::exact(standard(raw))).collect();
+        assert_eq!(set.as_slice().len(), FilterSet::CAPACITY);
+        set.add(Filter::exact(ExtendedId::ZERO));
+        assert_eq!(set, FilterSet::all());
+    }
 }
