@@ -167,10 +167,13 @@ impl<'a> AttributeReplies<'a> {
     ) -> impl Iterator<Item = Result<AttributeReply<'a>, ParseError>> {
         entries(self.count, self.items, move |reader| {
             let attribute = AttributeId(reader.u16("attribute")?);
-            let [status, _] = reader.array("status")?;
-            let value = match status {
-                0 => Ok(read_value(reader, attribute, &len)?),
-                refused => Err(GeneralStatus(refused)),
+            let offset = reader.offset();
+            let status = reader.u16("status")?;
+            let value = match u8::try_from(status) {
+                Ok(0) => Ok(read_value(reader, attribute, &len)?),
+                Ok(refused) => Err(GeneralStatus(refused)),
+                // Neither a success nor a status that exists: a value that is not there must not be read.
+                Err(_) => return Err(ParseError::value("status", offset, status.into())),
             };
             Ok(AttributeReply { attribute, value })
         })

@@ -178,6 +178,9 @@ fn replies_of_get_attribute_list() {
     let found: Vec<_> = replies.iter(len).map(|reply| reply.unwrap().value).collect();
     assert_eq!(found, [Ok(&[0x2F, 0x00][..]), Err(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED), Ok(b"\x02DN")]);
     assert_eq!(replies.iter(|_, _| None).count(), 1);
+
+    let impossible = AttributeReplies::parse(&[1, 0, 9, 0, 0x00, 0x01]).unwrap();
+    assert_eq!(impossible.iter(|_, _| Some(0)).next().unwrap().unwrap_err().field, "status");
 }
 
 #[test]
