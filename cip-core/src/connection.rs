@@ -304,6 +304,28 @@ mod tests {
         assert_eq!(TimeoutMultiplier(8).to_string(), "reserved multiplier 8");
     }
 
+    /// Attributes 3 and 6 as the manuals named at [`PredefinedConnection::defaults`] print them.
+    #[test]
+    fn defaults_are_those_of_the_manuals() {
+        let cases = [
+            (PredefinedConnection::Explicit, 1, 0x83, 0x21),
+            (PredefinedConnection::Poll, 2, 0x82, 0x01),
+            (PredefinedConnection::ConsumeOnly, 2, 0x80, 0xF1),
+            (PredefinedConnection::BitStrobe, 3, 0x82, 0x02),
+            (PredefinedConnection::ChangeOfState { acknowledged: true }, 4, 0x12, 0x01),
+            (PredefinedConnection::Cyclic { acknowledged: true }, 4, 0x02, 0x01),
+            (PredefinedConnection::ChangeOfState { acknowledged: false }, 4, 0x10, 0x0F),
+            (PredefinedConnection::Cyclic { acknowledged: false }, 4, 0x00, 0x0F),
+            (PredefinedConnection::MulticastPoll, 5, 0x82, 0x02),
+        ];
+        for (connection, instance, trigger, characteristics) in cases {
+            let defaults = connection.defaults();
+            assert_eq!(connection.instance(), InstanceId(instance), "{connection:?}");
+            assert_eq!(defaults.transport_class_trigger.0, trigger, "{connection:?}");
+            assert_eq!(defaults.comm_characteristics.0, characteristics, "{connection:?}");
+        }
+    }
+
     #[test]
     fn defaults_agree_with_the_kind_of_connection() {
         let explicit = PredefinedConnection::Explicit.defaults();
