@@ -30,6 +30,9 @@ Examples:
   devicenet simulate --json scenario.toml | jq -c 'select(.event == \"state\")'
   devicenet simulate --serve 127.0.0.1:29536 scenario.toml
 
+Ctrl-C ends a run by the clock as its end would: recording and picture are complete, and what was expected later is not \
+judged. A second one ends it at once.
+
 With --serve, python-can sits on the bus:
   can.Bus(interface=\"socketcand\", host=\"127.0.0.1\", port=29536, channel=\"can0\")"
 )]

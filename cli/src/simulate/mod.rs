@@ -16,6 +16,7 @@ mod svg;
 mod text;
 mod timeline;
 
+use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
 use std::fs;
 use std::io::{self, Write as _};
@@ -114,7 +115,7 @@ pub fn run(args: &SimulateArgs, json: bool) -> Result<Exit, Failure> {
         if is_live { output.flush() } else { output.line_done() }
     };
     if is_live {
-        run.by_the_clock(server, &mut write_out)?
+        run.by_the_clock(server, interruption()?, &mut write_out)?
     } else {
         run.at_full_speed(&mut write_out)?
     }
@@ -125,11 +126,28 @@ pub fn run(args: &SimulateArgs, json: bool) -> Result<Exit, Failure> {
         first_error.take().map_err(|error| unwritable(path, &error))?;
     }
     if let Some((path, picture)) = picture {
-        fs::write(path, svg::draw(&picture.borrow())).map_err(|error| unwritable(path, &error))?;
+        let mut picture = picture.borrow_mut();
+        // It may have been interrupted.
+        picture.end = outcome.end;
+        fs::write(path, svg::draw(&picture)).map_err(|error| unwritable(path, &error))?;
     }
     conclude(&mut output, &outcome, args.summary, json, &scenario);
     output.flush()?;
     Ok(if outcome.verdict.failures.is_empty() { Exit::Done } else { Exit::Findings })
+}
+
+/// Is set by Ctrl-C, or by whoever else asks the program to end, from now on. The second time ends it at once.
+fn interruption() -> Result<&'static AtomicBool, Failure> {
+    static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+    let handle = || {
+        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+            // As a shell tells of a program that SIGINT has ended.
+            std::process::exit(130);
+        }
+    };
+    ctrlc::set_handler(handle)
+        .map_err(|error| Failure::Transport(format!("cannot be told of an interruption: {error}")))?;
+    Ok(&INTERRUPTED)
 }
 
 /// Figures and expectations, at the end.

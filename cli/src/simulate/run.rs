@@ -1,5 +1,6 @@
 //! Runs a scenario, as fast as possible or by the clock on the wall.
 
+use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
 use std::io;
 
@@ -73,15 +74,17 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// By the clock on the wall, with clients on the external nodes if there is a server.
+    /// By the clock on the wall, with clients on the external nodes if there is a server, until the end or until
+    /// `interrupted` is set.
     pub(super) fn by_the_clock(
         &mut self,
         mut server: Option<Server>,
+        interrupted: &AtomicBool,
         mut between: impl FnMut() -> io::Result<()>,
     ) -> io::Result<()> {
         let mut doors = Doors::of(self.scenario, &self.network);
         let clock = Clock::start();
-        while self.network.now() < self.end {
+        while self.network.now() < self.end && !interrupted.load(Ordering::Relaxed) {
             self.run_to(clock.now().min(self.end).max(self.network.now()));
             if let Some(server) = &mut server {
                 doors.hand_out(&mut self.network, server);
@@ -92,7 +95,7 @@ impl<'a> Run<'a> {
             let cue = self.cues.last().map_or(Instant::MAX, |(at, _)| *at);
             let wake = next.min(cue).min(self.end);
             match &mut server {
-                None => std::thread::sleep(clock.until(wake)),
+                None => std::thread::sleep(clock.until(wake).min(LONGEST_WAIT)),
                 Some(server) => {
                     let wake = server.deadline().map_or(wake, |deadline| deadline.min(wake));
                     let outgoing = server.wait(clock.until(wake).min(LONGEST_WAIT), || clock.now());
@@ -218,8 +221,8 @@ impl Doors {
 
 /// Virtual time after which the output is written.
 const SLICE: Duration = Duration::from_millis(20);
-/// So that the end of the run is not missed by much, whatever a client does.
-const LONGEST_WAIT: Duration = Duration::from_millis(500);
+/// So that neither the end of the run nor an interruption is missed by much, whatever a client does.
+const LONGEST_WAIT: Duration = Duration::from_millis(100);
 /// Frames that wait at one external node.
 const MOST_QUEUED: usize = 1024;
 const RESTART: Duration = Duration::from_millis(100);
