@@ -1,9 +1,10 @@
-#![allow(clippy::panic, clippy::unwrap_used, reason = "a test may panic")]
+#![allow(clippy::indexing_slicing, clippy::panic, clippy::unwrap_used, reason = "a test may panic")]
 //! Every defect of a scenario is told with line, column, what was found and what was expected.
 
 use std::path::Path;
 
-use devicenet_cli::scenario::Scenario;
+use devicenet_cli::scenario::{Do, Scenario};
+use link_core::BitRate;
 
 const BUS: &str = "[bus]\n";
 /// Seven lines; a table after it begins on line 8.
@@ -34,15 +35,38 @@ fn syntax_types_and_the_bus() {
     refused(
         "",
         "[buss]",
-        "1:2: unknown field `buss`, expected one of `title`, `bus`, `node`, `action`, `fault`, `expect`, `note`",
+        "1:2: there is no key `buss`, did you mean `bus`? expected `title`, `bus`, `node`, `action`, `fault`, `expect` or `note`",
     );
     refused(
         BUS,
         "[[node]]\nnaem = 1",
-        "3:1: unknown field `naem`, expected one of `name`, `count`, `protocol`, `role`, `mac`, `oa`, `power_up`, `reaction`, `bit_rate`, `clock_ppm`, `identity`, `port`, `boi`, `quick_connect`, `offline_set`, `poll`, `bit_strobe`, `cos`, `cyclic`, `multicast_poll`, `input`, `scan`, `file`, `log`, `only`, `frame`, `period`",
+        "3:1: there is no key `naem`, did you mean `name`? expected `name`, `count`, `protocol`, `role`, `mac`, `power_up`, `reaction`, `bit_rate`, `clock_ppm`, `identity`, `port`, `boi`, `quick_connect`, `offline_set`, `file`, `log`, `only`, `frame` or `period`",
     );
-    refused(BUS, "rate = 1", "2:1: unknown field `rate`, expected one of `bit_rate`, `seed`, `duration`");
-    refused(BUS, r#"bit_rate = "fast""#, r#"2:12: invalid type: string "fast", expected a whole number"#);
+    refused(
+        TOOL,
+        r#"power_upp = 1
+[[node]]
+name = "b"
+role = "babbler""#,
+        "5:1: there is no key `power_upp` for the role `external`, did you mean `power_up`? expected `name`, `count`, `protocol`, `role`, `power_up`, `reaction`, `bit_rate` or `clock_ppm`",
+    );
+    refused(
+        TOOL,
+        "[[expect]]
+whatever = 1",
+        "6:1: there is no key `whatever`; expected `by`, `at`, `from`, `to`, `never`, `always`, `node`, `state`, `tec`, `rec`, `bus_off` or `event`",
+    );
+    refused(
+        TOOL,
+        r#"power_up = "-3s""#,
+        r#"5:12: `-3s` must not be negative; expected a time with a unit (ns, us, ms, s, min, h) such as "75ms" or "1.5s""#,
+    );
+    refused(BUS, "rate = 1", "2:1: there is no key `rate`; expected `bit_rate`, `seed` or `duration`");
+    refused(
+        BUS,
+        r#"bit_rate = "fast""#,
+        r#"2:12: invalid value: string "fast", expected a bit rate in bit/s such as 125_000, or a text such as "125k""#,
+    );
     refused(
         BUS,
         "bit_rate = 125",
@@ -465,4 +489,13 @@ fn a_file_that_cannot_be_read_and_one_that_is_not_text() {
     std::fs::remove_file(&path).unwrap();
     assert_eq!((error.line, error.column), (2, 8));
     assert_eq!(error.message, "this is not UTF-8; expected a TOML text");
+}
+
+#[test]
+fn bit_rates_are_numbers_or_texts() {
+    let text = TOOL.replace("[bus]", "[bus]\nbit_rate = \"250k\"")
+        + "bit_rate = \"1M\"\n[[action]]\nat = \"1s\"\nnode = \"tool\"\ndo = \"set_bit_rate\"\nvalue = \"500k\"";
+    let scenario = Scenario::parse("s.toml", &text, Path::new("")).unwrap();
+    assert_eq!((scenario.bus.bit_rate.0, scenario.nodes[0].bit_rate.0), (250_000, 1_000_000));
+    assert_eq!(scenario.actions[0].what, Do::SetBitRate(BitRate(500_000)));
 }

@@ -183,6 +183,33 @@ fn a_run_that_is_cut_short_judges_what_it_can() {
 }
 
 #[test]
+fn the_plant_is_printed_and_standard_input_is_read() {
+    let printed = devicenet(&["simulate", "--print-plant"]);
+    assert_eq!(printed.status.code(), Some(0));
+    let scratch = Scratch::new("printed.toml", stdout(&printed));
+    let input = std::fs::File::open(&scratch.0).expect("it was written");
+    let read = Command::new(env!("CARGO_BIN_EXE_devicenet"))
+        .args(["simulate", "-"])
+        .stdin(input)
+        .output()
+        .expect("the program runs");
+    assert_eq!(stdout(&read), stdout(&devicenet(&["simulate"])));
+}
+
+#[test]
+fn what_makes_no_sense_on_the_command_line_is_told() {
+    for (arguments, told) in [
+        (["--record", "-"], "--record -: standard output has the trace"),
+        (["--svg", "-"], "--svg -: standard output has the trace"),
+        (["--until", "-2s"], "`-2s` must not be negative"),
+    ] {
+        let output = devicenet(&[&["simulate"][..], &arguments].concat());
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(stderr(&output).contains(told), "{}", stderr(&output));
+    }
+}
+
+#[test]
 fn a_defect_of_the_scenario_exits_2_and_shows_the_line() {
     let scenario = Scratch::new("defect.toml", "[bus]\n[[node]]\nname = \"a\"\nrole = \"spy\"\n");
     let output = devicenet(&["simulate", scenario.path()]);

@@ -9,6 +9,9 @@ use super::values::{Comparison, RateSetting, Time, TimeRange};
 
 /// A table of the file.
 pub(super) trait Table {
+    /// The keys that the file may have here.
+    const KEYS: &'static [&'static str];
+
     /// The keys that the file has here, with the places of their values.
     fn keys(&self) -> Vec<(&'static str, Range<usize>)>;
 }
@@ -24,6 +27,8 @@ macro_rules! table {
         }
 
         impl Table for $name {
+            const KEYS: &'static [&'static str] = &[$(table!(@name $key $($text)?)),*];
+
             fn keys(&self) -> Vec<(&'static str, Range<usize>)> {
                 let mut keys = Vec::new();
                 $(if let Some(value) = &self.$key {
@@ -55,7 +60,7 @@ pub(super) struct RawScenario {
     pub(super) note: Vec<Spanned<RawNote>>,
 }
 
-table! { /** `[bus]` */ RawBus { bit_rate: i64, seed: i64, duration: Time } }
+table! { /** `[bus]` */ RawBus { bit_rate: RateSetting, seed: i64, duration: Time } }
 
 table! {
     /// `[[node]]`

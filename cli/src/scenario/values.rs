@@ -36,6 +36,9 @@ impl FromStr for Time {
 
     fn from_str(text: &str) -> Result<Self, TimeError> {
         let fail = |problem| TimeError { found: text.to_owned(), problem };
+        if text.starts_with('-') {
+            return Err(fail("must not be negative"));
+        }
         let split = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
         let (number, unit) = text.split_at(split);
         let Some((_, nanos)) = UNITS.iter().find(|(name, _)| *name == unit.trim_start()) else {
@@ -147,7 +150,7 @@ impl<'de> Deserialize<'de> for TimeRange {
     }
 }
 
-/// `125_000` or `"auto"`.
+/// `125_000`, `"125k"` or `"auto"`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum RateSetting {
     /// bit/s, range not checked.
@@ -163,7 +166,7 @@ impl<'de> Deserialize<'de> for RateSetting {
             type Value = RateSetting;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a bit rate in bit/s such as 125_000, or \"auto\"")
+                f.write_str(EXPECTED_RATE)
             }
 
             fn visit_i64<E: de::Error>(self, rate: i64) -> Result<RateSetting, E> {
@@ -173,12 +176,23 @@ impl<'de> Deserialize<'de> for RateSetting {
             fn visit_str<E: de::Error>(self, text: &str) -> Result<RateSetting, E> {
                 match text {
                     "auto" => Ok(RateSetting::Auto),
-                    _ => Err(E::invalid_value(de::Unexpected::Str(text), &self)),
+                    _ => (rate(text).map(RateSetting::Fixed))
+                        .ok_or_else(|| E::invalid_value(de::Unexpected::Str(text), &self)),
                 }
             }
         }
         input.deserialize_any(NumberOrAuto)
     }
+}
+
+/// bit/s of `125k` or `1M`.
+pub(super) fn rate(text: &str) -> Option<i64> {
+    let (number, unit) = match text.strip_suffix(['k', 'K']) {
+        Some(number) => (number, 1_000),
+        None => (text.strip_suffix('M')?, 1_000_000),
+    };
+    let number: u32 = number.trim_end().parse().ok()?;
+    i64::from(number).checked_mul(unit)
 }
 
 /// A comparison with a number: `"<128"`, `">=96"`, `"=0"`, or just the number.
@@ -276,6 +290,7 @@ pub(super) fn hex_bytes(text: &str) -> Option<Vec<u8>> {
 }
 
 const EXPECTED_TIME: &str = "a time with a unit (ns, us, ms, s, min, h) such as \"75ms\" or \"1.5s\"";
+pub(super) const EXPECTED_RATE: &str = "a bit rate in bit/s such as 125_000, or a text such as \"125k\"";
 const EXPECTED_COMPARISON: &str = "a number, or one with a sign (<, <=, =, !=, >=, >) such as \"<128\"";
 
 const UNITS: [(&str, u64); 6] = [
@@ -323,7 +338,7 @@ mod tests {
         for (text, problem) in [
             ("5", "has no unit"),
             ("5m", "has an unknown unit"),
-            ("-5ms", "has an unknown unit"),
+            ("-5ms", "must not be negative"),
             ("ms", "is not a number with a unit"),
             ("1.s", "is not a number with a unit"),
             ("1.2.3s", "is not a number with a unit"),
@@ -338,6 +353,19 @@ mod tests {
     fn times_print_as_they_are_written() {
         for text in ["0s", "300us", "75ms", "1.5s", "120s", "1.000000001s", "12ns"] {
             assert_eq!(text.parse::<Time>().unwrap().to_string(), text);
+        }
+    }
+
+    #[test]
+    fn bit_rates_may_have_a_unit() {
+        for (text, expected) in [
+            ("125k", Some(125_000)),
+            ("500 K", Some(500_000)),
+            ("1M", Some(1_000_000)),
+            ("125", None),
+            ("k", None),
+        ] {
+            assert_eq!(rate(text), expected, "{text}");
         }
     }
 

@@ -14,7 +14,7 @@ Simulate a network on a bus that is exact to the bit, and hold it against what t
 
 A scenario is a TOML file: nodes, what happens to them, faults of the bus, expectations. Without one, the built-in plant is \
 simulated, which shows how nodes get on line and what goes wrong when two have one MAC ID. The same scenario and seed give \
-the same output, byte for byte.",
+the same output, byte for byte. docs/scenarios.md describes every table and key; --print-plant prints one to start from.",
     after_long_help = "\
 Exit codes:
   0  every expectation held
@@ -26,6 +26,8 @@ Exit codes:
 Examples:
   devicenet simulate
   devicenet simulate --summary --svg plant.svg
+  devicenet simulate --print-plant > mine.toml
+  devicenet simulate - < mine.toml
   devicenet simulate --seed 7 --until 10s --record plant.pcapng scenario.toml
   devicenet simulate --json scenario.toml | jq -c 'select(.event == \"state\")'
   devicenet simulate --serve 127.0.0.1:29536 scenario.toml
@@ -37,13 +39,16 @@ With --serve, python-can sits on the bus:
   can.Bus(interface=\"socketcand\", host=\"127.0.0.1\", port=29536, channel=\"can0\")"
 )]
 pub struct SimulateArgs {
-    /// The scenario; without one, the built-in plant
+    /// The scenario, `-` for standard input; without one, the built-in plant
     pub scenario: Option<PathBuf>,
+    /// Print the scenario of the built-in plant, to start from
+    #[arg(long, exclusive = true)]
+    pub print_plant: bool,
     /// The seed of everything random, instead of that of the scenario
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
     /// How long to run, instead of the duration of the scenario, such as 10s or 250ms
-    #[arg(long, value_name = "TIME")]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub until: Option<Time>,
     /// Record the bus: pcapng for a name that ends so, else a candump log; failed attempts become error frames
     #[arg(long, short = 'o', value_name = "FILE")]

@@ -73,7 +73,21 @@ pub fn trace(scenario: &Scenario, settings: Settings) -> (String, Outcome) {
 /// # Errors
 /// [`Failure`] when the scenario has a defect, or a file or an address cannot be used.
 pub fn run(args: &SimulateArgs, json: bool) -> Result<Exit, Failure> {
+    if args.print_plant {
+        let mut output = Output::new();
+        output.buffer.extend_from_slice(PLANT.as_bytes());
+        output.flush()?;
+        return Ok(Exit::Done);
+    }
+    for (option, path) in [("--record", &args.record), ("--svg", &args.svg)] {
+        if path.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+            return Err(Failure::Usage(format!(
+                "{option} -: standard output has the trace or the figures; expected the name of a file"
+            )));
+        }
+    }
     let mut scenario = match &args.scenario {
+        Some(path) if path.as_os_str() == "-" => Scenario::from_stdin(),
         Some(path) => Scenario::load(path),
         None => Scenario::parse("(built-in plant)", PLANT, Path::new("")),
     }

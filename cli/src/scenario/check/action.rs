@@ -8,6 +8,7 @@ use super::{Checker, list};
 use crate::scenario::diagnostic::ScenarioError;
 use crate::scenario::model::{Action, Do, Node, Role};
 use crate::scenario::raw::RawAction;
+use crate::scenario::values::rate;
 
 impl Checker<'_> {
     pub(super) fn action(&self, table: &Spanned<RawAction>, nodes: &[Node]) -> Result<Action, ScenarioError> {
@@ -53,9 +54,7 @@ impl Checker<'_> {
             "power_cycle" => plain(Do::PowerCycle),
             "reset" => plain(Do::Reset),
             "set_mac" => Ok(Do::SetMac(self.mac_id("value", &self.integer(raw, table, "the MAC ID")?)?)),
-            "set_bit_rate" => Ok(Do::SetBitRate(
-                self.bit_rate("value", &self.integer(raw, table, "the bit rate in bit/s")?)?,
-            )),
+            "set_bit_rate" => Ok(Do::SetBitRate(self.bit_rate("value", &self.rate(raw, table)?)?)),
             io @ ("set_input" | "set_output" | "go_idle" | "go_run") => self.fail(
                 &action.span(),
                 format!("`{io}` needs a node with I/O, which is not simulated; expected {}", list(ACTIONS)),
@@ -63,6 +62,16 @@ impl Checker<'_> {
             other => {
                 self.fail(&action.span(), format!("there is no action `{other}`; expected {}", list(ACTIONS)))
             }
+        }
+    }
+
+    /// A bit rate: a number, or a text with a unit.
+    fn rate(&self, raw: &RawAction, table: &Range<usize>) -> Result<Spanned<i64>, ScenarioError> {
+        match &raw.value {
+            Some(value) if let Some(rate) = value.get_ref().as_str().and_then(rate) => {
+                Ok(Spanned::new(value.span(), rate))
+            }
+            _ => self.integer(raw, table, "the bit rate in bit/s"),
         }
     }
 
@@ -81,5 +90,5 @@ impl Checker<'_> {
     }
 }
 
-const ACTIONS: &[&str] =
+pub(in crate::scenario) const ACTIONS: &[&str] =
     &["cut", "plug", "power_off", "power_on", "power_cycle", "set_mac", "set_bit_rate", "reset"];

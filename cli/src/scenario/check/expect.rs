@@ -117,5 +117,5 @@ impl Checker<'_> {
 }
 
 const TIMES: &str = "one of `by`, `at`, `from` and `to`, `always = true` or `never = true`";
-const IO_KEYS: &[&str] = &["connection", "connection_state", "input", "output"];
+pub(super) const IO_KEYS: &[&str] = &["connection", "connection_state", "input", "output"];
 const WHAT: &[&str] = &["state", "tec", "rec", "bus_off", "event"];

@@ -144,6 +144,7 @@ impl Checker<'_> {
     }
 }
 
-const FAULTS: &[&str] = &["bit_error", "lost_frame", "noise", "babble", "clock", "segment"];
+pub(in crate::scenario) const FAULTS: &[&str] =
+    &["bit_error", "lost_frame", "noise", "babble", "clock", "segment"];
 const FOR_GOOD: Duration = Duration::from_secs(1);
 const ANY_FAULT: &[&str] = &["from", "to", "kind"];

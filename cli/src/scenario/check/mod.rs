@@ -4,6 +4,14 @@ mod action;
 mod expect;
 mod fault;
 mod node;
+mod unknown;
+
+#[cfg(test)]
+pub(super) use action::ACTIONS;
+#[cfg(test)]
+pub(super) use fault::FAULTS;
+#[cfg(test)]
+pub(super) use node::ROLES;
 
 use core::ops::Range;
 use core::time::Duration;
@@ -16,12 +24,15 @@ use toml::Spanned;
 use super::diagnostic::ScenarioError;
 use super::model::{Bus, NodeIndex, Note, Scenario};
 use super::raw::{RawBus, RawNote, RawScenario, Table};
-use super::values::Time;
+use super::values::{RateSetting, Time};
 
 /// Reads and checks the text of a scenario. Files that it names are looked for in `folder`.
 pub(super) fn scenario(file: &str, text: &str, folder: &Path) -> Result<Scenario, ScenarioError> {
     let raw: RawScenario = toml::from_str(text).map_err(|error| {
         let span = error.span().unwrap_or_default();
+        if let Some(message) = unknown::key(error.message(), text, &span) {
+            return ScenarioError::at(file, text, &span, message);
+        }
         let message = error.message().replace("expected i64", "expected a whole number");
         ScenarioError::at(
             file,
@@ -123,6 +134,16 @@ impl Checker<'_> {
         self.number(key, value, 0, 63, "a MAC ID, 0 to 63")
     }
 
+    fn rate_setting(&self, setting: &Spanned<RateSetting>) -> Result<BitRate, ScenarioError> {
+        match setting.get_ref() {
+            RateSetting::Fixed(rate) => self.bit_rate("bit_rate", &Spanned::new(setting.span(), *rate)),
+            RateSetting::Auto => self.fail(
+                &setting.span(),
+                "`bit_rate` is \"auto\", and no role detects the bit rate; expected a rate in bit/s",
+            ),
+        }
+    }
+
     fn bit_rate(&self, key: &str, value: &Spanned<i64>) -> Result<BitRate, ScenarioError> {
         match u32::try_from(*value.get_ref()).ok().filter(|rate| BIT_RATES.contains(rate)) {
             Some(rate) => Ok(BitRate(rate)),
@@ -192,7 +213,7 @@ impl Checker<'_> {
 
     fn bus(&self, bus: &RawBus) -> Result<Bus, ScenarioError> {
         let bit_rate = match &bus.bit_rate {
-            Some(rate) => self.bit_rate("bit_rate", rate)?,
+            Some(rate) => self.rate_setting(rate)?,
             None => BitRate::K125,
         };
         let seed = match &bus.seed {

@@ -11,7 +11,6 @@ use crate::scenario::diagnostic::ScenarioError;
 use crate::scenario::model::{AccessNode, Node, NodeIndex, Role};
 use crate::scenario::raw::{RawIdentity, RawNode};
 use crate::scenario::replay;
-use crate::scenario::values::RateSetting;
 
 impl Checker<'_> {
     /// Checks one table and appends its nodes: one, or as many as `count` says.
@@ -32,17 +31,7 @@ impl Checker<'_> {
         let role = self.role(raw, &span)?;
         let bit_rate = match &raw.bit_rate {
             None => bus_rate,
-            Some(setting) => match setting.get_ref() {
-                RateSetting::Fixed(rate) => {
-                    self.bit_rate("bit_rate", &Spanned::new(setting.span(), *rate))?
-                }
-                RateSetting::Auto => {
-                    return self.fail(
-                        &setting.span(),
-                        "`bit_rate` is \"auto\", and no role detects the bit rate; expected a rate in bit/s",
-                    );
-                }
-            },
+            Some(setting) => self.rate_setting(setting)?,
         };
         let node = Node {
             name: name.get_ref().clone(),
@@ -98,24 +87,18 @@ impl Checker<'_> {
 
     fn role(&self, raw: &RawNode, table: &Range<usize>) -> Result<Role, ScenarioError> {
         let role = self.required(raw.role.as_ref(), table, "`role` of the node")?;
-        let only = |own: &[&str]| {
-            let keys = [ANY_ROLE, own].concat();
-            self.only(raw, &keys, &format!("the role `{}`", role.get_ref()))
-        };
+        if let Some(keys) = role_keys(role.get_ref()) {
+            self.only(raw, &keys, &format!("the role `{}`", role.get_ref()))?;
+        }
         match role.get_ref().as_str() {
             "access" => {
-                only(&["mac", "identity", "port", "boi", "quick_connect", "offline_set"])?;
                 self.protocol(raw, table)?;
                 self.access(raw, table).map(Role::Access)
             }
-            "replay" => {
-                only(&["file", "log", "only"])?;
-                self.replay(raw, table)
-            }
-            "listener" => only(&[]).map(|()| Role::Listener),
-            "external" => only(&[]).map(|()| Role::External),
+            "replay" => self.replay(raw, table),
+            "listener" => Ok(Role::Listener),
+            "external" => Ok(Role::External),
             "babbler" => {
-                only(&["frame", "period"])?;
                 let frame = self.frame(self.required(raw.frame.as_ref(), table, "`frame`, what it sends,")?)?;
                 let period = raw.period.as_ref().map_or(Duration::ZERO, |period| period.get_ref().0);
                 Ok(Role::Babbler { frame, period })
@@ -261,7 +244,19 @@ fn copies(node: &Node, count: usize) -> Vec<Node> {
     (0..count).map(copy).collect()
 }
 
-const ROLES: &[&str] = &["access", "replay", "listener", "babbler", "external"];
+/// The keys that a role takes; `None` if there is no such role.
+pub(super) fn role_keys(role: &str) -> Option<Vec<&'static str>> {
+    let own: &[&str] = match role {
+        "access" => &["mac", "identity", "port", "boi", "quick_connect", "offline_set"],
+        "replay" => &["file", "log", "only"],
+        "listener" | "external" => &[],
+        "babbler" => &["frame", "period"],
+        _ => return None,
+    };
+    Some([ANY_ROLE, own].concat())
+}
+
+pub(in crate::scenario) const ROLES: &[&str] = &["access", "replay", "listener", "babbler", "external"];
 const ANY_ROLE: &[&str] =
     &["name", "count", "protocol", "role", "power_up", "reaction", "bit_rate", "clock_ppm"];
 const MOST_NODES: usize = 256;
