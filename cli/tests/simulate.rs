@@ -183,6 +183,14 @@ fn a_run_that_is_cut_short_judges_what_it_can() {
 }
 
 #[test]
+fn the_help_tells_how_to_write_a_scenario() {
+    let help = devicenet(&["simulate", "--help"]);
+    for words in ["docs/scenarios.md", "--print-plant", "`-` for standard input"] {
+        assert!(stdout(&help).contains(words), "{words} is missing");
+    }
+}
+
+#[test]
 fn the_plant_is_printed_and_standard_input_is_read() {
     let printed = devicenet(&["simulate", "--print-plant"]);
     assert_eq!(printed.status.code(), Some(0));

@@ -8,14 +8,11 @@ use crate::scenario::Time;
 
 /// `devicenet simulate`.
 #[derive(Args, Clone, Debug, Default)]
-#[command(
-    long_about = "\
-Simulate a network on a bus that is exact to the bit, and hold it against what the scenario expects.
-
+#[command(after_long_help = "\
 A scenario is a TOML file: nodes, what happens to them, faults of the bus, expectations. Without one, the built-in plant is \
 simulated, which shows how nodes get on line and what goes wrong when two have one MAC ID. The same scenario and seed give \
-the same output, byte for byte. docs/scenarios.md describes every table and key; --print-plant prints one to start from.",
-    after_long_help = "\
+the same output, byte for byte. docs/scenarios.md describes every table and key; --print-plant prints one to start from.
+
 Exit codes:
   0  every expectation held
   1  an expectation failed
@@ -36,8 +33,7 @@ Ctrl-C ends a run by the clock as its end would: recording and picture are compl
 judged. A second one ends it at once.
 
 With --serve, python-can sits on the bus:
-  can.Bus(interface=\"socketcand\", host=\"127.0.0.1\", port=29536, channel=\"can0\")"
-)]
+  can.Bus(interface=\"socketcand\", host=\"127.0.0.1\", port=29536, channel=\"can0\")")]
 pub struct SimulateArgs {
     /// The scenario, `-` for standard input; without one, the built-in plant
     pub scenario: Option<PathBuf>,
