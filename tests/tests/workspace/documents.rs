@@ -64,6 +64,20 @@ fn the_readme_begins_with_its_two_commands() {
 }
 
 #[test]
+fn links_between_documents_lead_somewhere() {
+    for (page, folder) in [("README.md", "."), ("docs/architecture.md", "docs"), ("docs/results.md", "docs")]
+    {
+        let text = read(page);
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            let path = link.split('#').next().unwrap_or_default();
+            let is_here =
+                path.is_empty() || link.contains("://") || workspace_root().join(folder).join(path).exists();
+            assert!(is_here, "{page} links to {link}");
+        }
+    }
+}
+
+#[test]
 fn the_readme_names_every_fuzz_target() {
     let readme = read("README.md");
     for entry in std::fs::read_dir(workspace_root().join("fuzz/fuzz_targets")).expect("the folder of targets")
