@@ -128,18 +128,26 @@ impl Frame {
         crate::wire::bit_len(self)
     }
 
-    /// Converts from any frame that implements the `embedded_can` trait; `None` if its data are longer than eight
-    /// bytes.
+    /// Converts from any frame that implements the `embedded_can` trait; `None` if it is not a classic frame: more than
+    /// eight bytes, a DLC above 15, or fewer bytes than its DLC says.
     #[must_use]
     pub fn from_can(frame: &impl embedded_can_types::Frame) -> Option<Self> {
-        let dlc = frame.dlc();
+        let dlc = u8::try_from(frame.dlc()).ok()?;
         if frame.is_remote_frame() {
-            return Self::remote(frame.id(), u8::try_from(dlc).ok()?);
+            return Self::remote(frame.id(), dlc);
         }
-        Self::new(frame.id(), frame.data().get(..dlc.min(Self::MAX_DATA))?)
+        let data = frame.data();
+        if data.len() > Self::MAX_DATA {
+            return None;
+        }
+        match dlc {
+            0..=8 => Self::new(frame.id(), data.get(..usize::from(dlc))?),
+            _ => Self::with_dlc(frame.id(), dlc, data.try_into().ok()?),
+        }
     }
 
-    /// Converts to any frame that implements the `embedded_can` trait; `None` if that type refuses it.
+    /// Converts to any frame that implements the `embedded_can` trait; `None` if that type refuses it. The trait knows no
+    /// DLC above 8 in a data frame: such a frame is sent with a DLC of 8.
     #[must_use]
     pub fn to_can<F: embedded_can_types::Frame>(&self) -> Option<F> {
         if self.remote { F::new_remote(self.id, usize::from(self.dlc)) } else { F::new(self.id, self.data()) }
@@ -226,7 +234,7 @@ pub const fn extended_id(raw: u32) -> ExtendedId {
 mod tests {
     use super::*;
     extern crate std;
-    use std::{format, vec::Vec};
+    use std::{format, vec, vec::Vec};
 
     #[test]
     fn refuses_what_does_not_fit() {
@@ -266,6 +274,52 @@ mod tests {
             assert_eq!(Frame::from_can(&frame), Some(frame));
             assert_eq!(frame.to_can::<Frame>(), Some(frame));
         }
+    }
+
+    /// A frame as a driver might have it: `dlc` and `data` say what they like.
+    struct Foreign {
+        dlc: usize,
+        data: Vec<u8>,
+    }
+
+    impl embedded_can_types::Frame for Foreign {
+        fn new(_: impl Into<Id>, data: &[u8]) -> Option<Self> {
+            Some(Self { dlc: data.len(), data: data.to_vec() })
+        }
+        fn new_remote(_: impl Into<Id>, _: usize) -> Option<Self> {
+            None
+        }
+        fn is_extended(&self) -> bool {
+            false
+        }
+        fn is_remote_frame(&self) -> bool {
+            false
+        }
+        fn id(&self) -> Id {
+            StandardId::ZERO.into()
+        }
+        fn dlc(&self) -> usize {
+            self.dlc
+        }
+        fn data(&self) -> &[u8] {
+            &self.data
+        }
+    }
+
+    #[test]
+    fn a_frame_of_can_fd_is_refused_and_not_cut() {
+        for (dlc, len) in [(9, 12), (12, 12), (64, 64), (16, 8), (8, 7)] {
+            let foreign = Foreign { dlc, data: vec![0xAA; len] };
+            assert_eq!(Frame::from_can(&foreign), None, "DLC {dlc}, {len} bytes");
+        }
+    }
+
+    #[test]
+    fn a_driver_that_tells_a_dlc_above_eight_is_believed() {
+        let frame = Frame::from_can(&Foreign { dlc: 11, data: vec![0xAA; 8] });
+        assert_eq!(frame, Frame::with_dlc(StandardId::ZERO, 11, [0xAA; 8]));
+        let short = Frame::from_can(&Foreign { dlc: 2, data: vec![1, 2, 0, 0] });
+        assert_eq!(short, Frame::new(StandardId::ZERO, &[1, 2]), "a driver that hands out its whole buffer");
     }
 
     #[test]
