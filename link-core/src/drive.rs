@@ -67,16 +67,16 @@ where
     M: Machine,
     P: Port,
 {
+    // Only here is the present asked for. Later actions are of the moment of an input: by the present, a deadline would
+    // overtake inputs that came before it and still wait in the port.
+    let mut now = port.now();
     loop {
-        let now = port.now();
         if let ControlFlow::Break(value) = drain(machine, port, now, &mut on_event)? {
             return Ok(value);
         }
-        let (now, input) = port.wait(machine.deadline())?;
+        let input;
+        (now, input) = port.wait(machine.deadline())?;
         machine.input(now, input);
-        if let ControlFlow::Break(value) = drain(machine, port, now, &mut on_event)? {
-            return Ok(value);
-        }
     }
 }
 
@@ -108,4 +108,86 @@ where
         }
     }
     Ok(ControlFlow::Continue(()))
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use core::convert::Infallible;
+    use std::collections::VecDeque;
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::frame::standard_id;
+
+    /// Tells the order in which it learns of frames and of its deadline.
+    struct Waiting {
+        until: Option<Instant>,
+        heard: VecDeque<&'static str>,
+    }
+
+    impl Machine for Waiting {
+        type Event = &'static str;
+        fn input(&mut self, _: Instant, input: Input) {
+            if let Input::Frame(_) = input {
+                self.heard.push_back("frame");
+            }
+        }
+        fn poll(&mut self, now: Instant) -> Option<Action<Self::Event>> {
+            if let Some(heard) = self.heard.pop_front() {
+                return Some(Action::Event(heard));
+            }
+            self.until.take_if(|until| *until <= now).map(|_| Action::Event("deadline"))
+        }
+        fn deadline(&self) -> Option<Deadline> {
+            self.until.map(|at| Deadline { at, why: "test" })
+        }
+        fn max_in_flight(&self) -> usize {
+            0
+        }
+    }
+
+    /// A port that has been away: the present is later than the inputs that wait in it.
+    struct Late {
+        now: Instant,
+        inputs: VecDeque<(Instant, Input)>,
+    }
+
+    impl Port for Late {
+        type Error = Infallible;
+        fn now(&mut self) -> Instant {
+            self.now
+        }
+        fn transmit(&mut self, _: TxToken, _: Frame) -> Result<(), Infallible> {
+            Ok(())
+        }
+        fn withdraw(&mut self, _: TxToken) -> Result<(), Infallible> {
+            Ok(())
+        }
+        fn command(&mut self, _: LinkCommand) -> Result<(), Infallible> {
+            Ok(())
+        }
+        fn wait(&mut self, deadline: Option<Deadline>) -> Result<(Instant, Input), Infallible> {
+            let input = self.inputs.pop_front();
+            // The clock goes on while an input is being worked on.
+            self.now += core::time::Duration::from_millis(5);
+            Ok(input
+                .unwrap_or((deadline.map_or(self.now, |deadline| deadline.at.max(self.now)), Input::Tick)))
+        }
+    }
+
+    /// A duplicate MAC ID check answered in time, but read late, is answered in time.
+    #[test]
+    fn a_frame_that_came_before_the_deadline_is_heard_before_it() {
+        let ms = Instant::from_millis;
+        let frame = Input::Frame(Frame::new(standard_id(0x52F), &[]).unwrap());
+        let mut machine = Waiting { until: Some(ms(4)), heard: VecDeque::new() };
+        let mut port = Late { now: ms(0), inputs: [(ms(1), frame), (ms(2), frame)].into() };
+        let mut order = Vec::new();
+        let Ok(()) = drive(&mut machine, &mut port, |_, _, event| {
+            order.push(event);
+            if order.len() == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        assert_eq!(order, ["frame", "frame", "deadline"]);
+    }
 }
