@@ -54,6 +54,14 @@ impl Filter {
         self.extended == extended && raw & self.mask == self.value
     }
 
+    /// Whether everything that passes `other` passes this filter.
+    #[must_use]
+    pub const fn covers(&self, other: &Self) -> bool {
+        self.extended == other.extended
+            && self.mask & other.mask == self.mask
+            && other.value & self.mask == self.value
+    }
+
     /// Whether it is for 29-bit identifiers.
     #[must_use]
     pub const fn is_extended(&self) -> bool {
@@ -98,14 +106,18 @@ impl FilterSet {
         set
     }
 
-    /// Adds a filter. A full set is widened to every identifier of that format instead: a filter is a help to the
-    /// receiver, so letting more through is harmless, and losing frames is not.
+    /// Adds a filter, in place of those that it covers. A full set is widened to every identifier of that format
+    /// instead: a filter is a help to the receiver, so letting more through is harmless, and losing frames is not.
     pub fn add(&mut self, filter: Filter) {
-        if self.filters.contains(&filter) || self.filters.push(filter).is_ok() {
+        if self.filters.iter().any(|other| other.covers(&filter)) {
+            return;
+        }
+        self.filters.retain(|other| !filter.covers(other));
+        if self.filters.push(filter).is_ok() {
             return;
         }
         let widest = if filter.extended { Filter::ALL_EXTENDED } else { Filter::ALL_STANDARD };
-        self.filters.retain(|other| other.extended != filter.extended);
+        self.filters.retain(|other| !widest.covers(other));
         if self.filters.push(widest).is_err() {
             // Full of filters of the other format: give up selection altogether.
             *self = Self::all();
@@ -138,6 +150,8 @@ impl FromIterator<Filter> for FilterSet {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
+    extern crate std;
 
     fn standard(raw: u16) -> StandardId {
         StandardId::new(raw).unwrap()
@@ -159,6 +173,28 @@ mod tests {
             assert!(set.accepts(&Frame::new(standard(raw), &[]).unwrap()));
         }
         assert!(set.as_slice().len() <= FilterSet::CAPACITY);
+    }
+
+    #[test]
+    fn a_widened_set_has_room_for_the_other_format() {
+        let mut set: FilterSet = (0..40).map(|raw| Filter::exact(standard(raw))).collect();
+        assert_eq!(set.as_slice(), [Filter::ALL_STANDARD], "what is covered takes no room");
+        let exact = Filter::exact(ExtendedId::ZERO);
+        set.add(exact);
+        assert_eq!(set.as_slice(), [Filter::ALL_STANDARD, exact]);
+    }
+
+    proptest! {
+        #[test]
+        fn a_filter_covers_what_passes_both(
+            values in [0..8_u16, 0..8_u16],
+            masks in [0..8_u16, 0..8_u16],
+        ) {
+            let filter = |index: usize| Filter::standard(standard(values[index]), masks[index] | 0x7F8);
+            let (one, other) = (filter(0), filter(1));
+            let implied = (0..0x800).map(|raw| Id::from(standard(raw))).all(|id| !other.accepts(id) || one.accepts(id));
+            prop_assert_eq!(one.covers(&other), implied);
+        }
     }
 
     #[test]
