@@ -87,6 +87,12 @@ pub fn bit_len(frame: &Frame) -> u32 {
 /// CRC-15 of the low `len` bits of `value`, most significant first: polynomial 0x4599, initial value 0.
 #[must_use]
 pub fn crc15(value: u128, len: u32) -> u16 {
+    let above = u128::MAX.checked_shl(len).unwrap_or(0);
+    crc_of_message(value & !above, len)
+}
+
+/// As [`crc15`], of a `value` that has no bits above the message.
+fn crc_of_message(value: u128, len: u32) -> u16 {
     // With a zero initial value, leading zeros do not change the CRC, so the bits are taken as whole bytes.
     let bytes = value.to_be_bytes();
     let used = usize::try_from(len.div_ceil(8)).unwrap_or(bytes.len()).min(bytes.len());
@@ -156,7 +162,7 @@ impl Header {
         let (data, data_len) = frame.data_bits();
         bits = bits << data_len | u128::from(data);
         let crc_start = len.wrapping_add(data_len);
-        let crc = crc15(bits, crc_start);
+        let crc = crc_of_message(bits, crc_start);
         let len = crc_start.wrapping_add(CRC_BITS);
         Self { fields: bits << CRC_BITS, crc, len, arbitration_end, data_start, crc_start }
     }
@@ -341,6 +347,13 @@ mod tests {
                 .collect();
             prop_assert_eq!(slow_crc(&unstuffed), 0);
         }
+    }
+
+    #[test]
+    fn the_crc_is_of_the_low_bits_only() {
+        assert_eq!(crc15(0xFFF5, 4), slow_crc(&[false, true, false, true]));
+        assert_eq!(crc15(u128::MAX, 0), 0);
+        assert_eq!(crc15(u128::MAX, 200), slow_crc(&[true; 128]));
     }
 
     /// Networking with DeviceNet (Circuit Cellar 98, 1998): "a frame can range from 44 to 108 bits".
