@@ -51,9 +51,7 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
 
     /// Starts or restarts a timer.
     pub fn set(&mut self, key: K, at: Instant) {
-        if let Some(slot) = self.at.get_mut(key.index()) {
-            *slot = Some(at);
-        }
+        self.put(key, Some(at));
     }
 
     /// Starts or restarts a timer that expires `span` from the latest moment that was noted.
@@ -63,9 +61,7 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
 
     /// Stops a timer.
     pub fn clear(&mut self, key: K) {
-        if let Some(slot) = self.at.get_mut(key.index()) {
-            *slot = None;
-        }
+        self.put(key, None);
     }
 
     /// Stops all timers.
@@ -101,6 +97,14 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
         self.now = self.now.saturating_sub(span);
         for at in self.at.iter_mut().flatten() {
             *at = at.saturating_sub(span);
+        }
+    }
+
+    fn put(&mut self, key: K, at: Option<Instant>) {
+        let slot = self.at.get_mut(key.index());
+        debug_assert!(slot.is_some(), "the index of the timer \"{}\" is not one of {N}", key.why());
+        if let Some(slot) = slot {
+            *slot = at;
         }
     }
 
