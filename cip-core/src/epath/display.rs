@@ -10,17 +10,19 @@ impl fmt::Display for Epath<'_> {
         if self.bytes.is_empty() {
             return f.write_str("empty path");
         }
-        for (index, segment) in self.segments().enumerate() {
-            if index != 0 {
+        let mut segments = self.segments();
+        loop {
+            let start = segments.reader.offset();
+            let Some(segment) = segments.next() else { break };
+            if start != 0 {
                 f.write_str(" ")?;
             }
-            match segment {
-                Ok(segment) => fmt::Display::fmt(&segment, f)?,
-                Err(error) => {
-                    f.write_str("malformed ")?;
-                    fmt::Display::fmt(&Hex(self.bytes.get(error.offset..).unwrap_or_default()), f)?;
-                }
+            if let Ok(segment) = segment {
+                fmt::Display::fmt(&segment, f)?;
+                continue;
             }
+            f.write_str("malformed ")?;
+            fmt::Display::fmt(&Hex(self.bytes.get(start..).unwrap_or_default()), f)?;
         }
         Ok(())
     }

@@ -115,6 +115,19 @@ fn reserved_segments_end_the_path() {
 }
 
 #[test]
+fn a_malformed_segment_is_shown_from_its_first_byte() {
+    let cases: [(&[u8], &str); 4] = [
+        (&[0x20, 0x04, 0x25, 0x65], "class 4 malformed 25 65"),
+        (&[0x20], "malformed 20"),
+        (&[0x20, 0x04, 0x34, 0x05, 0x01], "class 4 malformed 34 05 01"),
+        (&[0x63, b'0', b'6'], "malformed 63 30 36"),
+    ];
+    for (bytes, text) in cases {
+        assert_eq!(Epath::packed(bytes).to_string(), text);
+    }
+}
+
+#[test]
 fn ids_of_a_path() {
     let path = Epath::packed(&[0x21, 0x04, 0x00, 0x25, 0x65, 0x00, 0x30, 0x03]).logical().unwrap();
     assert_eq!(path, LogicalPath::object(ClassId::ASSEMBLY, InstanceId(101)).with_attribute(AttributeId(3)));
