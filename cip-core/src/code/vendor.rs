@@ -7,7 +7,7 @@ super::codes! {
         NAMCO = 2, "Namco Controls";
         HONEYWELL = 3, "Honeywell";
         PARKER_HANNIFIN = 4, "Parker Hannifin";
-        RELIANCE_ELECTRIC = 5, "Rockwell / Reliance Electric";
+        RELIANCE_ELECTRIC = 5, "Rockwell/Reliance Electric";
         SMC = 7, "SMC";
         MOLEX = 8, "Molex (SST, Woodhead)";
         WESTERN_RESERVE_CONTROLS = 9, "Western Reserve Controls";
