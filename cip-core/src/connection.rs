@@ -200,6 +200,7 @@ pub enum PredefinedConnection {
 /// device (sizes and assemblies) and on MAC IDs (connection IDs). The production inhibit time is always 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ConnectionDefaults {
     /// Attribute 1.
     pub state: ConnectionState,

@@ -70,6 +70,7 @@ impl core::error::Error for ParseError {}
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, thiserror::Error)]
 #[error("no room left in the buffer")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Full;
 
 fn bytes(count: usize) -> &'static str {

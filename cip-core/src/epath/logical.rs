@@ -39,6 +39,7 @@ pub struct LogicalPath {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, thiserror::Error)]
 #[error("the packed path has an odd number of bytes and cannot be counted in words")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Unpackable;
 
 impl LogicalPath {

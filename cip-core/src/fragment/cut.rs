@@ -8,6 +8,7 @@ use super::{
 /// One fragment: what stands in the data field, for explicit messages after the header byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Fragment<'a> {
     /// The fragmentation byte.
     pub byte: FragmentByte,

@@ -48,6 +48,7 @@ pub struct AttributeAccess<'a> {
 /// Why a request could not be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum EmitError {
     /// The buffer is too small.
     #[error(transparent)]
