@@ -9,6 +9,7 @@ use crate::frame::Frame;
 /// Remote frames pass like data frames: the machine decides what they mean.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Filter {
     extended: bool,
     value: u32,
@@ -83,6 +84,8 @@ impl Filter {
 
 /// A set of filters; a frame passes if it passes one of them.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct FilterSet {
     filters: heapless::Vec<Filter, { FilterSet::CAPACITY }>,
 }

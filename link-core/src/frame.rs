@@ -14,7 +14,11 @@ use embedded_can_types::{ExtendedId, Id, StandardId};
 /// | data | 0 to 8 bytes |
 ///
 /// Two frames are equal when they are the same bits on the wire.
+///
+/// With feature `serde` it is serialised as `{"id":1327,"extended":false,"remote":false,"dlc":2,"data":[0,52]}`.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(into = "Parts", try_from = "Parts"))]
 pub struct Frame {
     id: Id,
     remote: bool,
@@ -207,7 +211,62 @@ impl fmt::Debug for Frame {
 #[cfg(feature = "defmt")]
 impl defmt::Format for Frame {
     fn format(&self, f: defmt::Formatter<'_>) {
-        defmt::write!(f, "{:X} [{}] {=[u8]:02X}", self.raw_id(), self.dlc, self.data());
+        match self.id {
+            Id::Standard(id) => defmt::write!(f, "{=u16:03X} [{=u8}]", id.as_raw(), self.dlc),
+            Id::Extended(id) => defmt::write!(f, "{=u32:08X} [{=u8}]", id.as_raw(), self.dlc),
+        }
+        if self.remote {
+            defmt::write!(f, " remote");
+        } else {
+            defmt::write!(f, " {=[u8]:02X}", self.data());
+        }
+    }
+}
+
+/// A frame as it is serialised. One that cannot be on the wire is refused.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Parts {
+    id: u32,
+    extended: bool,
+    remote: bool,
+    dlc: u8,
+    data: heapless::Vec<u8, { Frame::MAX_DATA }>,
+}
+
+#[cfg(feature = "serde")]
+impl From<Frame> for Parts {
+    fn from(frame: Frame) -> Self {
+        Self {
+            id: frame.raw_id(),
+            extended: frame.is_extended(),
+            remote: frame.remote,
+            dlc: frame.dlc,
+            data: heapless::Vec::from_slice(frame.data()).unwrap_or_default(),
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Parts> for Frame {
+    type Error = &'static str;
+
+    fn try_from(parts: Parts) -> Result<Self, Self::Error> {
+        let id = if parts.extended {
+            ExtendedId::new(parts.id).map(Id::from)
+        } else {
+            u16::try_from(parts.id).ok().and_then(StandardId::new).map(Id::from)
+        };
+        let id = id.ok_or("the identifier does not fit into 11 bits, or 29 of an extended frame")?;
+        let frame = match (parts.remote, parts.dlc, parts.data.as_slice()) {
+            (true, dlc, []) => Self::remote(id, dlc),
+            (true, ..) => return Err("a remote frame has no data"),
+            (false, dlc @ 0..=8, data) if usize::from(dlc) == data.len() => Self::new(id, data),
+            (false, 0..=8, _) => None,
+            (false, dlc, data) => data.try_into().ok().and_then(|data| Self::with_dlc(id, dlc, data)),
+        };
+        frame.ok_or("the data length code does not fit the data")
     }
 }
 
@@ -273,6 +332,27 @@ mod tests {
         ] {
             assert_eq!(Frame::from_can(&frame), Some(frame));
             assert_eq!(frame.to_can::<Frame>(), Some(frame));
+        }
+    }
+
+    #[cfg(feature = "serde")]
+    #[test]
+    fn a_serialised_frame_is_read_again_and_an_impossible_one_refused() {
+        for frame in [
+            Frame::new(standard_id(0x52F), &[0, 0x34]).unwrap(),
+            Frame::with_dlc(extended_id(0x1FFE_4433), 15, [7; 8]).unwrap(),
+            Frame::remote(standard_id(0x7FF), 9).unwrap(),
+        ] {
+            let text = serde_json::to_string(&frame).unwrap();
+            assert_eq!(serde_json::from_str::<Frame>(&text).unwrap(), frame, "{text}");
+        }
+        let text = serde_json::to_string(&Frame::new(standard_id(0x52F), &[0, 0x34]).unwrap()).unwrap();
+        assert_eq!(text, r#"{"id":1327,"extended":false,"remote":false,"dlc":2,"data":[0,52]}"#);
+        for (from, to) in
+            [("1327", "2048"), (":2", ":3"), (":2", ":16"), ("\"remote\":false", "\"remote\":true")]
+        {
+            let wrong = text.replace(from, to);
+            assert!(serde_json::from_str::<Frame>(&wrong).is_err(), "{wrong}");
         }
     }
 

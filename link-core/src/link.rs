@@ -40,6 +40,7 @@ impl fmt::Display for BitRate {
 /// How a controller takes part in the bus.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mode {
     /// The rate at which it samples and sends.
     pub bit_rate: BitRate,
@@ -53,6 +54,8 @@ pub struct Mode {
 /// [`Up`](LinkEvent::Up) after a reset, or [`Refused`](LinkEvent::Refused) where the transport or the rights of the
 /// program do not allow it.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum LinkCommand {
     /// Change bit rate and mode. Pending transmissions are dropped; their answers come before or after
     /// [`ModeSet`](LinkEvent::ModeSet).
@@ -67,6 +70,7 @@ pub enum LinkCommand {
 /// The kinds of [`LinkCommand`], for an answer.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum LinkCommandKind {
     /// [`LinkCommand::SetMode`]
     SetMode,
@@ -91,6 +95,7 @@ impl LinkCommand {
 /// What a controller tells its machine.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum LinkEvent {
     /// The controller takes part in the bus: after power-up, after a cable or an interface came back, and after
     /// [`LinkCommand::Reset`] once the bus-off recovery sequence was seen.
@@ -132,7 +137,7 @@ pub enum LinkEvent {
 /// The five errors of CAN 2.0, and what a driver cannot tell apart.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum BusErrorKind {
     /// The bus was not what was sent.

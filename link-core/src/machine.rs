@@ -7,6 +7,7 @@ use crate::time::Instant;
 /// What a machine is told.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Input {
     /// A frame of *another* node was received. A port never delivers a machine's own frames back.
     Frame(Frame),
@@ -20,6 +21,8 @@ pub enum Input {
 
 /// What a machine wants done.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum Action<E> {
     /// Send a frame. The token comes back in [`Input::TxDone`]; a machine does not use it again before that.
     Transmit(TxToken, Frame),
@@ -47,11 +50,13 @@ impl<E> Action<E> {
 /// Names a conversation of one machine that may have one frame in flight.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TxToken(pub u16);
 
 /// What became of a frame that was to be sent.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum TxOutcome {
     /// It was on the bus, and another node acknowledged it.
     Sent,
@@ -64,6 +69,7 @@ pub enum TxOutcome {
 /// A moment by which a machine must be called, and why.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Deadline {
     /// Call [`Machine::input`] with [`Input::Tick`] at this moment at the latest.
     pub at: Instant,

@@ -27,6 +27,7 @@ pub const INTERMISSION_BITS: u32 = 3;
 /// The field that a bit belongs to.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Field {
     /// Start of frame.
     StartOfFrame,
@@ -52,6 +53,7 @@ pub enum Field {
 /// One bit of a frame as its sender puts it on the wire.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bit {
     /// `true` is recessive (1), `false` dominant (0).
     pub recessive: bool,
