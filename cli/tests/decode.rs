@@ -127,7 +127,8 @@ fn json_has_the_fields_of_what_is_no_devicenet() {
     let expected = serde_json::json!({
         "t": 1_700_000_000.000_5, "n": 6, "id": 4, "ext": false, "rtr": false, "dlc": 8, "data": "0004000000000000",
         "channel": "can0", "protocol": "unknown", "kind": "foreign",
-        "problem": "error frame: controller problem", "text": "error frame: controller problem",
+        "problem": "error frame: controller problem", "problem_code": "error_frame",
+        "text": "error frame: controller problem",
     });
     assert_eq!(objects[5], expected);
     assert_eq!((&objects[6]["kind"], &objects[6]["dlc"]), (&"foreign".into(), &9.into()));
@@ -199,6 +200,19 @@ node  connection              frames  bytes  problems    load  response p50     
     assert_eq!(objects[5]["states"], serde_json::json!(["non_existent", "configuring", "established"]));
 }
 
+/// A filter hides frames, not time: the load of those shown is a part of the same whole.
+#[test]
+fn the_load_of_filtered_frames_is_that_of_the_whole_recording() {
+    let log = "(0.000000) can0 455#00\n(0.500000) can0 457#00341245230000\n(1.000000) can0 455#00\n";
+    let load = |arguments: &[&str]| {
+        let objects = json_lines(&run_with_input(arguments, log));
+        objects.into_iter().find(|object| object["summary"] == "node" && object["node"] == 10).unwrap()["load"].clone()
+    };
+    let all = load(&["decode", "--summary", "--json", "-"]);
+    assert!(all.is_number());
+    assert_eq!(load(&["decode", "--summary", "--json", "--kind", "dup_mac_request", "-"]), all);
+}
+
 /// The load is that of the frames on the wire: 100 frames of 8 bytes a second at 125 kbit/s.
 #[test]
 fn the_bus_load_is_exact() {
@@ -207,8 +221,11 @@ fn the_bus_load_is_exact() {
     let objects = json_lines(&run_with_input(&["decode", "--summary", "--json", "-"], &log));
     // No stuff bits but those of identifier and CRC: the frame is the same each time.
     let frame = link_core::Frame::new(link_core::frame::standard_id(0x455), &[0x55; 8]).unwrap();
-    let expected = 101.0 * f64::from(frame.bit_len() + 3) / 125_000.0;
-    assert_eq!(objects[0]["load"], expected);
+    // A second passes between the ends of the first and the last; the first one lies before it.
+    let bits = f64::from(frame.bit_len() + 3);
+    let expected = 101.0 * bits / (125_000.0 + bits);
+    let load = objects[0]["load"].as_f64().unwrap();
+    assert!((load - expected).abs() < 1e-12, "{load} instead of {expected}");
     assert_eq!(objects[0]["bit_rate"], 125_000);
 }
 
@@ -383,8 +400,8 @@ fn nothing_found_is_said_on_standard_error() {
     );
     let output = run(&["decode", "--summary", "--mac", "63", &file]);
     let header = "\
-can0: 0 frames in 0.000 s, 0 with a problem
-bus load - at 125 kbit/s, stuff bits and intermission included
+can0: 0 frames in 0.003 s, 0 with a problem
+bus load 0.00 % at 125 kbit/s, stuff bits and intermission included
 ";
     assert_eq!(stdout(&output), header);
     let objects = json_lines(&run_with_input(&["decode", "--summary", "--json", "-"], ""));

@@ -80,6 +80,9 @@ impl Decoder {
             Content::Error(error) => Meaning::Outside(Outside::Error(*error)),
             Content::Fd(_) => Meaning::Outside(Outside::Fd),
         };
+        if let View::Summary { summary, .. } = &mut self.view {
+            summary.see_time(bus, frame);
+        }
         if !self.filter.accepts(&meaning) {
             return Verdict::Hidden;
         }

@@ -24,7 +24,9 @@ pub(super) fn object(out: &mut Vec<u8>, frame: &RecordedFrame, channel: Option<&
         Meaning::Outside(words) => {
             out.extend_from_slice(b",\"protocol\":\"unknown\",\"kind\":\"foreign\",\"problem\":");
             push_display(out, words);
-            out.extend_from_slice(b",\"text\":");
+            out.extend_from_slice(b",\"problem_code\":\"");
+            out.extend_from_slice(words.code().as_bytes());
+            out.extend_from_slice(b"\",\"text\":");
             push_display(out, words);
             out.extend_from_slice(b"}\n");
         }

@@ -28,6 +28,8 @@ pub(super) struct Summary {
 #[derive(Debug)]
 struct Bus {
     span: Option<(Instant, Instant)>,
+    /// Of the first frame, which end before the span begins.
+    first_bits: u32,
     total: Count,
     /// By MAC ID, and one more for frames whose sender is not known.
     nodes: Vec<Node>,
@@ -73,11 +75,20 @@ impl Summary {
         Self { bit_rate, buses: vec![Bus::new()] }
     }
 
+    /// Takes note of when a frame was on a bus, whether it is counted or not: a load is a part of the whole recording.
+    pub(super) fn see_time(&mut self, bus: usize, frame: &RecordedFrame) {
+        let bus = self.bus(bus);
+        if let Some((first, last)) = bus.span {
+            bus.span = Some((first.min(frame.at), last.max(frame.at)));
+        } else {
+            bus.first_bits = bits_of(&frame.content);
+            bus.span = Some((frame.at, frame.at));
+        }
+    }
+
     /// Counts a frame of a bus.
     pub(super) fn observe(&mut self, bus: usize, frame: &RecordedFrame, meaning: &Meaning<'_>) {
         let bus = self.bus(bus);
-        let (first, last) = bus.span.unwrap_or((frame.at, frame.at));
-        bus.span = Some((first.min(frame.at), last.max(frame.at)));
         let seen = Seen::new(frame, meaning);
         bus.total.add(&seen);
         bus.problems.observe(frame, meaning);
@@ -200,6 +211,7 @@ impl Bus {
         let nodes = core::iter::repeat_with(Node::default).take(NODES + 1).collect();
         Self {
             span: None,
+            first_bits: 0,
             total: Count::default(),
             nodes,
             connections: Vec::new(),
@@ -227,20 +239,30 @@ impl Bus {
         self.span.map_or(0.0, |(first, last)| last.saturating_since(first).as_secs_f64())
     }
 
-    /// The part of the time between the first and the last frame that frames took, 0 to 1.
+    /// The part of the time from the begin of the first frame to the end of the last that frames took, 0 to 1. The time
+    /// of a frame is its end, so the first one's own length comes before the first time.
     fn load(&self, count: &Count, bit_rate: u32) -> Option<f64> {
-        let bits = self.seconds() * f64::from(bit_rate);
+        let bits = self.seconds() * f64::from(bit_rate) + f64::from(self.first_bits);
         (bits > 0.0).then(|| count.bits as f64 / bits)
+    }
+}
+
+/// The bits that an entry took on the bus, with the intermission; those of error and CAN FD frames are not known.
+fn bits_of(content: &Content) -> u32 {
+    match content {
+        Content::Classic(frame) => frame.bit_len() + INTERMISSION,
+        Content::Error(_) | Content::Fd(_) => 0,
     }
 }
 
 impl Seen {
     fn new(frame: &RecordedFrame, meaning: &Meaning<'_>) -> Self {
-        let (bits, bytes) = match &frame.content {
-            Content::Classic(frame) => (frame.bit_len() + INTERMISSION, frame.data().len()),
-            Content::Error(_) => (0, 0),
-            Content::Fd(frame) => (0, frame.data().len()),
+        let bytes = match &frame.content {
+            Content::Classic(frame) => frame.data().len(),
+            Content::Error(_) => 0,
+            Content::Fd(frame) => frame.data().len(),
         };
+        let bits = bits_of(&frame.content);
         let latency = match meaning {
             // An acknowledge answers a fragment, but is no response.
             Meaning::Read(reading) if reading.kind == Kind::FragmentAck => None,
