@@ -77,6 +77,12 @@ impl<'a> InstanceList<'a> {
     pub fn iter(&self) -> impl ExactSizeIterator<Item = InstanceId> + use<'a> {
         self.items.as_chunks::<2>().0.iter().map(|&bytes| InstanceId(u16::from_le_bytes(bytes)))
     }
+
+    /// Writes a list of `instances`, at most 255.
+    pub fn emit_instances(instances: &[InstanceId], out: &mut Writer<'_>) -> Result<(), Full> {
+        out.u8(u8::try_from(instances.len()).map_err(|_| Full)?)?;
+        instances.iter().try_for_each(|instance| out.u16(instance.0))
+    }
 }
 
 impl<'a> Wire<'a> for InstanceList<'a> {
@@ -110,6 +116,18 @@ impl<'a> AttributeStatusList<'a> {
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (AttributeId, u16)> + use<'a> {
         self.items.as_chunks::<4>().0.iter().map(|&[id_low, id_high, low, high]| {
             (AttributeId(u16::from_le_bytes([id_low, id_high])), u16::from_le_bytes([low, high]))
+        })
+    }
+
+    /// Writes a list of `statuses`.
+    pub fn emit_statuses(
+        statuses: &[(AttributeId, GeneralStatus)],
+        out: &mut Writer<'_>,
+    ) -> Result<(), Full> {
+        out.u16(u16::try_from(statuses.len()).map_err(|_| Full)?)?;
+        statuses.iter().try_for_each(|(attribute, status)| {
+            out.u16(attribute.0)?;
+            out.u16(status.0.into())
         })
     }
 }
@@ -178,6 +196,20 @@ impl<'a> AttributeReplies<'a> {
             Ok(AttributeReply { attribute, value })
         })
     }
+
+    /// Writes a list of `replies`: of each a status, and the value or none.
+    pub fn emit_replies(replies: &[AttributeReply<'_>], out: &mut Writer<'_>) -> Result<(), Full> {
+        out.u16(u16::try_from(replies.len()).map_err(|_| Full)?)?;
+        replies.iter().try_for_each(|reply| {
+            out.u16(reply.attribute.0)?;
+            let (status, value) = match reply.value {
+                Ok(value) => (GeneralStatus::SUCCESS, value),
+                Err(status) => (status, &[][..]),
+            };
+            out.u16(status.0.into())?;
+            out.bytes(value)
+        })
+    }
 }
 
 impl<'a> Wire<'a> for AttributeReplies<'a> {
@@ -223,6 +255,15 @@ impl<'a> AttributeSettings<'a> {
         entries(self.count, self.items, move |reader| {
             let attribute = AttributeId(reader.u16("attribute")?);
             Ok((attribute, read_value(reader, attribute, &len)?))
+        })
+    }
+
+    /// Writes a list of `settings`.
+    pub fn emit_settings(settings: &[(AttributeId, &[u8])], out: &mut Writer<'_>) -> Result<(), Full> {
+        out.u16(u16::try_from(settings.len()).map_err(|_| Full)?)?;
+        settings.iter().try_for_each(|(attribute, value)| {
+            out.u16(attribute.0)?;
+            out.bytes(value)
         })
     }
 }

@@ -324,6 +324,42 @@ proptest! {
         }
     }
 
+    /// What is written is read as the same entries, and nothing of it fits into less room.
+    #[test]
+    fn lists_that_are_written_are_read(ids in vec((any::<u16>(), 1..=u8::MAX), 0..8), value in vec(any::<u8>(), 0..4)) {
+        let mut buffer = [0; 80];
+        let len = |_: AttributeId, _: &[u8]| Some(value.len());
+
+        let instances: Vec<InstanceId> = ids.iter().map(|&(id, _)| InstanceId(id)).collect();
+        let mut out = Writer::new(&mut buffer);
+        InstanceList::emit_instances(&instances, &mut out).unwrap();
+        prop_assert!(InstanceList::parse(out.written()).unwrap().iter().eq(instances.iter().copied()));
+
+        let statuses: Vec<_> = ids.iter().map(|&(id, status)| (AttributeId(id), GeneralStatus(status))).collect();
+        let mut out = Writer::new(&mut buffer);
+        AttributeStatusList::emit_statuses(&statuses, &mut out).unwrap();
+        let expected = statuses.iter().map(|&(id, status)| (id, u16::from(status.0)));
+        prop_assert!(AttributeStatusList::parse(out.written()).unwrap().iter().eq(expected));
+
+        let settings: Vec<_> = ids.iter().map(|&(id, _)| (AttributeId(id), &value[..])).collect();
+        let mut out = Writer::new(&mut buffer);
+        AttributeSettings::emit_settings(&settings, &mut out).unwrap();
+        let read = AttributeSettings::parse(out.written()).unwrap();
+        prop_assert!(read.iter(len).map(Result::unwrap).eq(settings.iter().copied()));
+
+        let replies: Vec<_> = statuses.iter().map(|&(attribute, status)| AttributeReply {
+            attribute,
+            value: if status.0 % 2 == 0 { Ok(&value[..]) } else { Err(status) },
+        }).collect();
+        let mut out = Writer::new(&mut buffer);
+        AttributeReplies::emit_replies(&replies, &mut out).unwrap();
+        let last = out.len().saturating_sub(1);
+        let read = AttributeReplies::parse(out.written()).unwrap();
+        prop_assert!(read.iter(len).map(Result::unwrap).eq(replies.iter().copied()));
+        let short = AttributeReplies::emit_replies(&replies, &mut Writer::new(&mut [0; 80][..last]));
+        prop_assert_eq!(short, Err(Full));
+    }
+
     #[test]
     fn lists_keep_the_laws(numbers in vec(any::<u16>(), 0..20)) {
         let mut buffer = [0; 64];
