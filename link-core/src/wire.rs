@@ -342,6 +342,15 @@ mod tests {
         }
 
         #[test]
+        fn a_stuff_bit_follows_five_equal_bits_and_differs(frame in any_frame()) {
+            let bits: Vec<Bit> = bits(&frame).collect();
+            for (place, bit) in bits.iter().enumerate().filter(|(_, bit)| bit.stuff) {
+                let before = &bits[place.checked_sub(5).unwrap()..place];
+                prop_assert!(before.iter().all(|other| other.recessive != bit.recessive), "bit {}", place);
+            }
+        }
+
+        #[test]
         fn the_crc_of_message_and_crc_is_zero(frame in any_frame()) {
             let unstuffed: Vec<bool> = bits(&frame)
                 .filter(|bit| !bit.stuff && bit.field <= Field::Crc)
