@@ -7,7 +7,7 @@ use std::io;
 use devicenet_core::Access;
 use link_core::Instant;
 use link_core::time::Clock;
-use transport_mock::nodes::{External, ExternalEvent};
+use transport_mock::nodes::{External, ExternalEvent, TooManyFrames};
 use transport_mock::{Change, Network, NodeId};
 
 use super::build::{self, Settings};
@@ -176,12 +176,9 @@ impl Doors {
     fn take_in(&mut self, network: &mut Network<NodeEvent>, server: &mut Server, outgoing: Vec<Outgoing>) {
         for Outgoing { client, channel, frame } in outgoing {
             let door = &mut self.nodes[channel];
-            if door.senders.len() >= MOST_QUEUED {
-                server.refuse(client, "too many frames wait to be sent");
-                continue;
-            }
             match network.command(door.id, |external: &mut External, _| external.inject(frame)) {
-                Some(()) => door.senders.push_back(client),
+                Some(Ok(())) => door.senders.push_back(client),
+                Some(Err(TooManyFrames)) => server.refuse(client, "too many frames wait to be sent"),
                 None => server.refuse(client, "the node has no power"),
             }
         }
@@ -223,8 +220,6 @@ impl Doors {
 const SLICE: Duration = Duration::from_millis(20);
 /// So that neither the end of the run nor an interruption is missed by much, whatever a client does.
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
-/// Frames that wait at one external node.
-const MOST_QUEUED: usize = 1024;
 const RESTART: Duration = Duration::from_millis(100);
 /// `CAN_ERR_BUSOFF` and `CAN_ERR_BUSERROR` of linux/can/error.h.
 const CLASS_BUS_OFF: u32 = 0x40;

@@ -7,7 +7,7 @@ mod listener;
 mod replay;
 
 pub use babbler::Babbler;
-pub use external::{External, ExternalEvent};
+pub use external::{External, ExternalEvent, TooManyFrames};
 pub use listener::Listener;
 pub use replay::Replay;
 

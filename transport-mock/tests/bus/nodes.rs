@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use link_core::{BitRate, Frame, Instant};
-use transport_mock::nodes::{Babbler, External, ExternalEvent, Listener, Replay};
+use link_core::{BitRate, Frame, Instant, LinkEvent};
+use transport_mock::nodes::{Babbler, External, ExternalEvent, Listener, Replay, TooManyFrames};
 use transport_mock::realtime::{Realtime, WallClock};
 use transport_mock::{BusConfig, Change, Ignore, Network, NodeConfig, Record};
 
@@ -65,12 +65,59 @@ fn a_babbler_with_priority_keeps_everybody_else_silent() {
     network.add_silent(NodeConfig::named("babbler"), Babbler::new(data(0, &[0; 8]), Duration::ZERO));
     let victim = network.add_silent(NodeConfig::named("victim"), External::default());
     network.run_until(Instant::from_millis(1), &mut Ignore);
-    network.command(victim, |victim: &mut External, _| victim.inject(data(0x100, &[])));
+    network.command(victim, |victim: &mut External, _| victim.inject(data(0x100, &[])).unwrap());
     network.run_until(Instant::from_millis(100), &mut Ignore);
     let mut events = Vec::new();
     network.command(victim, |victim: &mut External, _| events.extend(std::iter::from_fn(|| victim.take())));
     assert!(events.iter().all(|(_, event)| !matches!(event, ExternalEvent::Done(..))));
     assert!(events.len() > 300, "it hears the babbler");
+}
+
+#[test]
+fn what_waits_at_an_external_node_is_bounded() {
+    let mut network = network();
+    let outside = network.add_silent(NodeConfig::named("outside"), External::default());
+    network.run_until(Instant::from_millis(1), &mut Ignore);
+    let inject = |network: &mut Network<()>| {
+        network.command(outside, |outside: &mut External, _| outside.inject(data(0x100, &[]))).unwrap()
+    };
+    for _ in 0..External::CAPACITY {
+        inject(&mut network).unwrap();
+    }
+    assert_eq!(inject(&mut network), Err(TooManyFrames));
+    network.run_until(Instant::from_millis(1_000), &mut Ignore);
+    assert_eq!(inject(&mut network), Err(TooManyFrames), "sent, but nobody took the answers");
+    let mut answers = 0;
+    network.command(outside, |outside: &mut External, _| {
+        answers = std::iter::from_fn(|| outside.take())
+            .filter(|(_, event)| matches!(event, ExternalEvent::Done(..)))
+            .count();
+    });
+    assert_eq!((answers, inject(&mut network)), (External::CAPACITY, Ok(())));
+}
+
+#[test]
+fn what_an_external_node_has_no_room_for_is_counted_where_it_is_missing() {
+    let mut network = network();
+    network.add_silent(NodeConfig::named("babbler"), Babbler::new(data(1, &[]), Duration::from_millis(1)));
+    let outside = network.add_silent(NodeConfig::named("outside"), External::default());
+    let listener = network.add_silent(Listener::config("listener"), Listener::new(1));
+    let at = Instant::from_millis(2_000);
+    network.schedule(at, Change::Cut(outside));
+    network.run_until(at, &mut Ignore);
+    let mut events = Vec::new();
+    network.command(outside, |outside: &mut External, _| {
+        events.extend(std::iter::from_fn(|| outside.take()).map(|(_, event)| event));
+    });
+    let kept = events.iter().filter(|event| matches!(event, ExternalEvent::Received(_))).count();
+    let [.., ExternalEvent::Link(LinkEvent::Overrun { lost }), ExternalEvent::Link(LinkEvent::Down)] =
+        events[..]
+    else {
+        panic!("{:?}", &events[events.len() - 3..]);
+    };
+    assert_eq!(events.len(), External::CAPACITY + 2);
+    let heard = network.machine::<Listener>(listener).unwrap().heard();
+    assert_eq!(kept as u64 + u64::from(lost), heard);
 }
 
 #[test]
@@ -132,7 +179,7 @@ fn virtual_time_follows_the_wall_clock() {
         assert!(wakeups < 100 * speed, "it sleeps in between: {wakeups} wakeups");
 
         driver.at_now(&mut Ignore, |network| {
-            network.command(outside, |outside: &mut External, _| outside.inject(data(0x123, &[9])));
+            network.command(outside, |outside: &mut External, _| outside.inject(data(0x123, &[9])).unwrap());
         });
         driver.run_for(Duration::from_millis(1), &mut Ignore, |_| true);
         let mut network = driver.into_network();
