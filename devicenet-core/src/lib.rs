@@ -8,6 +8,7 @@
 //! | [`id`] | MAC IDs, the 2048 identifiers, receive filters |
 //! | [`message`] | the data field of every message, with its byte table |
 //! | [`access`] | network access: the duplicate MAC ID check, bus-off, the offline connection set of a faulted node |
+//! | [`client`] | the explicit client: requests, fragments, time-outs, responses |
 //! | [`monitor`] | the passive decoder: it learns connections from the traffic and says what each frame means |
 //!
 //! A machine is told what happens as [`Input`](link_core::Input), and hands out what is to be done as
@@ -112,6 +113,7 @@
 extern crate std;
 
 pub mod access;
+pub mod client;
 pub mod id;
 pub mod message;
 pub mod monitor;

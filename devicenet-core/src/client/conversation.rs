@@ -1,0 +1,527 @@
+//! One transaction after another with one server.
+
+use core::time::Duration;
+
+use cip_core::code::ServiceCode;
+use cip_core::codec::{Wire, Writer};
+use cip_core::fragment::{
+    AckStatus, ExplicitOutcome, ExplicitReassembly, FragmentByte, FragmentKind, explicit_fragment,
+    is_fragmented_explicit,
+};
+use cip_core::message::{EmitError, Request, Response};
+use heapless::Vec;
+use link_core::{Frame, TxOutcome};
+
+use super::Route;
+use crate::id::Identifier;
+use crate::message::{self, ExplicitFragment, ExplicitMessage, FragmentAcknowledge};
+
+/// How long a client waits.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Waits {
+    /// T_ack, for the acknowledge of a fragment. Default 1 s.
+    pub acknowledge: Duration,
+    /// For the response. Default 2.5 s; for the unconnected port and the UCMM 1 s is usual
+    /// ([`Waits::UNCONNECTED`]).
+    #[doc(alias = "client.response_timeout_ms")]
+    pub response: Duration,
+    /// For the next fragment of a response. Default 3 s.
+    #[doc(alias = "frag.rx_timeout_ms")]
+    pub next_fragment: Duration,
+}
+
+impl Waits {
+    /// On an explicit connection.
+    pub const CONNECTED: Self = Self {
+        acknowledge: Duration::from_millis(1000),
+        response: Duration::from_millis(2500),
+        next_fragment: Duration::from_millis(3000),
+    };
+    /// On the unconnected port and with the UCMM.
+    pub const UNCONNECTED: Self = Self { response: Duration::from_millis(1000), ..Self::CONNECTED };
+}
+
+/// What the owner must do with the timer that it keeps for a conversation.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum TimerChange {
+    /// Leave it as it is.
+    #[default]
+    Keep,
+    /// Start it, or start it anew.
+    Set(Duration),
+    /// Stop it.
+    Clear,
+}
+
+/// What a frame meant to a conversation.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Progress<'a> {
+    /// Another identifier, or the header names another client: not for this conversation.
+    NotMine,
+    /// It took the conversation further.
+    Pending,
+    /// The response, the end of the transaction. An error response is one too.
+    Response(Response<'a>),
+    /// The transaction came to nothing.
+    Failed(Failure),
+    /// For this conversation, but of no use.
+    Ignored(Ignored),
+}
+
+/// Why a transaction came to nothing.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+pub enum Failure {
+    /// No response, or not all of it, after the last repetition.
+    #[error("no response: the node is absent, or its connection is gone")]
+    NoResponse,
+    /// A fragment of the request was sent twice and not acknowledged.
+    #[error(
+        "a fragment of the request was not acknowledged: the node is absent, or does not support fragments"
+    )]
+    NotAcknowledged,
+    /// The server cannot take so long a request (acknowledge status 1, or a reserved one).
+    #[error("the request is too long for the server")]
+    RequestTooLong,
+    /// The response does not fit; the server was told so.
+    #[error("the response is too long for this client")]
+    ResponseTooLong,
+    /// The response was put together and is none.
+    #[error("the response is malformed")]
+    Malformed,
+}
+
+/// Why a frame for the conversation was of no use.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+pub enum Ignored {
+    /// Too short, or a request.
+    Malformed,
+    /// Nothing is being waited for.
+    Unexpected,
+    /// The transaction ID is not that of the request: a response that comes too late.
+    Stale,
+    /// Another service than the one that was asked for.
+    OtherService,
+    /// An acknowledge of another fragment.
+    OtherAcknowledge,
+    /// A fragment of the response out of its order.
+    OutOfSequence,
+}
+
+/// Why a transaction could not be started.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum StartError {
+    /// One at a time.
+    #[error("a transaction is under way: wait for its end, or cancel it")]
+    Busy,
+    /// The request has no service byte.
+    #[error("the request is empty: it must begin with a service")]
+    Empty,
+    /// The request does not fit into the conversation's buffer.
+    #[error("the request is longer than the {capacity} bytes that this client can hold")]
+    TooLong {
+        /// The bytes that would fit.
+        capacity: usize,
+    },
+    /// The body format of the connection cannot express the class or instance.
+    #[error(transparent)]
+    NotAddressable(EmitError),
+}
+
+/// The client's side of one explicit connection, of an unconnected port or of the UCMM; see the [module](super) text.
+///
+/// `N` is the longest body, from the service byte on, of a request and of a response.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub struct Conversation<const N: usize> {
+    route: Route,
+    waits: Waits,
+    /// Of the present transaction, or of the last.
+    xid: bool,
+    request: Vec<u8, N>,
+    tries: u8,
+    response: ExplicitReassembly<N>,
+    stage: Stage,
+    acknowledge: Option<(FragmentByte, AckStatus)>,
+    in_flight: Option<Outgoing>,
+    timer: TimerChange,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+enum Stage {
+    Idle,
+    Requesting { attempt: u8, fragment: usize, repeated: bool, progress: Sending },
+    Awaiting { attempt: u8 },
+    Receiving { attempt: u8 },
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+enum Sending {
+    Due,
+    HandedOut,
+    OnTheBus,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+enum Outgoing {
+    Acknowledge,
+    Request,
+    /// What was cancelled.
+    Nothing,
+}
+
+impl<const N: usize> Conversation<N> {
+    /// A conversation in which nothing was said yet.
+    #[must_use]
+    pub const fn new(route: Route, waits: Waits) -> Self {
+        Self {
+            route,
+            waits,
+            // The first transaction has XID 0.
+            xid: true,
+            request: Vec::new(),
+            tries: 0,
+            response: ExplicitReassembly::new(N),
+            stage: Stage::Idle,
+            acknowledge: None,
+            in_flight: None,
+            timer: TimerChange::Keep,
+        }
+    }
+
+    /// Where it takes place.
+    #[must_use]
+    pub const fn route(&self) -> &Route {
+        &self.route
+    }
+
+    /// True from the start of a transaction to its response or failure.
+    #[must_use]
+    pub const fn is_busy(&self) -> bool {
+        !matches!(self.stage, Stage::Idle)
+    }
+
+    /// True while a frame waits for its [`tx_done`](Self::tx_done).
+    #[must_use]
+    pub const fn is_in_flight(&self) -> bool {
+        self.in_flight.is_some()
+    }
+
+    /// Whether [`poll`](Self::poll) has a frame.
+    #[must_use]
+    pub const fn has_output(&self) -> bool {
+        self.in_flight.is_none()
+            && (self.acknowledge.is_some()
+                || matches!(self.stage, Stage::Requesting { progress: Sending::Due, .. }))
+    }
+
+    /// Goes on over another route, for example over the connection that the UCMM opened. The transaction ID goes on as
+    /// well, so that a late response of the old route is not taken for one of the new.
+    ///
+    /// A transaction under way is [cancelled](Self::cancel).
+    pub fn reroute(&mut self, route: Route, waits: Waits) {
+        self.cancel();
+        self.route = route;
+        self.waits = waits;
+    }
+
+    /// Starts a transaction, which is tried `tries` times; more than once only for services that may be carried out
+    /// twice.
+    pub fn start(&mut self, request: &Request<'_>, tries: u8) -> Result<(), StartError> {
+        self.ready()?;
+        let mut buffer = [0; N];
+        let mut out = Writer::new(&mut buffer);
+        request.emit(self.route.format(), &mut out).map_err(|error| match error {
+            EmitError::Full(_) => StartError::TooLong { capacity: N },
+            EmitError::NotAddressable(_) => StartError::NotAddressable(error),
+        })?;
+        self.start_body(out.written(), tries)
+    }
+
+    /// Starts a transaction whose body, from the service byte on, is given as bytes.
+    pub fn start_body(&mut self, body: &[u8], tries: u8) -> Result<(), StartError> {
+        self.ready()?;
+        if body.is_empty() {
+            return Err(StartError::Empty);
+        }
+        self.request = Vec::from_slice(body).map_err(|_| StartError::TooLong { capacity: N })?;
+        self.xid = !self.xid;
+        self.tries = tries;
+        self.response.discard();
+        self.request_from_the_start(1);
+        Ok(())
+    }
+
+    /// Ends the transaction without a result. What is in flight stays so until its [`tx_done`](Self::tx_done): the
+    /// owner may withdraw it.
+    pub fn cancel(&mut self) {
+        self.stage = Stage::Idle;
+        self.response.discard();
+        self.acknowledge = None;
+        if self.in_flight.is_some() {
+            self.in_flight = Some(Outgoing::Nothing);
+        }
+        self.timer = TimerChange::Clear;
+    }
+
+    /// What is to be done with the timer since the last call.
+    #[must_use]
+    pub fn take_timer(&mut self) -> TimerChange {
+        core::mem::take(&mut self.timer)
+    }
+
+    /// The next frame. It is in flight until [`tx_done`](Self::tx_done).
+    pub fn poll(&mut self) -> Option<Frame> {
+        if self.in_flight.is_some() {
+            return None;
+        }
+        if let Some((fragment, status)) = self.acknowledge.take() {
+            self.in_flight = Some(Outgoing::Acknowledge);
+            let mac = self.route.header(true, self.xid).mac;
+            let acknowledge = FragmentAcknowledge::new(self.xid, mac, fragment.count(), status);
+            return message::frame(self.route.request(), &acknowledge);
+        }
+        let Stage::Requesting { fragment, progress: progress @ Sending::Due, .. } = &mut self.stage else {
+            return None;
+        };
+        *progress = Sending::HandedOut;
+        let fragment = *fragment;
+        self.in_flight = Some(Outgoing::Request);
+        self.request_frame(fragment)
+    }
+
+    /// What became of the frame that was handed out last.
+    ///
+    /// A frame that was given back unsent is treated as one that was lost: it is repeated when the wait for its answer
+    /// is over.
+    pub fn tx_done(&mut self, _outcome: TxOutcome) {
+        if self.in_flight.take() != Some(Outgoing::Request) {
+            return;
+        }
+        if let Stage::Requesting { attempt, progress: progress @ Sending::HandedOut, .. } = &mut self.stage {
+            if is_fragmented_explicit(&self.request) {
+                *progress = Sending::OnTheBus;
+                self.timer = TimerChange::Set(self.waits.acknowledge);
+            } else {
+                self.stage = Stage::Awaiting { attempt: *attempt };
+                self.timer = TimerChange::Set(self.waits.response);
+            }
+        }
+    }
+
+    /// The timer that the owner keeps is over. Returns why the transaction has failed, if it has.
+    pub fn timer_expired(&mut self) -> Option<Failure> {
+        match &mut self.stage {
+            Stage::Idle => {
+                self.response.forget_completed();
+                None
+            }
+            Stage::Requesting { repeated: true, progress: Sending::OnTheBus, .. } => {
+                Some(self.fail(Failure::NotAcknowledged))
+            }
+            Stage::Requesting { repeated, progress: progress @ Sending::OnTheBus, .. } => {
+                *repeated = true;
+                *progress = Sending::Due;
+                None
+            }
+            // No wait runs before the frame is on the bus.
+            Stage::Requesting { .. } => None,
+            Stage::Awaiting { attempt } | Stage::Receiving { attempt } => {
+                let attempt = *attempt;
+                if attempt >= self.tries {
+                    return Some(self.fail(Failure::NoResponse));
+                }
+                self.response.discard();
+                self.request_from_the_start(attempt.saturating_add(1));
+                None
+            }
+        }
+    }
+
+    /// Takes a frame from the bus.
+    pub fn frame<'a>(&'a mut self, frame: &'a Frame) -> Progress<'a> {
+        let data = frame.data();
+        let Some(&header) = data.first() else { return Progress::NotMine };
+        if Identifier::of_frame(frame) != Some(self.route.response())
+            || header & HEADER_MAC != self.route.client().number()
+        {
+            return Progress::NotMine;
+        }
+        if header & HEADER_FRAGMENTED == 0 {
+            return match ExplicitMessage::parse(data) {
+                Ok(message) => self.complete(message),
+                Err(_) => Progress::Ignored(Ignored::Malformed),
+            };
+        }
+        if let Ok(acknowledge) = FragmentAcknowledge::parse(data) {
+            return self.acknowledged(acknowledge);
+        }
+        match ExplicitFragment::parse(data) {
+            Ok(fragment) => self.fragment(fragment),
+            Err(_) => Progress::Ignored(Ignored::Malformed),
+        }
+    }
+
+    fn complete<'a>(&mut self, message: ExplicitMessage<'a>) -> Progress<'a> {
+        let Ok(response) = Response::parse(message.body) else {
+            return Progress::Ignored(Ignored::Malformed);
+        };
+        if let Err(ignored) = self.expects(message.xid).and_then(|()| self.answers(&response)) {
+            return Progress::Ignored(ignored);
+        }
+        self.response.discard();
+        self.stage = Stage::Idle;
+        self.timer = TimerChange::Clear;
+        Progress::Response(response)
+    }
+
+    fn acknowledged(&mut self, acknowledge: FragmentAcknowledge) -> Progress<'static> {
+        let Stage::Requesting { attempt, fragment, repeated, progress } = self.stage else {
+            return Progress::Ignored(Ignored::Unexpected);
+        };
+        if !is_fragmented_explicit(&self.request) || (progress == Sending::Due && !repeated) {
+            return Progress::Ignored(Ignored::Unexpected);
+        }
+        if acknowledge.xid != self.xid {
+            return Progress::Ignored(Ignored::Stale);
+        }
+        let sent = explicit_fragment(&self.request, fragment).map(|sent| sent.byte.count());
+        if sent != Some(acknowledge.count()) {
+            return Progress::Ignored(Ignored::OtherAcknowledge);
+        }
+        if acknowledge.status != AckStatus::Success {
+            return Progress::Failed(self.fail(Failure::RequestTooLong));
+        }
+        let next = fragment.saturating_add(1);
+        if explicit_fragment(&self.request, next).is_some() {
+            self.stage =
+                Stage::Requesting { attempt, fragment: next, repeated: false, progress: Sending::Due };
+            self.timer = TimerChange::Clear;
+        } else {
+            self.stage = Stage::Awaiting { attempt };
+            self.timer = TimerChange::Set(self.waits.response);
+        }
+        Progress::Pending
+    }
+
+    fn fragment(&mut self, fragment: ExplicitFragment<'_>) -> Progress<'_> {
+        let attempt = match (self.stage, self.expects(fragment.xid)) {
+            (Stage::Idle, Err(Ignored::Unexpected))
+                if self.response.remembers_completed() && fragment.fragment.kind != FragmentKind::First =>
+            {
+                0
+            }
+            (_, Err(ignored)) => return Progress::Ignored(ignored),
+            (Stage::Idle, Ok(())) => 0,
+            (
+                Stage::Requesting { attempt, .. }
+                | Stage::Awaiting { attempt }
+                | Stage::Receiving { attempt },
+                Ok(()),
+            ) => attempt,
+        };
+        let asked = self.asked();
+        let outcome = self.response.fragment(fragment.xid, fragment.fragment, fragment.body);
+        if let Some(status) = outcome.ack() {
+            self.acknowledge = Some((fragment.fragment, status));
+        }
+        match outcome {
+            ExplicitOutcome::Stored | ExplicitOutcome::Repeated => {
+                self.stage = Stage::Receiving { attempt };
+                self.timer = TimerChange::Set(self.waits.next_fragment);
+                Progress::Pending
+            }
+            ExplicitOutcome::RepeatedLast => Progress::Pending,
+            ExplicitOutcome::Complete(body) => {
+                self.stage = Stage::Idle;
+                self.timer = TimerChange::Set(REPETITION);
+                match Response::parse(body) {
+                    Ok(response) if is_answer(asked, &response) => Progress::Response(response),
+                    Ok(_) | Err(_) => Progress::Failed(Failure::Malformed),
+                }
+            }
+            ExplicitOutcome::TooLong => {
+                self.stage = Stage::Idle;
+                self.timer = TimerChange::Clear;
+                Progress::Failed(Failure::ResponseTooLong)
+            }
+            ExplicitOutcome::OutOfSequence { .. }
+            | ExplicitOutcome::IgnoredNoFirst
+            | ExplicitOutcome::InvalidFirst { .. }
+            | ExplicitOutcome::Acknowledge => Progress::Ignored(Ignored::OutOfSequence),
+        }
+    }
+
+    /// Whether a response with that transaction ID can come now.
+    fn expects(&self, xid: bool) -> Result<(), Ignored> {
+        let asked = match self.stage {
+            Stage::Idle => false,
+            // The acknowledge of the last fragment may be lost, and even its `TxDone` be late: the response proves both.
+            Stage::Requesting { attempt, fragment, repeated, progress } => {
+                let sent = progress != Sending::Due || repeated;
+                let last = !is_fragmented_explicit(&self.request)
+                    || explicit_fragment(&self.request, fragment)
+                        .is_some_and(|part| part.byte.kind == FragmentKind::Last);
+                // Or it answers an earlier attempt.
+                sent && last || attempt > 1
+            }
+            Stage::Awaiting { .. } | Stage::Receiving { .. } => true,
+        };
+        match (asked, xid == self.xid) {
+            (true, true) => Ok(()),
+            (true, false) => Err(Ignored::Stale),
+            (false, _) => Err(Ignored::Unexpected),
+        }
+    }
+
+    fn answers(&self, response: &Response<'_>) -> Result<(), Ignored> {
+        if is_answer(self.asked(), response) { Ok(()) } else { Err(Ignored::OtherService) }
+    }
+
+    fn asked(&self) -> Option<ServiceCode> {
+        self.request.first().map(|&byte| ServiceCode::split(byte).0)
+    }
+
+    fn ready(&self) -> Result<(), StartError> {
+        if self.is_busy() { Err(StartError::Busy) } else { Ok(()) }
+    }
+
+    fn request_from_the_start(&mut self, attempt: u8) {
+        self.stage = Stage::Requesting { attempt, fragment: 0, repeated: false, progress: Sending::Due };
+        self.timer = TimerChange::Clear;
+    }
+
+    fn request_frame(&self, fragment: usize) -> Option<Frame> {
+        let (xid, mac) = (self.xid, self.route.header(false, self.xid).mac);
+        if !is_fragmented_explicit(&self.request) {
+            let message = ExplicitMessage { xid, mac, body: &self.request };
+            return message::frame(self.route.request(), &message);
+        }
+        let part = explicit_fragment(&self.request, fragment)?;
+        let message = ExplicitFragment { xid, mac, fragment: part.byte, body: part.data };
+        message::frame(self.route.request(), &message)
+    }
+
+    fn fail(&mut self, failure: Failure) -> Failure {
+        self.stage = Stage::Idle;
+        self.response.discard();
+        self.timer = TimerChange::Clear;
+        failure
+    }
+}
+
+fn is_answer(asked: Option<ServiceCode>, response: &Response<'_>) -> bool {
+    match response {
+        Response::Success { service, .. } => Some(*service) == asked,
+        Response::Error { .. } => true,
+    }
+}
+
+/// How long the last fragment of a complete response is acknowledged again.
+const REPETITION: Duration = Duration::from_secs(1);
+const HEADER_MAC: u8 = 0x3F;
+const HEADER_FRAGMENTED: u8 = 0x80;
