@@ -12,6 +12,7 @@
 //! | [`identity`] | who a device is, its status and state |
 //! | [`connection`] | the values of connection attributes, defaults of the predefined connection set |
 //! | [`names`] | attributes and services of the object classes, with their types |
+//! | [`object`] | the objects of a device, and the checks that a request meets |
 //! | [`value`] | attribute values in words |
 //! | [`text`] | formatting without allocation |
 //!
@@ -56,5 +57,6 @@ pub mod fragment;
 pub mod identity;
 pub mod message;
 pub mod names;
+pub mod object;
 pub mod text;
 pub mod value;
