@@ -62,13 +62,19 @@ impl Instant {
     /// This moment plus `span`, at most [`MAX`](Self::MAX).
     #[must_use]
     pub fn saturating_add(self, span: Duration) -> Self {
-        Self(self.0.saturating_add(u64::try_from(span.as_nanos()).unwrap_or(u64::MAX)))
+        Self(self.0.saturating_add(nanos(span)))
+    }
+
+    /// This moment plus `millis` milliseconds, at most [`MAX`](Self::MAX).
+    #[must_use]
+    pub fn saturating_add_millis(self, millis: u32) -> Self {
+        Self(self.0.saturating_add(u64::from(millis).saturating_mul(1_000_000)))
     }
 
     /// This moment minus `span`, at least [`ZERO`](Self::ZERO).
     #[must_use]
     pub fn saturating_sub(self, span: Duration) -> Self {
-        Self(self.0.saturating_sub(u64::try_from(span.as_nanos()).unwrap_or(u64::MAX)))
+        Self(self.0.saturating_sub(nanos(span)))
     }
 }
 
@@ -100,6 +106,11 @@ impl fmt::Display for Instant {
         }
         write!(f, "{seconds}.{fraction:0digits$}")
     }
+}
+
+/// Without the 128 bits of [`Duration::as_nanos`], which a small processor pays dearly.
+fn nanos(span: Duration) -> u64 {
+    span.as_secs().saturating_mul(1_000_000_000).saturating_add(span.subsec_nanos().into())
 }
 
 /// Joins [`Instant`] to the standard library's clock: an epoch, and the way there and back.

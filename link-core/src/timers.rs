@@ -26,7 +26,8 @@ pub trait TimerKey<const N: usize>: Copy + 'static {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Timers<K, const N: usize> {
     now: Instant,
-    at: [Option<Instant>; N],
+    /// [`Instant::MAX`] where a timer does not run: half the size of an `Option`.
+    at: [Instant; N],
     key: PhantomData<K>,
 }
 
@@ -34,7 +35,7 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
     /// No timer runs, and the time is zero.
     #[must_use]
     pub const fn new() -> Self {
-        Self { now: Instant::ZERO, at: [None; N], key: PhantomData }
+        Self { now: Instant::ZERO, at: [Instant::MAX; N], key: PhantomData }
     }
 
     /// Takes note of the present moment, and returns it; a `now` before the last one is the last one.
@@ -49,9 +50,13 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
         self.now
     }
 
-    /// Starts or restarts a timer.
+    /// Starts or restarts a timer. One that is set to [`Instant::MAX`] does not run.
     pub fn set(&mut self, key: K, at: Instant) {
-        self.put(key, Some(at));
+        let slot = self.at.get_mut(key.index());
+        debug_assert!(slot.is_some(), "the index of the timer \"{}\" is not one of {N}", key.why());
+        if let Some(slot) = slot {
+            *slot = at;
+        }
     }
 
     /// Starts or restarts a timer that expires `span` from the latest moment that was noted.
@@ -59,20 +64,31 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
         self.set(key, self.now.saturating_add(span));
     }
 
+    /// The same for a span in milliseconds, without the arithmetic of [`Duration`].
+    pub fn set_after_millis(&mut self, key: K, millis: u32) {
+        self.set(key, self.now.saturating_add_millis(millis));
+    }
+
     /// Stops a timer.
     pub fn clear(&mut self, key: K) {
-        self.put(key, None);
+        self.set(key, Instant::MAX);
     }
 
     /// Stops all timers.
     pub fn clear_all(&mut self) {
-        self.at = [None; N];
+        self.at = [Instant::MAX; N];
     }
 
     /// When a timer expires; `None` if it does not run.
     #[must_use]
     pub fn at(&self, key: K) -> Option<Instant> {
-        self.at.get(key.index()).copied().flatten()
+        self.at.get(key.index()).copied().filter(|at| *at != Instant::MAX)
+    }
+
+    /// Whether a timer runs that expires by `now`.
+    #[must_use]
+    pub fn is_due(&self, now: Instant) -> bool {
+        now < Instant::MAX && self.at.iter().any(|at| *at <= now)
     }
 
     /// Stops and returns the timer that expired first by `now`; of several at the same moment, the first in
@@ -95,16 +111,8 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
     /// Moves every stored instant, the noted present included, `span` towards zero.
     pub fn shift(&mut self, span: Duration) {
         self.now = self.now.saturating_sub(span);
-        for at in self.at.iter_mut().flatten() {
+        for at in self.at.iter_mut().filter(|at| **at != Instant::MAX) {
             *at = at.saturating_sub(span);
-        }
-    }
-
-    fn put(&mut self, key: K, at: Option<Instant>) {
-        let slot = self.at.get_mut(key.index());
-        debug_assert!(slot.is_some(), "the index of the timer \"{}\" is not one of {N}", key.why());
-        if let Some(slot) = slot {
-            *slot = at;
         }
     }
 
@@ -172,6 +180,27 @@ mod tests {
         let mut timers = Timers::<Key, 2>::new();
         assert_eq!(timers.advance(ms(7)), ms(7));
         assert_eq!(timers.advance(ms(4)), ms(7));
+    }
+
+    #[test]
+    fn a_timer_set_to_never_does_not_run() {
+        let mut timers = Timers::<Key, 2>::new();
+        timers.set(Key::A, Instant::MAX);
+        assert_eq!((timers.at(Key::A), timers.next()), (None, None));
+        timers.shift(Duration::from_millis(1));
+        assert_eq!(timers, Timers::new());
+        assert_eq!(timers.take_expired(ms(u64::MAX)), None);
+    }
+
+    #[test]
+    fn a_span_in_milliseconds_is_the_same_span() {
+        let mut timers = Timers::<Key, 2>::new();
+        timers.advance(ms(7));
+        timers.set_after(Key::A, Duration::from_millis(10_000));
+        timers.set_after_millis(Key::B, 10_000);
+        assert_eq!(timers.at(Key::A), timers.at(Key::B));
+        assert!(!timers.is_due(ms(10_006)));
+        assert!(timers.is_due(ms(10_007)));
     }
 
     #[test]
