@@ -16,6 +16,7 @@
 //! | Acknowledged | every fragment | never |
 //! | Count | wraps from 63 to 0 | ends at 63: at most 448 bytes |
 //! | Cut by | [`explicit_fragment`], [`ExplicitFragments`] | [`IoFragments`] |
+//! | Paced by | [`ExplicitTransmit`] | nothing |
 //! | Put together by | [`ExplicitReassembly`] | [`IoReassembly`] |
 
 mod cut;
@@ -23,12 +24,14 @@ mod explicit;
 mod io;
 #[cfg(test)]
 mod properties;
+mod transmit;
 
 pub use cut::{
     EmptyMessage, ExplicitFragments, Fragment, IoFragments, explicit_fragment, is_fragmented_explicit,
 };
 pub use explicit::{AckStatus, ExplicitOutcome, ExplicitReassembly};
 pub use io::{IoOutcome, IoReassembly};
+pub use transmit::{ExplicitTransmit, TransmitOutcome};
 
 use core::fmt;
 
