@@ -73,6 +73,7 @@
 //! ```
 
 mod call;
+mod common;
 mod effect;
 mod failure;
 mod rule;
@@ -80,6 +81,9 @@ mod serve;
 mod set;
 
 pub use call::Call;
+pub use common::{
+    CommonServices, attribute_list, attributes_all, class_attribute, find_next_instance, set_attribute_list,
+};
 pub use effect::{Effect, Effects};
 pub use failure::{Failure, FailureOptions, exact};
 pub use rule::{AttributeRule, Size};

@@ -11,10 +11,10 @@ use crate::object::{AttributeRule, Call, Effects, Failure, FailureOptions, Objec
 
 /// Class 0x64 with the instance 1, which keeps a UINT of up to 1000 in attribute 2 unless it is `busy`.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-struct Probe {
-    value: u16,
+pub(super) struct Probe {
+    pub(super) value: u16,
     /// What a Set finds beyond the value.
-    busy: Option<GeneralStatus>,
+    pub(super) busy: Option<GeneralStatus>,
 }
 
 impl Object for Probe {
@@ -87,7 +87,7 @@ impl Object for Probe {
     }
 }
 
-fn probe() -> Probe {
+pub(super) fn probe() -> Probe {
     Probe { value: 0x1234, busy: None }
 }
 
