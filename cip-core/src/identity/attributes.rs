@@ -102,7 +102,7 @@ impl OptionalAttributes {
         Ok(Self::Heartbeat(state, consistency, reader.u8("heartbeat interval")?))
     }
 
-    fn emit(self, out: &mut Writer<'_>) -> Result<(), Full> {
+    pub(crate) fn emit(self, out: &mut Writer<'_>) -> Result<(), Full> {
         match self {
             Self::None => Ok(()),
             Self::State(state) => out.u8(state.0),

@@ -76,6 +76,7 @@ mod call;
 mod common;
 mod effect;
 mod failure;
+mod identity;
 mod rule;
 mod serve;
 mod set;
@@ -86,6 +87,7 @@ pub use common::{
 };
 pub use effect::{Effect, Effects};
 pub use failure::{Failure, FailureOptions, exact};
+pub use identity::{Identity, Resets};
 pub use rule::{AttributeRule, Size};
 pub use serve::serve;
 pub use set::{Chain, ObjectSet, respond};
