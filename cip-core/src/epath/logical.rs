@@ -1,6 +1,6 @@
 //! The IDs that a path to an object consists of.
 
-use super::{Epath, LogicalKind, PathForm, Segment, Width};
+use super::{Epath, LogicalKind, PathForm, Segment, SegmentError, Width};
 use crate::code::{AttributeId, ClassId, InstanceId};
 use crate::codec::{Full, ParseError, Writer};
 
@@ -64,7 +64,7 @@ impl LogicalPath {
         self.ids()
             .into_iter()
             .flatten()
-            .try_for_each(|(kind, value)| Segment::logical(kind, value).emit(form, out))
+            .try_for_each(|(kind, value)| full(Segment::logical(kind, value).emit(form, out)))
     }
 
     /// The number of bytes that [`emit`](Self::emit) writes in the packed form.
@@ -91,7 +91,7 @@ impl LogicalPath {
         for (index, id) in ids.into_iter().enumerate() {
             let Some((kind, value)) = id else { continue };
             let width = if odd && widened == Some(index) { Width::Bits16 } else { Width::of(value) };
-            Segment::Logical { kind, width, value }.emit(PathForm::Packed, out)?;
+            full(Segment::Logical { kind, width, value }.emit(PathForm::Packed, out))?;
         }
         Ok(Ok(()))
     }
@@ -131,4 +131,12 @@ impl LogicalPath {
             self.connection_point.map(|id| (LogicalKind::ConnectionPoint, id)),
         ]
     }
+}
+
+/// The segments of a path are as wide as their IDs: there is nothing that does not fit but the buffer.
+fn full(result: Result<(), SegmentError>) -> Result<(), Full> {
+    result.map_err(|error| match error {
+        SegmentError::Full(full) => full,
+        SegmentError::Unfit { .. } => Full,
+    })
 }

@@ -24,9 +24,12 @@
 //! ```
 
 mod display;
+mod emit;
 mod logical;
+mod read;
 mod segment;
 
+pub use emit::SegmentError;
 pub use logical::{LogicalPath, Unpackable};
 pub use segment::{ElectronicKey, ExtendedSymbol, LogicalKind, Segment, Width};
 

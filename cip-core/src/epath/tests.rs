@@ -102,6 +102,52 @@ fn every_segment_type() {
     }
 }
 
+/// What would be read as something else is not written, and nothing is left of it.
+#[test]
+fn a_segment_that_its_layout_cannot_hold_is_refused() {
+    let key = ElectronicKey {
+        vendor: VendorId(1),
+        device_type: DeviceType(12),
+        product_code: 1,
+        compatible: false,
+        major: 0x80,
+        minor: 1,
+    };
+    let symbol = |format, data| Segment::ExtendedSymbol(ExtendedSymbol { format, data });
+    let logical = |kind, width, value| Segment::Logical { kind, width, value };
+    let cases: [(Segment<'_>, &str); 17] = [
+        (Segment::ElectronicKey(key), "key major revision"),
+        (symbol(0x20, &[]), "symbol format"),
+        (symbol(0xC5, &[1]), "symbol format"),
+        (symbol(0xC7, &[1]), "symbol"),
+        (symbol(0x41, &[1, 2]), "symbol"),
+        (logical(LogicalKind::Class, Width::Bits8, 0x100), "class"),
+        (logical(LogicalKind::Instance, Width::Bits16, 0x1_0000), "instance"),
+        (logical(LogicalKind::Service, Width::Bits16, 1), "service"),
+        (Segment::Network { subtype: 0x20, data: &[1] }, "network segment subtype"),
+        (Segment::Network { subtype: 3, data: &[1, 2] }, "network segment"),
+        (Segment::Network { subtype: 0x11, data: &[1] }, "network segment"),
+        (Segment::Data(&[1]), "data segment"),
+        (Segment::Data(&[0; 512]), "data segment"),
+        (Segment::Symbol(&[]), "symbol"),
+        (Segment::AnsiSymbol(&[b'a'; 256]), "symbol"),
+        (Segment::ConstructedType { code: 0xC0, data: &[] }, "data type"),
+        (Segment::ElementaryType(DataTypeCode(0xE0)), "data type"),
+    ];
+    for (segment, field) in cases {
+        let mut buffer = [0; 600];
+        let mut out = Writer::new(&mut buffer);
+        assert_eq!(
+            segment.emit(PathForm::Packed, &mut out),
+            Err(SegmentError::Unfit { field }),
+            "{segment:?}"
+        );
+        assert!(out.is_empty(), "{segment:?}");
+    }
+    let short = Segment::Data(&[1, 2]).emit(PathForm::Packed, &mut Writer::new(&mut [0; 3]));
+    assert_eq!(short, Err(SegmentError::Full(Full)));
+}
+
 #[test]
 fn reserved_segments_end_the_path() {
     for byte in [0x23, 0x35, 0x39, 0x3C, 0x81, 0xE0, 0xFF] {

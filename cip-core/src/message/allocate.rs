@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::BodyFormat;
 use crate::codec::{Full, ParseError, Reader, Wire, Writer};
 use crate::text::write_hex8;
 
@@ -97,8 +98,33 @@ pub struct AllocateRequest {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AllocateResponse {
-    /// The code of the body format, 0-15; [`BodyFormat::from_code`](super::BodyFormat::from_code) gives its meaning.
-    pub body_format: u8,
+    body_format: u8,
+}
+
+impl AllocateResponse {
+    /// A response that tells the body format.
+    #[must_use]
+    pub const fn new(format: BodyFormat) -> Self {
+        Self { body_format: format.code() }
+    }
+
+    /// A response with a code of four bits, of which 5-15 are reserved; `None` for more than 15.
+    #[must_use]
+    pub const fn from_code(code: u8) -> Option<Self> {
+        if code <= CODE_MAX { Some(Self { body_format: code }) } else { None }
+    }
+
+    /// The code of the body format, 0-15.
+    #[must_use]
+    pub const fn code(self) -> u8 {
+        self.body_format
+    }
+
+    /// The body format; `None` for the reserved codes.
+    #[must_use]
+    pub const fn body_format(self) -> Option<BodyFormat> {
+        BodyFormat::from_code(self.body_format)
+    }
 }
 
 /// The service data of Release_Master/Slave_Connection_Set: the release choice, whose bits 6 and 7 are reserved.
@@ -134,14 +160,12 @@ impl<'a> Wire<'a> for AllocateResponse {
 
     fn read(reader: &mut Reader<'a>) -> Result<Self, ParseError> {
         let offset = reader.offset();
-        match reader.u8("body format")? {
-            body_format @ 0..=0x0F => Ok(Self { body_format }),
-            reserved => Err(ParseError::value("body format", offset, reserved.into())),
-        }
+        let code = reader.u8("body format")?;
+        Self::from_code(code).ok_or(ParseError::value("body format", offset, code.into()))
     }
 
     fn emit(&self, out: &mut Writer<'_>) -> Result<(), Full> {
-        out.u8(self.body_format & 0x0F)
+        out.u8(self.body_format)
     }
 
     fn wire_len(&self) -> usize {
@@ -165,6 +189,7 @@ impl<'a> Wire<'a> for ReleaseRequest {
     }
 }
 
+const CODE_MAX: u8 = 0x0F;
 const CHOICES: [(AllocationChoice, &str); 7] = [
     (AllocationChoice::EXPLICIT, "explicit"),
     (AllocationChoice::POLL, "poll"),

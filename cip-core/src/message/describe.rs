@@ -2,9 +2,7 @@
 
 use core::fmt;
 
-use super::{
-    AllocateRequest, AllocateResponse, BodyFormat, ReleaseRequest, Request, ResetRequest, Response, Target,
-};
+use super::{AllocateRequest, AllocateResponse, ReleaseRequest, Request, ResetRequest, Response, Target};
 use crate::code::{AdditionalCode, AttributeId, ClassId, InstanceId, ServiceCode};
 use crate::codec::Wire;
 use crate::names::{additional_code_name, service_name};
@@ -146,7 +144,7 @@ impl fmt::Display for Answer<'_> {
         }
         let allocate = subject.class == ClassId::DEVICENET && service == ServiceCode::ALLOCATE;
         let format = AllocateResponse::parse(data).ok().filter(|_| allocate);
-        match format.and_then(|response| BodyFormat::from_code(response.body_format)) {
+        match format.and_then(|response| response.body_format()) {
             Some(format) => {
                 f.write_str(", body format ")?;
                 fmt::Display::fmt(&format, f)

@@ -86,7 +86,7 @@ samples! {
             Self { xid, requester, body: AllocateRequest { choice, allocator } }
         });
     UnconnectedAllocateResponse = (any::<bool>(), mac(), 0_u8..16).prop_map(|(xid, requester, body_format)| {
-        Self { xid, requester, body: AllocateResponse { body_format } }
+        Self { xid, requester, body: AllocateResponse::from_code(body_format).unwrap() }
     });
     UnconnectedRelease = (any::<bool>(), mac(), any::<u8>()).prop_map(|(xid, requester, choice)| {
         Self { xid, requester, body: ReleaseRequest { choice: AllocationChoice::from_bits_retain(choice) } }

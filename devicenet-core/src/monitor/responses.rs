@@ -161,10 +161,11 @@ fn unpaired<const N: usize>(
 
 fn allocated(parsed: &mut Parsed, data: &[u8]) {
     match AllocateResponse::parse(data) {
-        Ok(AllocateResponse { body_format }) => {
-            parsed.fields.detail = Detail::Allocated { format: body_format };
-            if BodyFormat::from_code(body_format).is_none() {
-                parsed.flag(Problem::ReservedValue { field: "body format", found: body_format.into() });
+        Ok(response) => {
+            let format = response.code();
+            parsed.fields.detail = Detail::Allocated { format };
+            if response.body_format().is_none() {
+                parsed.flag(Problem::ReservedValue { field: "body format", found: format.into() });
             }
         }
         Err(error) => parsed.flag(problem_of(error, data.len())),

@@ -53,7 +53,7 @@ fn allocate_and_release() {
     };
     is(2, Identifier::group2_unconnected_request(mac(9)), &allocate);
 
-    let body = AllocateResponse { body_format: BodyFormat::Class8Instance8.code() };
+    let body = AllocateResponse::new(BodyFormat::Class8Instance8);
     let response = |xid, requester| UnconnectedAllocateResponse { xid, requester: mac(requester), body };
     is(40, Identifier::explicit_response(mac(2)), &response(true, 1));
     is(60, Identifier::explicit_response(mac(2)), &response(false, 0));

@@ -17,7 +17,7 @@ use super::{at_most, free, generated, items};
 
 generated! { owned
     AllocateRequest: |input| AllocateRequest { choice: choice(input)?, allocator: input.arbitrary()? };
-    AllocateResponse: |input| AllocateResponse { body_format: input.arbitrary::<u8>()? & 0x0F };
+    AllocateResponse: |input| AllocateResponse::from_code(input.arbitrary::<u8>()? & 0x0F).expect("four bits");
     FindNextRequest: |input| FindNextRequest { max: input.arbitrary()? };
     IdentityAttributes: |input| identity_attributes(input)?;
     MemberId: |input| MemberId(input.arbitrary()?);

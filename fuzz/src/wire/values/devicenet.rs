@@ -97,7 +97,7 @@ generated! { owned
     UnconnectedAllocateResponse: |input| UnconnectedAllocateResponse {
         xid: xid(input)?,
         requester: mac(input)?,
-        body: AllocateResponse { body_format: input.arbitrary::<u8>()? & 0x0F },
+        body: AllocateResponse::from_code(input.arbitrary::<u8>()? & 0x0F).expect("four bits"),
     };
     UnconnectedRelease: |input| UnconnectedRelease {
         xid: xid(input)?,
