@@ -66,12 +66,17 @@ impl ServiceCode {
         (Self(byte & !RESPONSE_BIT), byte & RESPONSE_BIT != 0)
     }
 
-    /// The service byte of a request.
+    /// True if the code has seven bits, as every code that was read has.
+    pub const fn is_valid(self) -> bool {
+        self.0 & RESPONSE_BIT == 0
+    }
+
+    /// The service byte of a request: the code, of which seven bits count, with bit 7 clear.
     pub const fn request_byte(self) -> u8 {
         self.0 & !RESPONSE_BIT
     }
 
-    /// The service byte of a response: the code with bit 7 set.
+    /// The service byte of a response: the code, of which seven bits count, with bit 7 set.
     pub const fn response_byte(self) -> u8 {
         self.0 | RESPONSE_BIT
     }
@@ -123,6 +128,8 @@ mod tests {
         for byte in 0..=u8::MAX {
             let (code, response) = ServiceCode::split(byte);
             assert_eq!(if response { code.response_byte() } else { code.request_byte() }, byte);
+            assert!(code.is_valid());
+            assert_eq!(ServiceCode(byte).is_valid(), !response);
         }
     }
 }

@@ -6,6 +6,22 @@ use crate::code::{AttributeId, GeneralStatus, InstanceId};
 use crate::codec::{Full, ParseError, Reader, Tail, Wire, Writer};
 use crate::text::write_decimal;
 
+/// Why a list could not be written. Nothing of it is left in the buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub enum ListError {
+    /// The buffer is too small.
+    #[error(transparent)]
+    Full(#[from] Full),
+    /// There are more items than the count has numbers for, or more bytes than an offset reaches.
+    #[error("the list is too long for its count or its offsets")]
+    TooLong,
+    /// A reply without a value whose status is success: its reader would look for the value.
+    #[error("{0}: a reply without a value needs a status other than success")]
+    NoValue(AttributeId),
+}
+
 /// A 16-bit count and as many 16-bit numbers: the request of Get_Attribute_List, and attributes such as the object
 /// list of the Message Router.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -27,9 +43,8 @@ impl<'a> UintList<'a> {
     }
 
     /// Writes a list of `numbers`.
-    pub fn emit_numbers(numbers: &[u16], out: &mut Writer<'_>) -> Result<(), Full> {
-        out.u16(u16::try_from(numbers.len()).map_err(|_| Full)?)?;
-        numbers.iter().try_for_each(|&number| out.u16(number))
+    pub fn emit_numbers(numbers: &[u16], out: &mut Writer<'_>) -> Result<(), ListError> {
+        counted(numbers, out, |out, &number| Ok(out.u16(number)?))
     }
 }
 
@@ -79,9 +94,12 @@ impl<'a> InstanceList<'a> {
     }
 
     /// Writes a list of `instances`, at most 255.
-    pub fn emit_instances(instances: &[InstanceId], out: &mut Writer<'_>) -> Result<(), Full> {
-        out.u8(u8::try_from(instances.len()).map_err(|_| Full)?)?;
-        instances.iter().try_for_each(|instance| out.u16(instance.0))
+    pub fn emit_instances(instances: &[InstanceId], out: &mut Writer<'_>) -> Result<(), ListError> {
+        let count = u8::try_from(instances.len()).map_err(|_| ListError::TooLong)?;
+        whole(out, |out| {
+            out.u8(count)?;
+            instances.iter().try_for_each(|instance| Ok(out.u16(instance.0)?))
+        })
     }
 }
 
@@ -112,7 +130,7 @@ pub struct AttributeStatusList<'a> {
 }
 
 impl<'a> AttributeStatusList<'a> {
-    /// The attributes and their statuses; the high byte of a status is 0.
+    /// The attributes and their statuses, as they were sent: 0 is success, and none above 255 exists.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (AttributeId, u16)> + use<'a> {
         self.items.as_chunks::<4>().0.iter().map(|&[id_low, id_high, low, high]| {
             (AttributeId(u16::from_le_bytes([id_low, id_high])), u16::from_le_bytes([low, high]))
@@ -123,11 +141,10 @@ impl<'a> AttributeStatusList<'a> {
     pub fn emit_statuses(
         statuses: &[(AttributeId, GeneralStatus)],
         out: &mut Writer<'_>,
-    ) -> Result<(), Full> {
-        out.u16(u16::try_from(statuses.len()).map_err(|_| Full)?)?;
-        statuses.iter().try_for_each(|(attribute, status)| {
+    ) -> Result<(), ListError> {
+        counted(statuses, out, |out, (attribute, status)| {
             out.u16(attribute.0)?;
-            out.u16(status.0.into())
+            Ok(out.u16(status.0.into())?)
         })
     }
 }
@@ -167,7 +184,7 @@ pub struct AttributeReplies<'a> {
 pub struct AttributeReply<'a> {
     /// The attribute.
     pub attribute: AttributeId,
-    /// The value, or why there is none.
+    /// The value, or why there is none: never [`GeneralStatus::SUCCESS`].
     pub value: Result<&'a [u8], GeneralStatus>,
 }
 
@@ -198,16 +215,16 @@ impl<'a> AttributeReplies<'a> {
     }
 
     /// Writes a list of `replies`: of each a status, and the value or none.
-    pub fn emit_replies(replies: &[AttributeReply<'_>], out: &mut Writer<'_>) -> Result<(), Full> {
-        out.u16(u16::try_from(replies.len()).map_err(|_| Full)?)?;
-        replies.iter().try_for_each(|reply| {
-            out.u16(reply.attribute.0)?;
+    pub fn emit_replies(replies: &[AttributeReply<'_>], out: &mut Writer<'_>) -> Result<(), ListError> {
+        counted(replies, out, |out, reply| {
             let (status, value) = match reply.value {
                 Ok(value) => (GeneralStatus::SUCCESS, value),
+                Err(GeneralStatus::SUCCESS) => return Err(ListError::NoValue(reply.attribute)),
                 Err(status) => (status, &[][..]),
             };
+            out.u16(reply.attribute.0)?;
             out.u16(status.0.into())?;
-            out.bytes(value)
+            Ok(out.bytes(value)?)
         })
     }
 }
@@ -259,11 +276,10 @@ impl<'a> AttributeSettings<'a> {
     }
 
     /// Writes a list of `settings`.
-    pub fn emit_settings(settings: &[(AttributeId, &[u8])], out: &mut Writer<'_>) -> Result<(), Full> {
-        out.u16(u16::try_from(settings.len()).map_err(|_| Full)?)?;
-        settings.iter().try_for_each(|(attribute, value)| {
+    pub fn emit_settings(settings: &[(AttributeId, &[u8])], out: &mut Writer<'_>) -> Result<(), ListError> {
+        counted(settings, out, |out, (attribute, value)| {
             out.u16(attribute.0)?;
-            out.bytes(value)
+            Ok(out.bytes(value)?)
         })
     }
 }
@@ -284,6 +300,32 @@ impl<'a> Wire<'a> for AttributeSettings<'a> {
     fn wire_len(&self) -> usize {
         self.items.len().saturating_add(2)
     }
+}
+
+/// Writes a 16-bit count and the items, or nothing.
+fn counted<T>(
+    items: &[T],
+    out: &mut Writer<'_>,
+    mut item: impl FnMut(&mut Writer<'_>, &T) -> Result<(), ListError>,
+) -> Result<(), ListError> {
+    let count = u16::try_from(items.len()).map_err(|_| ListError::TooLong)?;
+    whole(out, |out| {
+        out.u16(count)?;
+        items.iter().try_for_each(|each| item(out, each))
+    })
+}
+
+/// Writes all of it, or nothing.
+pub(super) fn whole(
+    out: &mut Writer<'_>,
+    write: impl FnOnce(&mut Writer<'_>) -> Result<(), ListError>,
+) -> Result<(), ListError> {
+    let start = out.len();
+    let result = write(out);
+    if result.is_err() {
+        out.truncate(start);
+    }
+    result
 }
 
 /// `count` entries of a list, each read by `read`; an error ends the list, and so do bytes after it.

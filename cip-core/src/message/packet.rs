@@ -1,5 +1,7 @@
 //! Multiple_Service_Packet: several requests, or their responses, in one.
 
+use super::ListError;
+use super::list::whole;
 use crate::codec::{Full, ParseError, Reader, Tail, Wire, Writer};
 
 /// The service data of Multiple_Service_Packet, request and response alike.
@@ -72,15 +74,17 @@ impl<'a> Wire<'a> for MultipleServicePacket<'a> {
 }
 
 /// Writes `services` as the data of a Multiple_Service_Packet.
-pub fn emit_packets(services: &[&[u8]], out: &mut Writer<'_>) -> Result<(), Full> {
-    let count = u16::try_from(services.len()).map_err(|_| Full)?;
-    out.u16(count)?;
-    let mut offset = services.len().checked_mul(2).and_then(|len| len.checked_add(2)).ok_or(Full)?;
-    for service in services {
-        out.u16(u16::try_from(offset).map_err(|_| Full)?)?;
-        offset = offset.checked_add(service.len()).ok_or(Full)?;
-    }
-    services.iter().try_for_each(|service| out.bytes(service))
+pub fn emit_packets(services: &[&[u8]], out: &mut Writer<'_>) -> Result<(), ListError> {
+    let count = u16::try_from(services.len()).map_err(|_| ListError::TooLong)?;
+    let mut offset = services.len().saturating_mul(2).saturating_add(2);
+    whole(out, |out| {
+        out.u16(count)?;
+        for service in services {
+            out.u16(u16::try_from(offset).map_err(|_| ListError::TooLong)?)?;
+            offset = offset.saturating_add(service.len());
+        }
+        services.iter().try_for_each(|service| Ok(out.bytes(service)?))
+    })
 }
 
 fn offsets(table: &[u8]) -> impl Iterator<Item = usize> + Clone {

@@ -53,6 +53,9 @@ pub enum EmitError {
     /// The buffer is too small.
     #[error(transparent)]
     Full(#[from] Full),
+    /// The service code has more than seven bits: on the wire the eighth says that a message is a response.
+    #[error("{0} is not a service code: it has more than seven bits")]
+    Service(ServiceCode),
     /// An ID is too large for the body format, or a path is not one of whole words.
     #[error("the {0} body format cannot address this object; use a connection with a wider one")]
     NotAddressable(BodyFormat),
@@ -135,7 +138,7 @@ impl<'a> Request<'a> {
     }
 
     fn emit_parts(&self, format: BodyFormat, out: &mut Writer<'_>) -> Result<(), EmitError> {
-        out.u8(self.service.request_byte())?;
+        emit_service(self.service, out)?;
         self.target.emit(format, out)?;
         Ok(out.bytes(self.data)?)
     }
@@ -197,7 +200,7 @@ impl<'a> AttributeRequest<'a> {
     }
 
     fn emit_parts(&self, format: BodyFormat, out: &mut Writer<'_>) -> Result<(), EmitError> {
-        out.u8(self.service.request_byte())?;
+        emit_service(self.service, out)?;
         if format == BodyFormat::CipPath {
             emit_path(LogicalPath::object(self.class, self.instance).with_attribute(self.attribute), out)?;
         } else {
@@ -262,6 +265,13 @@ impl<'a> Target<'a> {
         }
         Ok(())
     }
+}
+
+fn emit_service(service: ServiceCode, out: &mut Writer<'_>) -> Result<(), EmitError> {
+    if !service.is_valid() {
+        return Err(EmitError::Service(service));
+    }
+    Ok(out.u8(service.request_byte())?)
 }
 
 fn emit_path(path: LogicalPath, out: &mut Writer<'_>) -> Result<(), EmitError> {

@@ -196,6 +196,36 @@ fn settings_of_set_attribute_list() {
     assert!(shorter.iter(len).map(|entry| entry.unwrap_err().field).eq(["value"]));
 }
 
+/// A list that its reader could not take apart is not written, not even in part.
+#[test]
+fn lists_that_cannot_be_read_are_refused() {
+    let mut buffer = std::vec![0; 200_000];
+    let mut out = Writer::new(&mut buffer);
+    let absent = AttributeReply { attribute: AttributeId(7), value: Err(GeneralStatus::SUCCESS) };
+    let present = AttributeReply { attribute: AttributeId(1), value: Ok(&[1, 2]) };
+    let error = AttributeReplies::emit_replies(&[present, absent], &mut out).unwrap_err();
+    assert_eq!(error, ListError::NoValue(AttributeId(7)));
+    assert_eq!(error.to_string(), "attribute 7: a reply without a value needs a status other than success");
+    assert_eq!(InstanceList::emit_instances(&[InstanceId(1); 256], &mut out), Err(ListError::TooLong));
+    assert_eq!(UintList::emit_numbers(&[0; 0x1_0000], &mut out), Err(ListError::TooLong));
+    let long = [0; 0xFFFF];
+    assert_eq!(emit_packets(&[&long, &[]], &mut out), Err(ListError::TooLong));
+    assert!(out.is_empty());
+    let mut short = [0; 5];
+    let mut out = Writer::new(&mut short);
+    assert_eq!(UintList::emit_numbers(&[1, 2], &mut out), Err(ListError::Full(Full)));
+    assert!(out.is_empty());
+}
+
+#[test]
+fn a_request_has_a_service_code_of_seven_bits() {
+    let request = Request::new(ServiceCode(0x8E), ClassId::IDENTITY, InstanceId(1), &[7]);
+    let mut buffer = [0; 8];
+    let mut out = Writer::new(&mut buffer);
+    assert_eq!(request.emit(FORMAT_8_8, &mut out), Err(EmitError::Service(ServiceCode(0x8E))));
+    assert!(out.is_empty());
+}
+
 #[test]
 fn multiple_service_packets_survive() {
     let services: [&[u8]; 3] = [&[0x0E, 1, 1, 1], &[], &[0x05, 1, 1]];
@@ -360,7 +390,7 @@ proptest! {
         let read = AttributeReplies::parse(out.written()).unwrap();
         prop_assert!(read.iter(len).map(Result::unwrap).eq(replies.iter().copied()));
         let short = AttributeReplies::emit_replies(&replies, &mut Writer::new(&mut [0; 80][..last]));
-        prop_assert_eq!(short, Err(Full));
+        prop_assert_eq!(short, Err(ListError::Full(Full)));
     }
 
     #[test]

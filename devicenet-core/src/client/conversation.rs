@@ -128,7 +128,7 @@ pub enum StartError {
         /// The bytes that would fit.
         capacity: usize,
     },
-    /// The body format of the connection cannot express the class or instance.
+    /// The body format of the connection cannot express the class or instance, or the service has more than seven bits.
     #[error(transparent)]
     NotAddressable(EmitError),
 }
@@ -237,7 +237,7 @@ impl<const N: usize> Conversation<N> {
         let mut out = Writer::new(&mut buffer);
         request.emit(self.route.format(), &mut out).map_err(|error| match error {
             EmitError::Full(_) => StartError::TooLong { capacity: N },
-            EmitError::NotAddressable(_) => StartError::NotAddressable(error),
+            EmitError::NotAddressable(_) | EmitError::Service(_) => StartError::NotAddressable(error),
         })?;
         self.start_body(out.written(), tries)
     }
