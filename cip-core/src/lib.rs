@@ -11,6 +11,7 @@
 //! | [`fragment`] | cutting and reassembly of messages longer than a CAN frame |
 //! | [`identity`] | who a device is, its status and state |
 //! | [`connection`] | the values of connection attributes, defaults of the predefined connection set |
+//! | [`parameter`] | the descriptors of the Parameter object |
 //! | [`names`] | attributes and services of the object classes, with their types |
 //! | [`object`] | the objects of a device, and the checks that a request meets |
 //! | [`value`] | attribute values in words |
@@ -58,5 +59,6 @@ pub mod identity;
 pub mod message;
 pub mod names;
 pub mod object;
+pub mod parameter;
 pub mod text;
 pub mod value;

@@ -11,6 +11,7 @@ use crate::connection::{
 use crate::identity::{DeviceState, IdentityStatus, Revision};
 use crate::message::{AllocationChoice, UintList};
 use crate::names::{AttributeInfo, Shape, attribute_info};
+use crate::parameter::{ParameterClassDescriptor, ParameterDescriptor};
 use crate::text::{Hex, write_decimal, write_hex16};
 
 /// The value of an attribute with what is needed to print it in words. With `#` the name of the attribute stands in
@@ -124,6 +125,12 @@ fn write_shaped(f: &mut fmt::Formatter<'_>, shape: Shape, data: &[u8]) -> Option
         Shape::DiagnosticCounters => write_counters(f, <&[u8; 34]>::try_from(data).ok()?),
         Shape::ActiveNodes => write_nodes(f, u64::from_le_bytes(data.try_into().ok()?)),
         Shape::DataTypeCode => fmt::Display::fmt(&DataTypeCode(byte(data)?), f),
+        Shape::ParameterDescriptor => {
+            fmt::Display::fmt(&ParameterDescriptor::from_bits_retain(uint(data)?), f)
+        }
+        Shape::ParameterClassDescriptor => {
+            fmt::Display::fmt(&ParameterClassDescriptor::from_bits_retain(uint(data)?), f)
+        }
         Shape::UintList => fmt::Display::fmt(&UintList::parse(data).ok()?, f),
         Shape::Bytes => write_bytes(f, data),
     })
@@ -242,7 +249,7 @@ mod tests {
 
     #[test]
     fn values_with_a_meaning() {
-        let cases: [(ClassId, u16, u16, &[u8], &str); 20] = [
+        let cases: [(ClassId, u16, u16, &[u8], &str); 22] = [
             // Values from the Konvolucio.DeviceNet and IAI captures.
             (ClassId::IDENTITY, 1, 3, &[0x6C, 0x05], "1388"),
             (ClassId::IDENTITY, 1, 7, b"\x08GRT1-DRT", "\"GRT1-DRT\""),
@@ -268,6 +275,8 @@ mod tests {
             (ClassId::DEVICENET, 1, 13, &[0x22, 0, 0, 0, 0, 0, 0, 0x80], "nodes 1, 5, 63"),
             (ClassId::MESSAGE_ROUTER, 1, 1, &[2, 0, 1, 0, 3, 0], "[1, 3]"),
             (ClassId::PARAMETER, 1, 5, &[0xC7], "UINT"),
+            (ClassId::PARAMETER, 1, 4, &[0x10, 0x00], "0x0010 (read only)"),
+            (ClassId::PARAMETER, 0, 8, &[0x01, 0x00], "0x0001 (instances)"),
             (ClassId::PARAMETER, 1, 22, &[], "\"\""),
             (ClassId::DEVICENET, 0, 1, &[2, 0], "2"),
             (ClassId(0x64), 1, 1, &[0x01, 0x46, 0x00], "01 46 00"),

@@ -55,7 +55,7 @@ super::codes! {
     pub struct AttributeId(u16), "attribute" in decimal {}
 }
 
-/// Who defines a class or attribute ID.
+/// Who defines an ID of a class, an attribute or an assembly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -82,6 +82,16 @@ impl ClassId {
 impl InstanceId {
     /// The class itself, which has attributes and services of its own.
     pub const CLASS: Self = Self(0);
+
+    /// Who defines it, if it is an instance of the Assembly object: device profiles have 1-99 and 200-767, vendors
+    /// 100-199 and 768-1279.
+    pub const fn assembly_range(self) -> IdRange {
+        match self.0 {
+            1..=99 | 200..=767 => IdRange::Open,
+            100..=199 | 768..=1279 => IdRange::VendorSpecific,
+            0 | 1280..=0xFFFF => IdRange::Reserved,
+        }
+    }
 
     /// True for instance 0.
     pub const fn is_class(self) -> bool {
@@ -113,5 +123,25 @@ mod tests {
         assert_eq!(ClassId(0xC8).range(), IdRange::Reserved);
         assert_eq!(ClassId(0x300).range(), IdRange::VendorSpecific);
         assert_eq!(AttributeId(100).range(), IdRange::VendorSpecific);
+    }
+
+    /// The first instance of each range.
+    #[test]
+    fn assembly_ranges_meet_at_their_borders() {
+        use IdRange::{Open, Reserved, VendorSpecific};
+        let borders = [
+            (0, Reserved),
+            (1, Open),
+            (100, VendorSpecific),
+            (200, Open),
+            (768, VendorSpecific),
+            (1280, Reserved),
+        ];
+        for (first, range) in borders {
+            assert_eq!(InstanceId(first).assembly_range(), range, "{first}");
+            let Some(before) = first.checked_sub(1) else { continue };
+            assert_ne!(InstanceId(before).assembly_range(), range, "{before}");
+        }
+        assert_eq!(InstanceId(u16::MAX).assembly_range(), Reserved);
     }
 }

@@ -23,7 +23,8 @@ pub use allocate::{AllocateRequest, AllocateResponse, AllocationChoice, ReleaseR
 pub use describe::{Answer, Subject};
 pub use format::BodyFormat;
 pub use list::{
-    AttributeReplies, AttributeReply, AttributeSettings, AttributeStatusList, InstanceList, ListError, UintList,
+    AttributeReplies, AttributeReply, AttributeSettings, AttributeStatusList, InstanceList, ListError,
+    UintList,
 };
 pub use member::{MemberId, MemberRequest};
 pub use packet::{MultipleServicePacket, emit_packets};

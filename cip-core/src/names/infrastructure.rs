@@ -1,8 +1,7 @@
 //! The objects that make a device a device: class attributes and instance attributes.
 
 use super::{
-    AttributeInfo, BOOL, BYTE, EPATH, INT, SHORT_STRING, STRINGI, Shape, UDINT, UINT, USINT, WORD, get,
-    get_set,
+    AttributeInfo, BOOL, BYTE, EPATH, INT, SHORT_STRING, STRINGI, Shape, UDINT, UINT, USINT, get, get_set,
 };
 use crate::code::ClassId;
 
@@ -98,7 +97,7 @@ static CONNECTION: [AttributeInfo; 19] = [
 ];
 
 static PARAMETER_CLASS: [AttributeInfo; 3] = [
-    get(8, "Parameter class descriptor", WORD),
+    get(8, "Parameter class descriptor", Shape::ParameterClassDescriptor),
     get(9, "Configuration assembly instance", UINT),
     get_set(10, "Native language", USINT),
 ];
@@ -107,7 +106,7 @@ static PARAMETER: [AttributeInfo; 24] = [
     get_set(1, "Parameter value", Shape::Bytes),
     get_set(2, "Link path size", USINT),
     get_set(3, "Link path", EPATH),
-    get(4, "Descriptor", WORD),
+    get(4, "Descriptor", Shape::ParameterDescriptor),
     get(5, "Data type", Shape::DataTypeCode),
     get(6, "Data size", USINT),
     get(7, "Parameter name", SHORT_STRING),

@@ -94,6 +94,10 @@ pub enum Shape {
     ActiveNodes,
     /// USINT, the code of an elementary type.
     DataTypeCode,
+    /// WORD.
+    ParameterDescriptor,
+    /// WORD.
+    ParameterClassDescriptor,
     /// UINT count, then as many UINT.
     UintList,
     /// Bytes whose meaning is not fixed by the class.
@@ -113,7 +117,9 @@ impl Shape {
             }
             Self::Milliseconds | Self::VendorId | Self::DeviceType | Self::ConnectionId => DataType::Uint,
             Self::TransportClassTrigger | Self::CommCharacteristics => DataType::Byte,
-            Self::IdentityStatus => DataType::Word,
+            Self::IdentityStatus | Self::ParameterDescriptor | Self::ParameterClassDescriptor => {
+                DataType::Word
+            }
             Self::ActiveNodes => DataType::Lword,
             Self::Revision | Self::AllocationInformation | Self::DiagnosticCounters => return None,
             Self::UintList | Self::Bytes => return None,
@@ -234,7 +240,6 @@ const STRINGI: Shape = Shape::Data(DataType::StringI);
 const UDINT: Shape = Shape::Data(DataType::Udint);
 const UINT: Shape = Shape::Data(DataType::Uint);
 const USINT: Shape = Shape::Data(DataType::Usint);
-const WORD: Shape = Shape::Data(DataType::Word);
 
 #[cfg(test)]
 mod tests {
