@@ -176,6 +176,25 @@ impl<E: 'static> Network<E> {
         Some(result)
     }
 
+    /// Changes what a node without power keeps, such as a switch that is turned while it is off: its next power-up hook
+    /// (see [`add_with_memory`](Self::add_with_memory)) gets the machine as it is left here. `None` if the machine is
+    /// not an `M`, or has power.
+    pub fn alter_memory<M: 'static, R>(
+        &mut self,
+        node: NodeId,
+        alter: impl FnOnce(&mut M) -> R,
+    ) -> Option<R> {
+        let state = self.nodes.get_mut(node.index()).filter(|state| !state.powered)?;
+        Some(alter(state.slot.machine_mut().downcast_mut()?))
+    }
+
+    /// Puts an event into the record as if a node had told it, such as what is done to it and cannot be seen on the bus.
+    pub fn tell(&mut self, node: NodeId, event: E) {
+        if self.interest.contains(Interest::EVENTS) {
+            self.pending.push(Pending::Event { at: self.now, node, event });
+        }
+    }
+
     /// Does something at `at`, or now if that has passed. Of several at one moment, the first that was scheduled comes
     /// first.
     pub fn schedule(&mut self, at: Instant, change: Change<E>) {
@@ -212,6 +231,12 @@ impl<E: 'static> Network<E> {
     #[must_use]
     pub fn is_powered(&self, node: NodeId) -> bool {
         self.nodes.get(node.index()).is_some_and(|node| node.powered)
+    }
+
+    /// Whether the cable of a node is plugged.
+    #[must_use]
+    pub fn is_plugged(&self, node: NodeId) -> bool {
+        self.nodes.get(node.index()).is_some_and(|node| node.plugged)
     }
 
     /// The error counters of a node.

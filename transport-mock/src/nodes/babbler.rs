@@ -22,7 +22,9 @@ pub struct Babbler {
 }
 
 impl Babbler {
-    /// Sends `frame`, and again `interval` after it was sent; zero is back to back.
+    /// Sends `frame` every `interval`, from the request of one to the request of the next, so that they begin at that
+    /// distance where the bus is free. What the bus delays beyond it goes as soon as it can, and the next is counted
+    /// from there; zero is back to back.
     #[must_use]
     pub const fn new(frame: Frame, interval: Duration) -> Self {
         Self { frame, interval, up: false, in_flight: false, reset: false, timers: Timers::new() }
@@ -46,13 +48,14 @@ impl Machine for Babbler {
             }
             Input::TxDone(_, outcome) => {
                 self.in_flight = false;
-                let pause = match outcome {
-                    TxOutcome::Sent => self.interval,
+                match outcome {
+                    // The next is planned already.
+                    TxOutcome::Sent => {}
                     // Another mode. If that is listen-only, it is dropped again at once.
-                    TxOutcome::Dropped | TxOutcome::Withdrawn => self.interval.max(AFTER_DROP),
-                };
-                if self.up {
-                    self.timers.set_after(NextFrame, pause);
+                    TxOutcome::Dropped | TxOutcome::Withdrawn if self.up => {
+                        self.timers.set_after(NextFrame, self.interval.max(AFTER_DROP));
+                    }
+                    TxOutcome::Dropped | TxOutcome::Withdrawn => {}
                 }
             }
             Input::Link(_) | Input::Frame(_) | Input::Tick => {}
@@ -67,6 +70,7 @@ impl Machine for Babbler {
             return None;
         }
         self.timers.take_expired(now)?;
+        self.timers.set_after(NextFrame, self.interval);
         self.in_flight = true;
         Some(Action::Transmit(TOKEN, self.frame))
     }

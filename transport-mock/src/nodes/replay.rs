@@ -7,7 +7,7 @@ use link_core::{Action, Deadline, Frame, Input, Instant, LinkEvent, Machine, Tim
 
 use super::{NextFrame, TOKEN};
 
-/// Sends recorded frames with the gaps of the recording; the first one at power-up.
+/// Sends recorded frames with the gaps of the recording.
 ///
 /// A frame is requested at its time, or when the one before it was sent if that is later. Frames that were dropped
 /// because the link went down are not repeated.
@@ -15,16 +15,16 @@ use super::{NextFrame, TOKEN};
 pub struct Replay<I> {
     frames: I,
     next: Option<(Instant, Frame)>,
-    /// The first frame of the recording.
+    /// The moment of the recording that is power-up here.
     origin: Option<Instant>,
-    /// When that was sent here.
+    /// Power-up.
     started: Option<Duration>,
     in_flight: bool,
     timers: Timers<NextFrame, 1>,
 }
 
 impl<I: Iterator<Item = (Instant, Frame)>> Replay<I> {
-    /// Sends `frames`, whose times count from any zero and do not decrease.
+    /// Sends `frames`, the first of them at power-up. Their times count from any zero and do not decrease.
     pub fn new(frames: impl IntoIterator<IntoIter = I>) -> Self {
         let mut frames = frames.into_iter();
         let next = frames.next();
@@ -36,6 +36,12 @@ impl<I: Iterator<Item = (Instant, Frame)>> Replay<I> {
             in_flight: false,
             timers: Timers::new(),
         }
+    }
+
+    /// Sends `frames` so that power-up is `origin` in their time: several nodes that send parts of one recording keep in
+    /// step.
+    pub fn since(origin: Instant, frames: impl IntoIterator<IntoIter = I>) -> Self {
+        Self { origin: Some(origin), ..Self::new(frames) }
     }
 
     /// Whether all frames were sent.

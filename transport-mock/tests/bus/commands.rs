@@ -139,6 +139,22 @@ fn what_is_kept_without_power_is_up_to_the_node() {
     assert!(network.machine::<Probe>(remembers).unwrap().recovers);
 }
 
+#[test]
+fn a_switch_that_is_turned_without_power_is_read_at_power_up() {
+    let mut network = Network::<std::convert::Infallible>::new(BusConfig::new(BitRate::K500, 1));
+    let node = network.add_with_memory(
+        NodeConfig { power_up: None, ..NodeConfig::named("node") },
+        Probe::default(),
+        |old: &Probe, fresh: &mut Probe| fresh.recovers = old.recovers,
+    );
+    let turn = |probe: &mut Probe| probe.recovers = true;
+    assert_eq!(network.command(node, |probe: &mut Probe, _| turn(probe)), None, "nobody is there to obey");
+    assert_eq!(network.alter_memory(node, turn), Some(()));
+    network.apply(Change::PowerOn(node));
+    assert!(network.machine::<Probe>(node).unwrap().recovers);
+    assert_eq!(network.alter_memory(node, turn), None, "with power, a command does it");
+}
+
 /// What the old life of a node had asked for is no business of the new one.
 #[test]
 fn a_node_that_starts_anew_is_told_nothing_of_before() {

@@ -5,7 +5,8 @@ use std::time::Duration;
 use link_core::{BitRate, Frame, Instant, LinkEvent};
 use transport_mock::nodes::{Babbler, External, ExternalEvent, Listener, Replay, TooManyFrames};
 use transport_mock::realtime::{Realtime, WallClock};
-use transport_mock::{BusConfig, Change, Ignore, Network, NodeConfig, Record};
+use transport_mock::record::Outcome;
+use transport_mock::{BusConfig, Change, Fault, FaultId, Ignore, Network, NodeConfig, Record};
 
 use crate::harness::{Probe, data};
 
@@ -44,6 +45,26 @@ fn a_replay_keeps_the_gaps_of_the_recording() {
     assert!(network.machine::<Replay<std::vec::IntoIter<(Instant, Frame)>>>(replay).unwrap().is_done());
 }
 
+/// Two nodes play one recording together: the second has only its later frames.
+#[test]
+fn replays_of_one_recording_keep_in_step() {
+    let mut network = network();
+    let frame = |at, id| (Instant::from_millis(at), data(id, &[]));
+    network.add_silent(
+        NodeConfig::named("later"),
+        Replay::since(Instant::from_millis(100), [frame(105, 0x101)]),
+    );
+    network.add_silent(
+        NodeConfig::named("first"),
+        Replay::since(Instant::from_millis(100), [frame(100, 0x100), frame(110, 0x102)]),
+    );
+    let listener = network.add_silent(Listener::config("listener"), Listener::new(8));
+    network.run_until(Instant::from_millis(50), &mut Ignore);
+    let heard: Vec<u32> =
+        (network.machine::<Listener>(listener).unwrap().frames()).map(|(_, frame)| frame.raw_id()).collect();
+    assert_eq!(heard, [0x100, 0x101, 0x102]);
+}
+
 /// It has a deadline in its past, at which nobody may call it.
 #[test]
 fn the_clock_of_a_node_without_power_can_be_set() {
@@ -56,7 +77,47 @@ fn the_clock_of_a_node_without_power_can_be_set() {
     network.run_until(Instant::from_millis(20), &mut |record: &Record<'_, ()>| {
         requests += usize::from(matches!(record, Record::Request { .. }));
     });
-    assert_eq!(requests, 5, "none after power was lost");
+    assert_eq!(requests, 6, "none after power was lost");
+}
+
+/// The starts of the frames of a babbler with a frame every millisecond, beside what else is on the bus.
+fn starts_of_a_babbler(mut network: Network<()>, until: Instant) -> Vec<u64> {
+    let babbler = Babbler::new(data(0x100, &[0; 8]), Duration::from_millis(1));
+    let babbler = network.add_silent(NodeConfig::named("babbler"), babbler);
+    let mut starts = Vec::new();
+    network.run_until(until, &mut |record: &Record<'_, ()>| {
+        if let Record::Frame(frame) = record
+            && frame.senders.iter().any(|sender| sender.node == babbler)
+            && frame.outcome == Outcome::Ok
+        {
+            starts.push(frame.start.as_nanos() / 1_000);
+        }
+    });
+    starts
+}
+
+#[test]
+fn the_interval_of_a_babbler_is_from_start_to_start() {
+    let starts = starts_of_a_babbler(network(), Instant::from_millis(6));
+    // The first waits for eleven recessive bits.
+    assert_eq!(starts, [22, 1_000, 2_000, 3_000, 4_000, 5_000]);
+}
+
+#[test]
+fn a_babbler_that_was_kept_waiting_goes_on_from_there() {
+    let mut network = network();
+    let id = FaultId(1);
+    let dominant = Fault::Babble { pull: Duration::from_secs(1), every: Duration::from_secs(1) };
+    network.schedule(Instant::from_micros(1_900), Change::FaultOn(id, dominant));
+    network.schedule(Instant::from_micros(3_500), Change::FaultOff(id));
+    let starts = starts_of_a_babbler(network, Instant::from_millis(7));
+    let free = starts[2];
+    assert!((3_500..3_700).contains(&free), "{starts:?}");
+    assert_eq!(starts[..2], [22, 1_000]);
+    // The frame of 2 ms goes at last, and that of 3 ms follows it. The next comes a millisecond after it was asked for,
+    // which is when the frame before it ended: intermission and suspend transmission earlier than it began.
+    assert!(starts[3] - free < 300, "{starts:?}");
+    assert_eq!(starts[4] - starts[3], 1_000 - 11 * 2, "{starts:?}");
 }
 
 #[test]
