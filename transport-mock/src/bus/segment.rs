@@ -151,6 +151,11 @@ impl Bus {
                 segment.blamed.push(node);
             }
         }
+        if self.segments[index].members.is_empty() {
+            // Nobody is left to end what was begun.
+            self.close_attempt(index, now);
+        }
+        let segment = &mut self.segments[index];
         let bit = bit.filter(|_| uniform);
         let timing_changed = segment.bit != bit;
         segment.bit = bit;

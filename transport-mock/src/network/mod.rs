@@ -283,6 +283,7 @@ impl<E: 'static> Network<E> {
         }
         loop {
             if self.bus.has_news() {
+                self.publish_changes(sink);
                 self.publish_bus(sink);
                 self.serve_nodes();
             }

@@ -45,6 +45,17 @@ impl<E: 'static> Network<E> {
         blamed.into_iter().for_each(|violation| self.blame(violation));
     }
 
+    /// Shows what was done to the network, before what the bus made of it.
+    pub(super) fn publish_changes(&mut self, sink: &mut impl Sink<E>) {
+        let is_change = |one: &Pending<E>| matches!(one, Pending::Change { .. });
+        let others = self.pending.iter().position(|one| !is_change(one)).unwrap_or(self.pending.len());
+        if others > 0 {
+            let later = self.pending.split_off(others);
+            self.publish(sink);
+            self.pending.extend(later);
+        }
+    }
+
     /// Shows what the machines did.
     pub(super) fn publish(&mut self, sink: &mut impl Sink<E>) {
         while !self.pending.is_empty() {

@@ -7,7 +7,7 @@ use link_core::{
     BitRate, Filter, FilterSet, Instant, LinkCommand, LinkEvent, Mode, TxOutcome, frame::standard_id,
 };
 use transport_mock::record::Outcome;
-use transport_mock::{BusConfig, Change, Network, NodeConfig, Reaction};
+use transport_mock::{BusConfig, Change, Network, NodeConfig, Reaction, Record};
 
 use crate::harness::{Bench, Probe, bits, data};
 
@@ -227,4 +227,28 @@ fn a_node_joins_after_eleven_recessive_bits() {
     });
     // The next bit begins at 102 us.
     assert_eq!(starts, [Instant::from_micros(102 + 11 * 2)]);
+}
+
+/// In the order of cause and effect, all at the moment of the change.
+#[test]
+fn the_power_goes_and_with_it_the_frame_and_the_counters() {
+    let mut network = Network::<std::convert::Infallible>::new(BusConfig::new(BitRate::K500, 1));
+    let node = network.add(NodeConfig::named("alone"), Probe::default());
+    network.run_until(Instant::from_millis(1), &mut transport_mock::Ignore);
+    network.command(node, |probe: &mut Probe, _| probe.send(data(0x100, &[])));
+    // In the middle of an attempt that nobody will acknowledge, after others.
+    let off = Instant::from_micros(2_100);
+    network.schedule(off, Change::PowerOff(node));
+    network.schedule(Instant::from_millis(5), Change::PowerOn(node));
+    let mut seen = Vec::new();
+    network.run_until(Instant::from_millis(6), &mut |record: &Record<'_, _>| match record {
+        Record::Change { at, .. } => seen.push((*at, "change")),
+        Record::Frame(frame) if frame.end >= off => seen.push((frame.end, "frame")),
+        Record::Counters { at, counters, .. } if counters.tec == 0 => seen.push((*at, "counters")),
+        _ => {}
+    });
+    assert_eq!(
+        seen,
+        [(off, "change"), (off, "frame"), (off, "counters"), (Instant::from_millis(5), "change")]
+    );
 }
