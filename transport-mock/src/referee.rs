@@ -34,7 +34,7 @@ pub trait Rule<E> {
     fn see(&mut self, record: &Record<'_, E>, report: &mut dyn FnMut(Violation));
 }
 
-/// The last producer of each 11-bit identifier.
+/// The last producer of each 11-bit identifier on each segment, which is a network of its own.
 #[derive(Clone, Debug)]
 pub(crate) struct Producers {
     by_id: Vec<Option<(NodeId, Frame)>>,
@@ -43,7 +43,7 @@ pub(crate) struct Producers {
 
 impl Producers {
     pub(crate) fn new(shared: fn(StandardId) -> bool) -> Self {
-        Self { by_id: vec![None; 0x800], shared }
+        Self { by_id: vec![None; IDENTIFIERS], shared }
     }
 
     /// A node is gone, so another may take its place.
@@ -54,13 +54,22 @@ impl Producers {
             .for_each(|last| *last = None);
     }
 
+    /// The segments have become one.
+    pub(crate) fn join(&mut self) {
+        self.by_id.truncate(IDENTIFIERS);
+    }
+
     pub(crate) fn see(&mut self, record: &FrameRecord<'_>, report: &mut dyn FnMut(Violation)) {
         for sender in record.senders {
             if matches!(sender.outcome, SenderOutcome::LostArbitration { .. }) {
                 continue;
             }
             let Id::Standard(id) = sender.frame.id() else { continue };
-            let Some(last) = self.by_id.get_mut(usize::from(id.as_raw())) else { continue };
+            let place = record.segment * IDENTIFIERS + usize::from(id.as_raw());
+            if place >= self.by_id.len() {
+                self.by_id.resize((record.segment + 1) * IDENTIFIERS, None);
+            }
+            let Some(last) = self.by_id.get_mut(place) else { continue };
             let (node, frame) = (sender.node, sender.frame);
             if let Some((other, before)) = last.replace((node, frame))
                 && other != node
@@ -79,6 +88,9 @@ impl Producers {
         }
     }
 }
+
+/// How many 11-bit identifiers there are.
+const IDENTIFIERS: usize = 0x800;
 
 /// Two nodes produced one identifier with different data.
 pub const ONE_PRODUCER: &str = "one identifier, two producers";

@@ -71,6 +71,9 @@ impl<E: 'static> Network<E> {
             Change::Join => {
                 self.note_change(ChangeKind::Join);
                 self.bus.join(now);
+                if let Some(producers) = &mut self.producers {
+                    producers.join();
+                }
             }
             Change::Call(call) => call(self),
         }
