@@ -91,6 +91,17 @@ impl Role {
             Self::External => "external",
         }
     }
+
+    /// Whether `what` can be expected of it.
+    #[must_use]
+    pub const fn can_be(&self, what: &What) -> bool {
+        let has_access = matches!(self, Self::Access(_));
+        match what.event {
+            Some(EventName::Sent) if matches!(self, Self::Listener) => false,
+            Some(event) if event.is_of_access() && !has_access => false,
+            Some(_) | None => has_access || what.state.is_none(),
+        }
+    }
 }
 
 /// A node with `role = "access"`.
@@ -112,7 +123,7 @@ pub struct AccessNode {
     pub offline_set: bool,
 }
 
-/// A frame that a replay node plays, `after` its power-up.
+/// A frame that a replay node plays.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Recorded {
     /// From power-up.
@@ -151,6 +162,23 @@ pub enum Do {
     SetBitRate(BitRate),
     /// Resets the device, as its Identity object's Reset service does.
     Reset,
+}
+
+impl Do {
+    /// The name in the file.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Cut => "cut",
+            Self::Plug => "plug",
+            Self::PowerOff => "power_off",
+            Self::PowerOn => "power_on",
+            Self::PowerCycle => "power_cycle",
+            Self::SetMac(_) => "set_mac",
+            Self::SetBitRate(_) => "set_bit_rate",
+            Self::Reset => "reset",
+        }
+    }
 }
 
 /// `[[fault]]`
@@ -196,7 +224,7 @@ pub enum FaultKind {
     },
     /// Bursts in which each bit is flipped with probability one half.
     Noise {
-        /// Mean time from one burst to the next.
+        /// Mean time from the end of one burst to the begin of the next.
         gap: Duration,
         /// Length of a burst.
         length: Duration,
@@ -207,7 +235,7 @@ pub enum FaultKind {
     Babble {
         /// How long.
         pull: Duration,
-        /// From one pull to the next; `pull` or less is a bus that is dominant for good.
+        /// From the begin of one pull to that of the next; `pull` is a bus that is dominant for good.
         every: Duration,
     },
     /// The clocks of these nodes are off.
@@ -276,25 +304,26 @@ const MOST_NAMES: usize = 4;
 pub struct Expectation {
     /// The line of the file.
     pub line: usize,
-    /// Of whom; empty is every node, and then only what [`When::Never`] says.
+    /// Of whom; empty is every node that it [can be expected of](Role::can_be), and then only what [`When::Never`]
+    /// says.
     pub nodes: Vec<NodeIndex>,
     /// When.
     pub when: When,
-    /// What; all of it at the same moment.
+    /// What; all of it at the same moment. That of an event is when everything that happens at its time has happened.
     pub what: What,
 }
 
-/// When something is expected.
+/// When something is expected. A second moment that is `None` is the end of the run, whenever that comes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum When {
     /// At some moment from the first to the second, both included.
-    Within(Instant, Instant),
+    Within(Instant, Option<Instant>),
     /// At this moment, after everything that happens at it.
     At(Instant),
     /// At no moment from the first to the second.
-    Never(Instant, Instant),
+    Never(Instant, Option<Instant>),
     /// At every moment from the first to the second.
-    Always(Instant, Instant),
+    Always(Instant, Option<Instant>),
 }
 
 /// What is expected: all that is given.
@@ -377,6 +406,21 @@ names! {
         NotAcknowledged = "not_acknowledged",
         /// A tool gave it a MAC ID.
         MacIdAssigned = "mac_id_assigned",
+    }
+}
+
+impl EventName {
+    /// Whether only network access tells it.
+    #[must_use]
+    pub const fn is_of_access(self) -> bool {
+        match self {
+            Self::Sent | Self::ErrorWarning | Self::ErrorPassive | Self::ErrorActive | Self::BusOff => false,
+            Self::StateChanged
+            | Self::Defended
+            | Self::DuplicateMacId
+            | Self::NotAcknowledged
+            | Self::MacIdAssigned => true,
+        }
     }
 }
 

@@ -54,7 +54,7 @@ impl FromStr for Time {
         let mut place = *nanos;
         for digit in fraction.bytes().map(|byte| u64::from(byte - b'0')) {
             // A minute is not a power of ten: its tenth is exact all the same, and so on down to a nanosecond.
-            if place % 10 != 0 && digit != 0 {
+            if (place == 0 || place % 10 != 0) && digit != 0 {
                 return Err(fail("is finer than a nanosecond"));
             }
             place /= 10;
@@ -238,8 +238,14 @@ impl Comparison {
 
 impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (sign, _) =
-            RELATIONS.iter().find(|(_, relation)| *relation == self.relation).unwrap_or(&RELATIONS[0]);
+        let sign = match self.relation {
+            Relation::Less => "<",
+            Relation::LessOrEqual => "<=",
+            Relation::Equal => "=",
+            Relation::NotEqual => "!=",
+            Relation::GreaterOrEqual => ">=",
+            Relation::Greater => ">",
+        };
         write!(f, "{sign} {}", self.bound)
     }
 }
@@ -302,7 +308,7 @@ const UNITS: [(&str, u64); 6] = [
     ("h", 3_600_000_000_000),
 ];
 
-/// The longer sign before its prefix.
+/// As they are read: the longer sign before its prefix.
 const RELATIONS: [(&str, Relation); 7] = [
     ("<=", Relation::LessOrEqual),
     (">=", Relation::GreaterOrEqual),
@@ -328,6 +334,7 @@ mod tests {
             ("0.5min", 30_000_000_000),
             ("1.000000001s", 1_000_000_001),
             ("3 ms", 3_000_000),
+            ("1.000000000000s", 1_000_000_000),
         ] {
             assert_eq!(text.parse(), Ok(Time(Duration::from_nanos(nanos))), "{text}");
         }
@@ -343,6 +350,8 @@ mod tests {
             ("1.s", "is not a number with a unit"),
             ("1.2.3s", "is not a number with a unit"),
             ("0.5ns", "is finer than a nanosecond"),
+            ("1.0000000001s", "is finer than a nanosecond"),
+            ("1.00000000001s", "is finer than a nanosecond"),
             ("99999999999h", "is too long"),
         ] {
             assert_eq!(text.parse::<Time>().map_err(|error| error.problem), Err(problem), "{text}");

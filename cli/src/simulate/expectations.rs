@@ -1,7 +1,6 @@
 //! Holds the run against what the scenario expects: every change is looked at, nothing is sampled.
 
 use core::fmt;
-use core::fmt::Write as _;
 
 use link_core::Instant;
 
@@ -58,6 +57,8 @@ pub(super) struct Judge {
     cases: Vec<Case>,
     /// The places of the cases of each node.
     of_node: Vec<Vec<usize>>,
+    /// When the scenario ends; the run may end otherwise.
+    planned_end: Instant,
 }
 
 #[derive(Debug)]
@@ -65,6 +66,9 @@ struct Watched {
     name: String,
     status: Status,
     since: Instant,
+    /// What has happened at the last moment of which something is known. More may happen at it, so that it is judged when
+    /// a later one comes.
+    news: Vec<(Instant, EventName)>,
 }
 
 /// One expectation of one node.
@@ -75,6 +79,8 @@ struct Case {
     /// When what is expected first was so, inside and after the time of the expectation, and what it was.
     inside: Option<(Instant, Status)>,
     after: Option<Instant>,
+    /// When the event last happened inside that time while the rest of what is expected was not so, and what was.
+    missed: Option<(Instant, Status)>,
     /// When it first was not so, inside that time, and what was instead.
     broken: Option<(Instant, Status)>,
     /// The last that was seen inside that time.
@@ -88,19 +94,25 @@ impl Judge {
                 name: node.name.clone(),
                 status: initial(NodeIndex(index)),
                 since: Instant::ZERO,
+                news: Vec::new(),
             })
             .collect();
-        let everybody: Vec<NodeIndex> = (0..nodes.len()).map(NodeIndex).collect();
+        let can_be = |what: &What, node: &NodeIndex| scenario.nodes[node.0].role.can_be(what);
         let mut cases = Vec::new();
         let mut of_node = vec![Vec::new(); nodes.len()];
         for expectation in &scenario.expectations {
-            let whom = if expectation.nodes.is_empty() { &everybody } else { &expectation.nodes };
+            let whom = match expectation.nodes.as_slice() {
+                [] => {
+                    (0..nodes.len()).map(NodeIndex).filter(|node| can_be(&expectation.what, node)).collect()
+                }
+                named => named.to_vec(),
+            };
             for node in whom {
                 of_node[node.0].push(cases.len());
                 cases.push(Case::new(node.0, expectation.clone()));
             }
         }
-        Self { nodes, cases, of_node }
+        Self { nodes, cases, of_node, planned_end: Instant::ZERO + scenario.bus.duration }
     }
 
     /// What a node is now.
@@ -110,6 +122,7 @@ impl Judge {
 
     /// A node has changed.
     pub(super) fn changed(&mut self, at: Instant, node: NodeIndex, status: Status) {
+        self.settle(node, |when| when < at);
         let watched = &mut self.nodes[node.0];
         if watched.status == status {
             return;
@@ -122,22 +135,22 @@ impl Judge {
 
     /// Something has happened to a node.
     pub(super) fn happened(&mut self, at: Instant, node: NodeIndex, event: EventName) {
-        let status = self.nodes[node.0].status;
-        for &case in &self.of_node[node.0] {
-            self.cases[case].happened(at, event, status);
-        }
+        self.settle(node, |when| when < at);
+        self.nodes[node.0].news.push((at, event));
     }
 
     /// The run is over.
     pub(super) fn finish(mut self, end: Instant) -> Verdict {
-        for (node, watched) in self.nodes.iter().enumerate() {
+        for node in 0..self.nodes.len() {
+            self.settle(NodeIndex(node), |_| true);
+            let watched = &self.nodes[node];
             for &case in &self.of_node[node] {
                 self.cases[case].held(watched.since, end, true, watched.status);
             }
         }
         let mut verdict = Verdict::default();
         for case in self.cases {
-            match case.verdict(end) {
+            match case.verdict(end, self.planned_end) {
                 Some(Ok(())) => verdict.held += 1,
                 Some(Err(found)) => verdict.failures.push(Failure {
                     line: case.expectation.line,
@@ -150,17 +163,32 @@ impl Judge {
         }
         verdict
     }
+
+    /// Judges the news of a moment that is over, by what the node has become at it.
+    fn settle(&mut self, node: NodeIndex, is_over: impl Fn(Instant) -> bool) {
+        let watched = &mut self.nodes[node.0];
+        if watched.news.first().is_none_or(|(at, _)| !is_over(*at)) {
+            return;
+        }
+        for (at, event) in watched.news.drain(..) {
+            for &case in &self.of_node[node.0] {
+                self.cases[case].happened(at, event, watched.status);
+            }
+        }
+    }
 }
 
 impl Case {
     fn new(node: usize, expectation: Expectation) -> Self {
-        Self { node, expectation, inside: None, after: None, broken: None, last: None }
+        Self { node, expectation, inside: None, after: None, missed: None, broken: None, last: None }
     }
 
     fn window(&self) -> (Instant, Instant) {
         match self.expectation.when {
             When::At(at) => (at, at),
-            When::Within(from, to) | When::Never(from, to) | When::Always(from, to) => (from, to),
+            When::Within(from, to) | When::Never(from, to) | When::Always(from, to) => {
+                (from, to.unwrap_or(Instant::MAX))
+            }
         }
     }
 
@@ -184,29 +212,35 @@ impl Case {
     }
 
     fn happened(&mut self, at: Instant, event: EventName, status: Status) {
-        if self.expectation.what.event != Some(event) || !self.expectation.what.holds_of(status) {
+        if self.expectation.what.event != Some(event) {
             return;
         }
         let (from, to) = self.window();
-        if at > to {
-            self.after.get_or_insert(at);
-        } else if at >= from {
-            self.inside.get_or_insert((at, status));
+        match self.expectation.what.holds_of(status) {
+            true if at > to => _ = self.after.get_or_insert(at),
+            true if at >= from => _ = self.inside.get_or_insert((at, status)),
+            false if (from..=to).contains(&at) => self.missed = Some((at, status)),
+            true | false => {}
         }
     }
 
     /// `None` when the run was too short; else whether it held, or what was found.
-    fn verdict(&self, end: Instant) -> Option<Result<(), String>> {
+    fn verdict(&self, end: Instant, planned_end: Instant) -> Option<Result<(), String>> {
         let what = &self.expectation.what;
         let last = || match (&self.last, what.event) {
-            (_, Some(event)) => format!("no {event}"),
+            (_, Some(event)) => match &self.missed {
+                Some((at, status)) => format!("{event} at {}, but {}", time(*at), what.show(*status)),
+                None => format!("no {event}"),
+            },
             (Some((since, status)), None) => format!("{} since {}", what.show(*status), time(*since)),
             (None, None) => "nothing".to_owned(),
         };
+        // What is said of the run to its end is said of the run that was.
+        let is_over = |from: Instant, to: Option<Instant>| end >= to.unwrap_or(from);
         match self.expectation.when {
             When::Within(_, to) => match (self.inside, self.after) {
                 (Some(_), _) => Some(Ok(())),
-                (None, _) if end < to => None,
+                (None, _) if end < to.unwrap_or(planned_end) => None,
                 (None, Some(later)) => Some(Err(format!("{}; it came at {}", last(), time(later)))),
                 (None, None) => Some(Err(format!("{}; it never came after", last()))),
             },
@@ -215,16 +249,14 @@ impl Case {
                 None if end < at => None,
                 None => Some(Err(last())),
             },
-            When::Never(_, to) => match self.inside {
+            When::Never(from, to) => match self.inside {
                 Some((at, _)) if what.event.is_some() => Some(Err(format!("it at {}", time(at)))),
                 Some((at, status)) => Some(Err(format!("{} at {}", what.show(status), time(at)))),
-                None if end < to => None,
-                None => Some(Ok(())),
+                None => is_over(from, to).then_some(Ok(())),
             },
-            When::Always(_, to) => match self.broken {
+            When::Always(from, to) => match self.broken {
                 Some((at, status)) => Some(Err(format!("{} at {}", what.show(status), time(at)))),
-                None if end < to => None,
-                None => Some(Ok(())),
+                None => is_over(from, to).then_some(Ok(())),
             },
         }
     }
@@ -268,15 +300,18 @@ fn describe(expectation: &Expectation) -> String {
     words.extend(what.rec.map(|rec| format!("REC {rec}")));
     words.extend(what.bus_off.map(|off| if off { "bus-off" } else { "not bus-off" }.to_owned()));
     let words = words.join(" and ");
-    let mut text = String::new();
-    let _ = match expectation.when {
-        When::Within(Instant::ZERO, to) => write!(text, "{words} by {}", time(to)),
-        When::Within(from, to) => write!(text, "{words} from {} to {}", time(from), time(to)),
-        When::At(at) => write!(text, "{words} at {}", time(at)),
-        When::Never(from, to) => write!(text, "never {words} from {} to {}", time(from), time(to)),
-        When::Always(from, to) => write!(text, "always {words} from {} to {}", time(from), time(to)),
+    let range = |from: Instant, to: Option<Instant>| match to {
+        Some(to) => format!(" from {} to {}", time(from), time(to)),
+        None if from == Instant::ZERO => String::new(),
+        None => format!(" from {} on", time(from)),
     };
-    text
+    match expectation.when {
+        When::Within(Instant::ZERO, Some(to)) => format!("{words} by {}", time(to)),
+        When::Within(from, to) => format!("{words}{}", range(from, to)),
+        When::At(at) => format!("{words} at {}", time(at)),
+        When::Never(from, to) => format!("never {words}{}", range(from, to)),
+        When::Always(from, to) => format!("always {words}{}", range(from, to)),
+    }
 }
 
 fn time(at: Instant) -> Time {
@@ -297,8 +332,14 @@ mod tests {
     /// Nonexistent, at 1 s sending, at 2 s waiting for no time and on line, at 5 s bus-off, at 6 s the end.
     #[track_caller]
     fn judge(expectation: &str) -> Result<(), String> {
+        judge_of("", expectation)
+    }
+
+    #[track_caller]
+    fn judge_of(bus: &str, expectation: &str) -> Result<(), String> {
+        let bus = if bus.is_empty() { String::new() } else { format!("{bus}\n") };
         let text = format!(
-            "[bus]\n[[node]]\nname = \"valve\"\nprotocol = \"devicenet\"\nrole = \"access\"\nmac = 1\n\
+            "[bus]\n{bus}[[node]]\nname = \"valve\"\nprotocol = \"devicenet\"\nrole = \"access\"\nmac = 1\n\
              identity = {{ vendor = 1, serial = 1 }}\n[[expect]]\nnode = \"valve\"\n{expectation}"
         );
         let scenario = Scenario::parse("s.toml", &text, Path::new("")).unwrap();
@@ -345,7 +386,7 @@ mod tests {
         assert_eq!(judge("by = \"3s\"\nstate = \"waiting_dup_mac\""), Ok(()));
         fails(
             "never = true\nstate = \"waiting_dup_mac\"",
-            "never waiting_dup_mac from 0s to 10s; found waiting_dup_mac at 2s",
+            "never waiting_dup_mac; found waiting_dup_mac at 2s",
         );
     }
 
@@ -365,7 +406,7 @@ mod tests {
             "always online from 2s to 5s; found comm_fault at 5s",
         );
         assert_eq!(judge("never = true\nto = \"4.9s\"\nbus_off = true"), Ok(()));
-        fails("never = true\ntec = \">255\"", "never TEC > 255 from 0s to 10s; found TEC 256 at 5s");
+        fails("never = true\ntec = \">255\"", "never TEC > 255; found TEC 256 at 5s");
     }
 
     #[test]
@@ -376,11 +417,59 @@ mod tests {
         );
     }
 
+    /// It is on line at 2 s, and lasts to the end of the run at 6 s, four seconds before that of the scenario.
+    #[test]
+    fn without_to_it_is_the_end_of_the_run() {
+        assert_eq!(judge("never = true\nevent = \"defended\""), Ok(()));
+        assert_eq!(judge("never = true\nfrom = \"6s\"\nstate = \"online\""), Ok(()));
+        assert_eq!(judge("never = true\nfrom = \"7s\"\nstate = \"online\""), Err("unjudged".to_owned()));
+        assert_eq!(judge("always = true\nfrom = \"5s\"\nbus_off = true"), Ok(()));
+        fails(
+            "always = true\nfrom = \"2s\"\nstate = \"online\"",
+            "always online from 2s on; found comm_fault at 5s",
+        );
+        assert_eq!(judge("from = \"5s\"\nbus_off = true"), Ok(()));
+        assert_eq!(judge("from = \"5s\"\nstate = \"online\""), Err("unjudged".to_owned()));
+    }
+
+    /// The run goes on after the end of the scenario, here at 3 s.
+    #[test]
+    fn a_longer_run_is_looked_at_to_its_end() {
+        let judge = |expectation: &str| judge_of("duration = \"3s\"", expectation);
+        assert_eq!(
+            judge("never = true\nbus_off = true").unwrap_err(),
+            "line 9: valve: expected never bus-off; found bus-off at 5s"
+        );
+        assert_eq!(
+            judge("always = true\nfrom = \"2s\"\nstate = \"online\"").unwrap_err(),
+            "line 9: valve: expected always online from 2s on; found comm_fault at 5s"
+        );
+        assert_eq!(judge("from = \"3s\"\nbus_off = true"), Ok(()));
+        assert_eq!(
+            judge("from = \"3s\"\ntec = 7").unwrap_err(),
+            "line 9: valve: expected TEC = 7 from 3s on; found TEC 256 since 5s; it never came after"
+        );
+        assert_eq!(judge("never = true\nto = \"3s\"\nbus_off = true"), Ok(()));
+    }
+
+    /// At 2 s the node sends, and is on line after everything that happens then.
+    #[test]
+    fn an_event_is_looked_at_with_what_the_node_has_become_at_its_time() {
+        assert_eq!(judge("by = \"3s\"\nevent = \"sent\"\nstate = \"online\""), Ok(()));
+        fails(
+            "by = \"3s\"\nevent = \"sent\"\nstate = \"waiting_dup_mac\"",
+            "sent and waiting_dup_mac by 3s; found sent at 2s, but online; it never came after",
+        );
+        assert_eq!(judge("by = \"6s\"\nevent = \"bus_off\"\nstate = \"comm_fault\"\ntec = 256"), Ok(()));
+        fails("never = true\nevent = \"sent\"\nstate = \"online\"", "never sent and online; found it at 2s");
+        assert_eq!(judge("never = true\nevent = \"sent\"\nstate = \"comm_fault\""), Ok(()));
+    }
+
     #[test]
     fn events() {
         assert_eq!(judge("by = \"5s\"\nevent = \"bus_off\""), Ok(()));
         fails("by = \"4s\"\nevent = \"bus_off\"", "bus_off by 4s; found no bus_off; it came at 5s");
-        fails("never = true\nevent = \"bus_off\"", "never bus_off from 0s to 10s; found it at 5s");
+        fails("never = true\nevent = \"bus_off\"", "never bus_off; found it at 5s");
         assert_eq!(judge("never = true\nto = \"6s\"\nevent = \"defended\""), Ok(()));
     }
 }

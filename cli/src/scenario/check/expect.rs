@@ -7,7 +7,7 @@ use toml::Spanned;
 
 use super::{Checker, list};
 use crate::scenario::diagnostic::ScenarioError;
-use crate::scenario::model::{EventName, Expectation, Node, Role, StateName, What, When};
+use crate::scenario::model::{EventName, Expectation, Node, StateName, What, When};
 use crate::scenario::raw::{RawExpect, Table};
 
 impl Checker<'_> {
@@ -27,7 +27,12 @@ impl Checker<'_> {
         }
         let whom = match &raw.node {
             Some(name) => self.named(name)?,
-            None if matches!(when, When::Never(..)) => Vec::new(),
+            None if matches!(when, When::Never(..)) => {
+                if !nodes.iter().any(|node| node.role.can_be(&what)) {
+                    return self.fail(&span, "there is no node of which this could be expected");
+                }
+                Vec::new()
+            }
             None => {
                 return self.fail(
                     &span,
@@ -35,42 +40,69 @@ impl Checker<'_> {
                 );
             }
         };
-        if let Some(state) = &raw.state {
-            let other = whom.iter().filter_map(|index| nodes.get(index.0));
-            if let Some(node) = other.clone().find(|node| !matches!(node.role, Role::Access(_))) {
-                return self.fail(
-                    &state.span(),
-                    format!(
-                        "`{}` has the role `{}` and no state of network access; expected a node with the role \
-                         `access`",
-                        node.name,
-                        node.role.name()
-                    ),
-                );
-            }
+        let mut named = whom.iter().filter_map(|index| nodes.get(index.0));
+        if let Some(node) = named.find(|node| !node.role.can_be(&what)) {
+            return self.unfit(raw, node, &span);
         }
         let line = ScenarioError::at(self.file, self.text, &span, "").line;
         Ok(Expectation { line, nodes: whom, when, what })
     }
 
+    /// What is expected cannot come from a node of this role.
+    fn unfit<T>(&self, raw: &RawExpect, node: &Node, table: &Range<usize>) -> Result<T, ScenarioError> {
+        let (name, role) = (&node.name, node.role.name());
+        let here = format!("`{name}` has the role `{role}` and");
+        match (&raw.state, &raw.event) {
+            (Some(state), _) => self.fail(
+                &state.span(),
+                format!("{here} no state of network access; expected a node with the role `access`"),
+            ),
+            (None, Some(event)) if event.get_ref() == EventName::Sent.name() => {
+                self.fail(&event.span(), format!("{here} never sends; expected a node with another role"))
+            }
+            (None, Some(event)) => self.fail(
+                &event.span(),
+                format!(
+                    "{here} no event `{}`, which is one of network access; expected a node with the role `access`",
+                    event.get_ref()
+                ),
+            ),
+            (None, None) => self.fail(table, format!("{here} cannot be what is expected")),
+        }
+    }
+
+    /// `never` and `always`: true, or not there.
+    fn is_set(&self, key: &str, flag: Option<&Spanned<bool>>) -> Result<bool, ScenarioError> {
+        match flag {
+            Some(flag) if !flag.get_ref() => self.fail(
+                &flag.span(),
+                format!("`{key}` is false, which says nothing; expected `{key} = true`, or no `{key}`"),
+            ),
+            flag => Ok(flag.is_some()),
+        }
+    }
+
     /// One of `by`, `at`, `never`, or `from` and `to`, the last with or without `always`.
     fn when(&self, raw: &RawExpect, table: &Range<usize>) -> Result<When, ScenarioError> {
-        let set = |flag: &Option<Spanned<bool>>| flag.as_ref().is_some_and(|flag| *flag.get_ref());
+        let never = self.is_set("never", raw.never.as_ref())?;
+        let always = self.is_set("always", raw.always.as_ref())?;
         let from = raw.from.as_ref().map(|from| self.moment("from", from)).transpose()?;
         let to = raw.to.as_ref().map(|to| self.moment("to", to)).transpose()?;
-        let (first, last) = (from.unwrap_or(Instant::ZERO), to.unwrap_or(self.end));
-        if last < first {
-            return self.fail(table, "`to` is before `from`; expected a later time");
+        let first = from.unwrap_or(Instant::ZERO);
+        if let (Some(last), Some(place)) = (to, &raw.to)
+            && last < first
+        {
+            return self.fail(&place.span(), "`to` is before `from`; expected a later time");
         }
         let ranged = from.is_some() || to.is_some();
-        match (&raw.by, &raw.at, set(&raw.never), set(&raw.always)) {
+        match (&raw.by, &raw.at, never, always) {
             (Some(by), None, false, false) if !ranged => {
-                Ok(When::Within(Instant::ZERO, self.moment("by", by)?))
+                Ok(When::Within(Instant::ZERO, Some(self.moment("by", by)?)))
             }
             (None, Some(at), false, false) if !ranged => Ok(When::At(self.moment("at", at)?)),
-            (None, None, true, false) => Ok(When::Never(first, last)),
-            (None, None, false, true) => Ok(When::Always(first, last)),
-            (None, None, false, false) if ranged => Ok(When::Within(first, last)),
+            (None, None, true, false) => Ok(When::Never(first, to)),
+            (None, None, false, true) => Ok(When::Always(first, to)),
+            (None, None, false, false) if ranged => Ok(When::Within(first, to)),
             (None, None, false, false) => self.fail(table, format!("there is no time; expected {TIMES}")),
             _ => self.fail(table, format!("there are several times; expected {TIMES}")),
         }

@@ -63,7 +63,7 @@ pub(super) fn scenario(file: &str, text: &str, folder: &Path) -> Result<Scenario
         file: file.to_owned(),
         title: raw.title,
         actions: each(&raw.action, |table| check.action(table, &nodes))?,
-        faults: check.faults(&raw.fault)?,
+        faults: check.faults(&raw.fault, &nodes)?,
         expectations: each(&raw.expect, |table| check.expectation(table, &nodes))?,
         notes: each(&raw.note, |table| check.note(table))?,
         bus,

@@ -8,7 +8,7 @@ use toml::Spanned;
 
 use super::{Checker, list};
 use crate::scenario::diagnostic::ScenarioError;
-use crate::scenario::model::{AccessNode, Node, NodeIndex, Role};
+use crate::scenario::model::{AccessNode, Node, NodeIndex, Recorded, Role};
 use crate::scenario::raw::{RawIdentity, RawNode};
 use crate::scenario::replay;
 
@@ -41,48 +41,79 @@ impl Checker<'_> {
             bit_rate,
             clock_ppm: raw.clock_ppm.as_ref().map(|ppm| self.ppm("clock_ppm", ppm)).transpose()?.unwrap_or(0),
         };
-        match &raw.count {
-            None => self.add(node, name, &[], nodes),
-            Some(count) => {
-                let count: usize = self.number("count", count, 1, 64, "a number of nodes, 1 to 64")?;
-                let copies = copies(&node, count);
-                for copy in copies {
-                    self.add(copy, name, &[name.get_ref()], nodes)?;
-                }
-                Ok(())
-            }
+        let Some(count) = &raw.count else {
+            let index = self.add(node, name, nodes)?;
+            return self.call(name.get_ref(), name, vec![index]);
+        };
+        let copies = self.copies(&node, count, raw.identity.as_ref())?;
+        let mut group = Vec::new();
+        for copy in copies {
+            let own = copy.name.clone();
+            let index = self.add(copy, name, nodes)?;
+            self.call(&own, name, vec![index])?;
+            group.push(index);
         }
+        self.call(name.get_ref(), name, group)
     }
 
-    /// Appends a node under its own name, and under the name of its group.
     fn add(
-        &mut self,
+        &self,
         node: Node,
         place: &Spanned<String>,
-        groups: &[&String],
         nodes: &mut Vec<Node>,
-    ) -> Result<(), ScenarioError> {
+    ) -> Result<NodeIndex, ScenarioError> {
         let index = NodeIndex(nodes.len());
-        if self.names.contains_key(&node.name)
-            || (groups.is_empty() && self.names.contains_key(place.get_ref()))
-        {
-            return self.fail(
-                &place.span(),
-                format!("there are two nodes `{}`; expected a name of its own for each", node.name),
-            );
-        }
-        if let Some(power_up) = nodes.len().checked_sub(MOST_NODES) {
-            return self.fail(
-                &place.span(),
-                format!("there are {} nodes; expected at most {MOST_NODES}", MOST_NODES + power_up + 1),
-            );
-        }
-        self.names.insert(node.name.clone(), vec![index]);
-        for group in groups {
-            self.names.entry((*group).clone()).or_default().push(index);
+        if index.0 >= MOST_NODES {
+            return self
+                .fail(&place.span(), format!("there are too many nodes; expected at most {MOST_NODES}"));
         }
         nodes.push(node);
+        Ok(index)
+    }
+
+    /// Gives nodes a name, which nobody else may have: neither a node nor all those of a `count`.
+    fn call(
+        &mut self,
+        name: &str,
+        place: &Spanned<String>,
+        nodes: Vec<NodeIndex>,
+    ) -> Result<(), ScenarioError> {
+        if self.names.contains_key(name) {
+            return self.fail(
+                &place.span(),
+                format!("there are two nodes `{name}`; expected a name of its own for each"),
+            );
+        }
+        self.names.insert(name.to_owned(), nodes);
         Ok(())
+    }
+
+    /// The nodes of a `count`: named `name-1`, `name-2` and so on, each with the next serial number.
+    fn copies(
+        &self,
+        node: &Node,
+        count: &Spanned<i64>,
+        identity: Option<&Spanned<RawIdentity>>,
+    ) -> Result<Vec<Node>, ScenarioError> {
+        let number: u32 = self.number("count", count, 1, 64, "a number of nodes, 1 to 64")?;
+        let width = number.to_string().len();
+        let mut copies = Vec::new();
+        for n in 0..number {
+            let mut copy = Node { name: format!("{}-{:0width$}", node.name, n + 1), ..node.clone() };
+            if let (Role::Access(access), Some(identity)) = (&mut copy.role, identity) {
+                let Some(serial) = access.serial.checked_add(n) else {
+                    return self.fail(
+                        &identity.span(),
+                        format!(
+                            "the serial numbers of {number} nodes rise beyond 0xFFFF_FFFF; expected a lower first"
+                        ),
+                    );
+                };
+                access.serial = serial;
+            }
+            copies.push(copy);
+        }
+        Ok(copies)
     }
 
     fn role(&self, raw: &RawNode, table: &Range<usize>) -> Result<Role, ScenarioError> {
@@ -214,7 +245,7 @@ impl Checker<'_> {
                 return self.fail(table, "a replay has neither `file` nor `log`; expected one of them");
             }
         };
-        let Some(only) = &raw.only else { return Ok(Role::Replay(frames)) };
+        let Some(only) = &raw.only else { return self.played(frames, table) };
         let mut kept = Vec::new();
         for id in only.get_ref() {
             match u32::try_from(*id) {
@@ -227,27 +258,22 @@ impl Checker<'_> {
                 }
             }
         }
-        Ok(Role::Replay(frames.into_iter().filter(|played| kept.contains(&played.frame.raw_id())).collect()))
+        let is_kept = |played: &Recorded| kept.contains(&played.frame.raw_id());
+        self.played(frames.into_iter().filter(is_kept).collect(), &only.span())
     }
-}
 
-/// The nodes of a `count`: named `name-1`, `name-2` and so on, each with the next serial number.
-fn copies(node: &Node, count: usize) -> Vec<Node> {
-    let width = count.to_string().len();
-    let copy = |n: usize| {
-        let mut copy = Node { name: format!("{}-{:0width$}", node.name, n + 1), ..node.clone() };
-        if let Role::Access(access) = &mut copy.role {
-            access.serial = access.serial.wrapping_add(u32::try_from(n).unwrap_or(0));
+    fn played(&self, frames: Vec<Recorded>, place: &Range<usize>) -> Result<Role, ScenarioError> {
+        if frames.is_empty() {
+            return self.fail(place, "nothing of the recording is left to be played; expected a frame");
         }
-        copy
-    };
-    (0..count).map(copy).collect()
+        Ok(Role::Replay(frames))
+    }
 }
 
 /// The keys that a role takes; `None` if there is no such role.
 pub(super) fn role_keys(role: &str) -> Option<Vec<&'static str>> {
     let own: &[&str] = match role {
-        "access" => &["mac", "identity", "port", "boi", "quick_connect", "offline_set"],
+        "access" => &["protocol", "mac", "identity", "port", "boi", "quick_connect", "offline_set"],
         "replay" => &["file", "log", "only"],
         "listener" | "external" => &[],
         "babbler" => &["frame", "period"],
@@ -257,6 +283,5 @@ pub(super) fn role_keys(role: &str) -> Option<Vec<&'static str>> {
 }
 
 pub(in crate::scenario) const ROLES: &[&str] = &["access", "replay", "listener", "babbler", "external"];
-const ANY_ROLE: &[&str] =
-    &["name", "count", "protocol", "role", "power_up", "reaction", "bit_rate", "clock_ppm"];
+const ANY_ROLE: &[&str] = &["name", "count", "role", "power_up", "reaction", "bit_rate", "clock_ppm"];
 const MOST_NODES: usize = 256;

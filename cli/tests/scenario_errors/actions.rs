@@ -1,0 +1,74 @@
+//! Actions, and to whom they can be done.
+
+use crate::{TOOL, VALVE, refused};
+
+#[test]
+fn actions_and_whom_they_can_be_done_to() {
+    refused(
+        VALVE,
+        r#"[[action]]
+at = "1s"
+node = "vavle"
+do = "cut""#,
+        "10:8: there is no node `vavle`; expected `valve`",
+    );
+    refused(
+        VALVE,
+        r#"[[action]]
+at = "11s"
+node = "valve"
+do = "cut""#,
+        "9:6: `at` is 11s, after the end of the run; expected at most the duration, 10s",
+    );
+    refused(
+        VALVE,
+        r#"[[action]]
+at = "1s"
+node = "valve"
+do = "cutt""#,
+        "11:6: there is no action `cutt`; expected `cut`, `plug`, `power_off`, `power_on`, `power_cycle`, `set_mac`, `set_bit_rate` or `reset`",
+    );
+    refused(
+        VALVE,
+        r#"[[action]]
+at = "1s"
+node = "valve"
+do = "set_input""#,
+        "11:6: `set_input` needs a node with I/O, which is not simulated; expected `cut`, `plug`, `power_off`, `power_on`, `power_cycle`, `set_mac`, `set_bit_rate` or `reset`",
+    );
+    refused(
+        VALVE,
+        r#"[[action]]
+at = "1s"
+node = "valve"
+do = "cut"
+value = 1"#,
+        "12:9: `cut` takes no `value`",
+    );
+    refused(
+        VALVE,
+        r#"[[action]]
+at = "1s"
+node = "valve"
+do = "set_mac""#,
+        "8:1: `value`, the MAC ID, is missing",
+    );
+    refused(
+        VALVE,
+        r#"[[action]]
+at = "1s"
+node = "valve"
+do = "set_mac"
+value = "x""#,
+        "12:9: `value` is a string; expected the MAC ID, a number",
+    );
+    refused(
+        TOOL,
+        r#"[[action]]
+at = "1s"
+node = "tool"
+do = "set_mac"
+value = 3"#,
+        "8:6: `set_mac` cannot be done to `tool`, whose role is `external`; expected a node with the role `access`",
+    );
+}
