@@ -128,7 +128,14 @@ kind = "segment"
 nodes = ["far", "far-ear"]
 "#;
     let output = |scenario: &Scratch| stdout(&devicenet(&["simulate", scenario.path()])).to_owned();
-    let apart = output(&Scratch::new("apart.toml", text));
+    let scenario = Scratch::new("apart.toml", text);
+    let apart = output(&scenario);
+    for line in lines_of_json(&devicenet(&["simulate", "--json", scenario.path()])) {
+        if line["event"] == "frame" {
+            let expected = (line["nodes"][0] == "far").then_some(1);
+            assert_eq!(line["segment"].as_u64(), expected, "{line}");
+        }
+    }
     assert!(apart.contains("far") && !apart.contains("two nodes"), "{apart}");
     let whole = output(&Scratch::new("whole.toml", text.split("[[fault]]").next().expect("the nodes")));
     assert!(whole.contains("two nodes check MAC ID 10"), "{whole}");

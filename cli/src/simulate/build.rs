@@ -11,7 +11,7 @@ use transport_mock::nodes::{Babbler, External, Listener, Replay};
 use transport_mock::rng::Rng;
 use transport_mock::{BusConfig, Change, FaultId, Network, NodeConfig, NodeId, Reaction, Scope, Which};
 
-use super::event::NodeEvent;
+use super::event::{Effect, NodeEvent};
 use crate::scenario::{AccessNode, Do, FaultKind, Node, NodeIndex, Recorded, Role, Scenario, TimeRange};
 
 /// What a run sets otherwise than the scenario.
@@ -32,10 +32,13 @@ pub(super) fn network(scenario: &Scenario, seed: u64, is_served: bool) -> Networ
     for (index, node) in scenario.nodes.iter().enumerate() {
         ids.push(add(&mut network, node, seed, index, is_served));
     }
-    for (index, fault) in scenario.faults.iter().enumerate() {
-        plan_fault(&mut network, scenario, &ids, index, &fault.kind, fault.from, fault.to);
+    plan_faults(&mut network, scenario, &ids);
+    for action in &scenario.actions {
+        for node in &action.nodes {
+            let (id, what) = (ids[node.0], action.what);
+            network.schedule(action.at, Change::Call(Box::new(move |network| act(network, id, what))));
+        }
     }
-    plan_actions(&mut network, scenario, &ids);
     network
 }
 
@@ -59,15 +62,13 @@ fn add(network: &mut Network<NodeEvent>, node: &Node, seed: u64, index: usize, i
     };
     match &node.role {
         Role::Access(access) => {
-            // The MAC ID survives without power.
-            network.add_with_memory(config, Access::new(access_config(access)), |old, fresh| {
-                *fresh = Access::new(Config { mac_id: old.mac_id(), ..old.config().clone() });
-            })
+            let machine = Access::new(access_config(access));
+            network.add_with_memory(config, machine, |old, fresh| remember(fresh, old.mac_id()))
         }
         Role::Replay(frames) => {
             let timed = |recorded: &Recorded| (Instant::ZERO + recorded.after, recorded.frame);
             let frames: Vec<_> = frames.iter().map(timed).collect();
-            network.add_silent(config, Replay::new(frames))
+            network.add_silent(config, Replay::since(Instant::ZERO, frames))
         }
         Role::External if is_served => network.add_silent(config, External::default()),
         Role::External | Role::Listener => network.add_silent(config, Listener::new(0)),
@@ -88,15 +89,27 @@ fn access_config(access: &AccessNode) -> Config {
     }
 }
 
-fn plan_fault(
-    network: &mut Network<NodeEvent>,
+/// Of what happens at one moment, faults end before others begin, in whatever order the file has them.
+fn plan_faults(network: &mut Network<NodeEvent>, scenario: &Scenario, ids: &[NodeId]) {
+    let (mut begins, mut ends) = (Vec::new(), Vec::new());
+    for (index, fault) in scenario.faults.iter().enumerate() {
+        for (begin, end) in switches(scenario, ids, index, &fault.kind) {
+            begins.push((fault.from, begin));
+            ends.extend(fault.to.map(|to| (to, end)));
+        }
+    }
+    for (at, change) in ends.into_iter().chain(begins) {
+        network.schedule(at, change);
+    }
+}
+
+/// What switches each part of a fault on, and off again.
+fn switches(
     scenario: &Scenario,
     ids: &[NodeId],
     index: usize,
     kind: &FaultKind,
-    from: Instant,
-    to: Option<Instant>,
-) {
+) -> Vec<(Change<NodeEvent>, Change<NodeEvent>)> {
     let id = |node: &NodeIndex| ids[node.0];
     let scopes = |nodes: &[NodeIndex]| match nodes {
         [] => vec![Scope::Bus],
@@ -125,60 +138,55 @@ fn plan_fault(
             nodes.iter().map(lost).collect()
         }
         FaultKind::Clock { ppm, nodes } => {
-            for node in nodes {
-                network.schedule(from, Change::SetClock(id(node), *ppm));
-                if let Some(to) = to {
-                    network.schedule(to, Change::SetClock(id(node), scenario.nodes[node.0].clock_ppm));
-                }
-            }
-            return;
+            let own = |node: &NodeIndex| scenario.nodes[node.0].clock_ppm;
+            let set = |node| (Change::SetClock(id(node), *ppm), Change::SetClock(id(node), own(node)));
+            return nodes.iter().map(set).collect();
         }
         FaultKind::Segment { nodes } => {
-            network.schedule(from, Change::Split(nodes.iter().map(id).collect()));
-            if let Some(to) = to {
-                network.schedule(to, Change::Join);
-            }
-            return;
+            return vec![(Change::Split(nodes.iter().map(id).collect()), Change::Join)];
         }
     };
-    for (part, fault) in parts.into_iter().enumerate() {
+    let named = |(part, fault)| {
         let id = FaultId(index as u32 | (part as u32) << 16);
-        network.schedule(from, Change::FaultOn(id, fault));
-        if let Some(to) = to {
-            network.schedule(to, Change::FaultOff(id));
+        (Change::FaultOn(id, fault), Change::FaultOff(id))
+    };
+    parts.into_iter().enumerate().map(named).collect()
+}
+
+/// Carries out an action now. What cannot be seen on the bus, or has no effect, is told.
+fn act(network: &mut Network<NodeEvent>, node: NodeId, what: Do) {
+    let (powered, plugged) = (network.is_powered(node), network.is_plugged(node));
+    let tell = |network: &mut Network<NodeEvent>, effect| {
+        network.tell(node, NodeEvent::Action(what, effect));
+    };
+    match what {
+        Do::Cut if !plugged => tell(network, Effect::None("the cable is unplugged already")),
+        Do::Plug if plugged => tell(network, Effect::None("the cable is plugged already")),
+        Do::PowerOff | Do::Reset if !powered => tell(network, Effect::None("no power")),
+        Do::PowerOn if powered => tell(network, Effect::None("it has power already")),
+        Do::Cut => network.apply(Change::Cut(node)),
+        Do::Plug => network.apply(Change::Plug(node)),
+        Do::PowerOff => network.apply(Change::PowerOff(node)),
+        Do::PowerOn => network.apply(Change::PowerOn(node)),
+        Do::PowerCycle => network.apply(Change::PowerCycle(node)),
+        Do::SetBitRate(rate) => network.apply(Change::SetBitRate(node, rate)),
+        Do::SetMac(mac) => {
+            let mac = MacId::new(mac).unwrap_or(MacId::DEFAULT);
+            tell(network, if powered { Effect::AtOnce } else { Effect::AtPowerUp });
+            // The machine has its MAC ID from software, so that it cannot refuse.
+            network.command(node, |access: &mut Access, now| access.set_mac_id(now, mac));
+            network.alter_memory(node, |access| remember(access, mac));
+        }
+        Do::Reset => {
+            tell(network, Effect::AtOnce);
+            network.command(node, Access::reset);
         }
     }
 }
 
-fn plan_actions(network: &mut Network<NodeEvent>, scenario: &Scenario, ids: &[NodeId]) {
-    for action in &scenario.actions {
-        for node in &action.nodes {
-            let id = ids[node.0];
-            let change = match action.what {
-                Do::Cut => Change::Cut(id),
-                Do::Plug => Change::Plug(id),
-                Do::PowerOff => Change::PowerOff(id),
-                Do::PowerOn => Change::PowerOn(id),
-                Do::PowerCycle => Change::PowerCycle(id),
-                Do::SetBitRate(rate) => Change::SetBitRate(id, rate),
-                Do::SetMac(mac) => {
-                    let mac = MacId::new(mac).unwrap_or(MacId::DEFAULT);
-                    command(id, move |access, now| {
-                        // The machine has its MAC ID from software, so that it cannot refuse.
-                        let _ = access.set_mac_id(now, mac);
-                    })
-                }
-                Do::Reset => command(id, Access::reset),
-            };
-            network.schedule(action.at, change);
-        }
-    }
-}
-
-fn command(id: NodeId, act: impl FnOnce(&mut Access, Instant) + 'static) -> Change<NodeEvent> {
-    Change::Call(Box::new(move |network| {
-        network.command(id, act);
-    }))
+/// What network access keeps without power: its MAC ID.
+fn remember(access: &mut Access, mac_id: MacId) {
+    *access = Access::new(Config { mac_id, ..access.config().clone() });
 }
 
 /// The moment in a range of times, drawn for the node at that place.

@@ -4,8 +4,8 @@
 //!
 //! | `event` | other fields |
 //! |---|---|
-//! | `frame` | `nodes` (who sent it) and the fields of `devicenet decode --json`: `n`, `id`, `ext`, `rtr`, `dlc`, `data`, `protocol`, `kind` and so on |
-//! | `error_frame` | `nodes` (who tried to send), `id`, `ext`, `rtr`, `dlc`, `data`, `error` (`bit`, `stuff`, `crc`, `form`, `ack`), `bit`, `field`, `by` (who saw it first), `flag` (`active`, `passive`, `none`); `error` is absent when the sender left the bus |
+//! | `frame` | `nodes` (who sent it), `segment` (1 on the part of a cut bus that is apart, else absent) and the fields of `devicenet decode --json`: `n`, `id`, `ext`, `rtr`, `dlc`, `data`, `protocol`, `kind` and so on |
+//! | `error_frame` | `nodes` (who tried to send), `segment`, `id`, `ext`, `rtr`, `dlc`, `data`, `error` (`bit`, `stuff`, `crc`, `form`, `ack`), `bit`, `field`, `by` (who saw it first), `flag` (`active`, `passive`, `none`); `error` is absent when the sender left the bus |
 //! | `state` | `node`, `from`, `to`, `cause`: network access changed its state |
 //! | `node` | `node`, `text`: something else that a node tells |
 //! | `error_state` | `node`, `state` (`error-active`, `error warning`, `error-passive`, `bus-off`), `tec`, `rec` |
@@ -23,7 +23,6 @@ use transport_mock::Flag;
 use transport_mock::bus::SenderOutcome;
 use transport_mock::record::{FrameRecord, Outcome};
 
-use super::event::NodeEvent;
 use super::expectations::Verdict;
 use super::shared::SharedBuffer;
 use super::sight::{Nodes, Sight, View, index, state_name};
@@ -42,6 +41,8 @@ enum Line<'a> {
         t: f64,
         n: u64,
         nodes: Vec<&'a str>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        segment: Option<usize>,
         #[serde(flatten)]
         wire: Wire,
         #[serde(flatten)]
@@ -50,6 +51,8 @@ enum Line<'a> {
     ErrorFrame {
         t: f64,
         nodes: Vec<&'a str>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        segment: Option<usize>,
         #[serde(flatten)]
         wire: Wire,
         #[serde(flatten)]
@@ -140,12 +143,14 @@ impl View for JsonView {
                 t: seconds(record.end),
                 n: reading.n,
                 nodes: senders(nodes, record),
+                segment: segment(record),
                 wire: Wire::of(record.frame),
                 reading,
             },
             Sight::Frame { record, reading: None } => Line::ErrorFrame {
                 t: seconds(record.end),
                 nodes: senders(nodes, record),
+                segment: segment(record),
                 wire: Wire::of(record.frame),
                 error: error(nodes, record),
             },
@@ -157,7 +162,7 @@ impl View for JsonView {
                 tec: counters.tec,
                 rec: counters.rec,
             },
-            Sight::Change { at, node, what } => {
+            Sight::Change { at, node, what, .. } => {
                 Line::Change { t: seconds(*at), node: node.map(|node| nodes.name(node)), text: what }
             }
             Sight::Broken { at, node, rule } => {
@@ -186,16 +191,16 @@ fn push(out: &mut Vec<u8>, line: &Line<'_>) {
     out.push(b'\n');
 }
 
-fn node_event<'a>(t: f64, node: &'a str, event: &NodeEvent) -> Line<'a> {
+fn node_event<'a>(t: f64, node: &'a str, event: &AccessEvent) -> Line<'a> {
     match event {
-        NodeEvent::Access(AccessEvent::StateChanged { from, to, cause }) => Line::State {
+        AccessEvent::StateChanged { from, to, cause } => Line::State {
             t,
             node,
             from: state_name(*from).name(),
             to: state_name(*to).name(),
             cause: cause.name(),
         },
-        NodeEvent::Access(event) => Line::Node { t, node, text: event.to_string() },
+        event => Line::Node { t, node, text: event.to_string() },
     }
 }
 
@@ -204,6 +209,11 @@ fn senders<'a>(nodes: &'a Nodes<'_>, record: &FrameRecord<'_>) -> Vec<&'a str> {
         .filter(|sender| !matches!(sender.outcome, SenderOutcome::LostArbitration { .. }))
         .map(|sender| nodes.name(index(sender.node)))
         .collect()
+}
+
+/// `None` for the bus, or for the others when some are apart.
+fn segment(record: &FrameRecord<'_>) -> Option<usize> {
+    Some(record.segment).filter(|segment| *segment > 0)
 }
 
 fn error<'a>(nodes: &'a Nodes<'_>, record: &FrameRecord<'_>) -> Option<ErrorFields<'a>> {

@@ -16,7 +16,7 @@ use super::expectations::Verdict;
 use super::sight::{Observer, View};
 use super::socketcand::{ClientId, Outgoing, Server};
 use super::summary::{Counting, Last, Summary};
-use crate::scenario::{Do, NodeIndex, Role, Scenario};
+use crate::scenario::{NodeIndex, Note, Role, Scenario};
 
 /// What a run has come to.
 #[derive(Clone, PartialEq, Debug)]
@@ -35,14 +35,9 @@ pub(super) struct Run<'a> {
     network: Network<NodeEvent>,
     observer: Observer<'a>,
     counted: std::rc::Rc<core::cell::RefCell<super::summary::Figures>>,
-    /// What is told at its time and cannot be seen on the bus, the last first.
-    cues: Vec<(Instant, Cue)>,
+    /// The headings that are still to come, the last first.
+    notes: Vec<&'a Note>,
     end: Instant,
-}
-
-enum Cue {
-    Note(String),
-    Action(NodeIndex, String),
 }
 
 impl<'a> Run<'a> {
@@ -60,7 +55,7 @@ impl<'a> Run<'a> {
             network: build::network(scenario, seed, is_served),
             observer: Observer::new(scenario, views),
             counted,
-            cues: cues(scenario),
+            notes: notes(scenario),
             end: Instant::ZERO + settings.until.unwrap_or(scenario.bus.duration),
         }
     }
@@ -92,8 +87,8 @@ impl<'a> Run<'a> {
             between()?;
             // Rounded up: what begins at a moment is done when it has passed.
             let next = self.network.next_event_time() + Duration::from_nanos(1);
-            let cue = self.cues.last().map_or(Instant::MAX, |(at, _)| *at);
-            let wake = next.min(cue).min(self.end);
+            let note = self.notes.last().map_or(Instant::MAX, |note| note.at);
+            let wake = next.min(note).min(self.end);
             match &mut server {
                 None => std::thread::sleep(clock.until(wake).min(LONGEST_WAIT)),
                 Some(server) => {
@@ -121,37 +116,24 @@ impl<'a> Run<'a> {
     }
 
     fn run_to(&mut self, to: Instant) {
-        while let Some((at, cue)) = self.cues.pop_if(|(at, _)| *at <= to) {
+        while let Some(note) = self.notes.pop_if(|note| note.at <= to) {
             // It comes before what happens at the same moment.
-            let just_before = at.saturating_sub(Duration::from_nanos(1)).max(self.network.now());
-            if at > Instant::ZERO {
+            let just_before = note.at.saturating_sub(Duration::from_nanos(1)).max(self.network.now());
+            if note.at > Instant::ZERO {
                 self.network.run_until(just_before, &mut self.observer);
             }
-            match cue {
-                Cue::Note(text) => self.observer.note(at, &text),
-                Cue::Action(node, what) => self.observer.announce(at, Some(node), what),
-            }
+            self.observer.note(note.at, &note.text);
         }
         self.network.run_until(to, &mut self.observer);
     }
 }
 
-/// In the order of time, and of the file.
-fn cues(scenario: &Scenario) -> Vec<(Instant, Cue)> {
-    let notes = scenario.notes.iter().map(|note| (note.at, Cue::Note(note.text.clone())));
-    let mut cues: Vec<(Instant, Cue)> = notes.collect();
-    for action in &scenario.actions {
-        let what = match action.what {
-            Do::SetMac(mac) => format!("MAC ID switch set to {mac}"),
-            Do::Reset => "reset".to_owned(),
-            // These are seen on the bus.
-            Do::Cut | Do::Plug | Do::PowerOff | Do::PowerOn | Do::PowerCycle | Do::SetBitRate(_) => continue,
-        };
-        cues.extend(action.nodes.iter().map(|node| (action.at, Cue::Action(*node, what.clone()))));
-    }
-    cues.sort_by_key(|(at, _)| *at);
-    cues.reverse();
-    cues
+/// The headings in the order of time, and of the file, the last first.
+fn notes(scenario: &Scenario) -> Vec<&Note> {
+    let mut notes: Vec<&Note> = scenario.notes.iter().collect();
+    notes.sort_by_key(|note| note.at);
+    notes.reverse();
+    notes
 }
 
 /// The external nodes, through which clients come onto the bus.

@@ -2,15 +2,13 @@
 
 use devicenet_core::access::{AccessEvent, StateKind};
 use devicenet_core::monitor::{Monitor, MonitorConfig, Reading};
-use link_core::Instant;
-use transport_mock::bus::SenderOutcome;
+use link_core::{Instant, TxOutcome};
 use transport_mock::change::ChangeKind;
 use transport_mock::record::{FrameRecord, Outcome};
 use transport_mock::{Counters, ErrorState, FaultId, Interest, NodeId, Record, Sink};
 
 use super::build;
-
-use super::event::NodeEvent;
+use super::event::{Effect, NodeEvent, words_of_action};
 use super::expectations::{Judge, Status, Verdict};
 use crate::scenario::{EventName, NodeIndex, Role, Scenario, StateName};
 
@@ -20,11 +18,11 @@ pub(super) enum Sight<'a> {
     /// An attempt to send a frame is over. A frame that got through is read.
     Frame { record: &'a FrameRecord<'a>, reading: Option<Reading<'a>> },
     /// A node tells something.
-    Event { at: Instant, node: NodeIndex, event: &'a NodeEvent },
+    Event { at: Instant, node: NodeIndex, event: &'a AccessEvent },
     /// The error counters of a node have changed its part in the bus.
     Level { at: Instant, node: NodeIndex, level: Level, counters: Counters },
     /// Somebody interferes. `node` is `None` for what concerns the bus.
-    Change { at: Instant, node: Option<NodeIndex>, what: String },
+    Change { at: Instant, node: Option<NodeIndex>, what: String, problem: bool },
     /// A rule that every node must keep was broken.
     Broken { at: Instant, node: NodeIndex, rule: &'a str },
     /// A heading of the scenario.
@@ -162,6 +160,9 @@ impl<'a> Observer<'a> {
                 let rule = format!("{}: {}", violation.rule, violation.what);
                 self.show(&Sight::Broken { at: violation.at, node: index(violation.node), rule: &rule });
             }
+            Record::Done { at, node, outcome: TxOutcome::Sent, .. } => {
+                self.judge.happened(*at, index(*node), EventName::Sent);
+            }
             Record::Error(_) | Record::Request { .. } | Record::Done { .. } => {}
         }
     }
@@ -171,17 +172,7 @@ impl<'a> Observer<'a> {
         self.show(&Sight::Note { at, text });
     }
 
-    /// What cannot be seen on the bus is done to a node or to the bus.
-    pub(super) fn announce(&mut self, at: Instant, node: Option<NodeIndex>, what: String) {
-        self.show(&Sight::Change { at, node, what });
-    }
-
     fn frame(&mut self, record: &FrameRecord<'_>) {
-        for sender in record.senders {
-            if sender.outcome == SenderOutcome::Sent {
-                self.judge.happened(record.end, index(sender.node), EventName::Sent);
-            }
-        }
         let reading = match record.outcome {
             Outcome::Ok => {
                 self.frames += 1;
@@ -207,8 +198,15 @@ impl<'a> Observer<'a> {
     }
 
     fn event(&mut self, at: Instant, node: NodeIndex, event: &NodeEvent) {
-        let NodeEvent::Access(access) = event;
-        let happened = match access {
+        let event = match event {
+            NodeEvent::Access(event) => event,
+            NodeEvent::Action(action, effect) => {
+                let what = words_of_action(*action, *effect);
+                let problem = matches!(effect, Effect::None(_));
+                return self.show(&Sight::Change { at, node: Some(node), what, problem });
+            }
+        };
+        let happened = match event {
             AccessEvent::StateChanged { to, .. } => {
                 self.enter(at, node, state_name(*to));
                 Some(EventName::StateChanged)
@@ -235,10 +233,17 @@ impl<'a> Observer<'a> {
             ChangeKind::PowerOn(node) => self.attached[node.index()].power = true,
             ChangeKind::PowerOff(node) => {
                 self.attached[node.index()].power = false;
-                self.enter(at, index(*node), StateName::Nonexistent);
+                self.detached(at, index(*node));
+                if self.enter(at, index(*node), StateName::Nonexistent) {
+                    // Nobody is left to tell it.
+                    self.judge.happened(at, index(*node), EventName::StateChanged);
+                }
             }
             ChangeKind::Plug(node) => self.attached[node.index()].cable = true,
-            ChangeKind::Cut(node) => self.attached[node.index()].cable = false,
+            ChangeKind::Cut(node) => {
+                self.attached[node.index()].cable = false;
+                self.detached(at, index(*node));
+            }
             // Each part goes on with what was seen before; those that come back are new to the others.
             ChangeKind::Split(_) => {
                 self.monitors.truncate(1);
@@ -248,15 +253,24 @@ impl<'a> Observer<'a> {
             _ => {}
         }
         if let Some((node, what)) = self.words(change) {
-            self.show(&Sight::Change { at, node, what });
+            self.show(&Sight::Change { at, node, what, problem: false });
         }
     }
 
-    fn enter(&mut self, at: Instant, node: NodeIndex, state: StateName) {
+    /// Network access is in this state now. Returns whether it was in another; a role without it has none.
+    fn enter(&mut self, at: Instant, node: NodeIndex, state: StateName) -> bool {
         let before = self.judge.status(node);
-        if before.state.is_some() {
+        let is_new = before.state.is_some_and(|was| was != state);
+        if is_new {
             self.judge.changed(at, node, Status { state: Some(state), ..before });
         }
+        is_new
+    }
+
+    /// A controller is gone, and with it its counters: it has not become error-active.
+    fn detached(&mut self, at: Instant, node: NodeIndex) {
+        let before = self.judge.status(node);
+        self.judge.changed(at, node, Status { state: before.state, ..Status::default() });
     }
 
     fn show(&mut self, sight: &Sight<'_>) {
@@ -299,7 +313,12 @@ impl<'a> Observer<'a> {
 
 impl Sink<NodeEvent> for Observer<'_> {
     fn interest(&self) -> Interest {
-        Interest::FRAMES | Interest::COUNTERS | Interest::EVENTS | Interest::CHANGES | Interest::VIOLATIONS
+        Interest::FRAMES
+            | Interest::COUNTERS
+            | Interest::EVENTS
+            | Interest::CHANGES
+            | Interest::VIOLATIONS
+            | Interest::REQUESTS
     }
 
     fn record(&mut self, record: &Record<'_, NodeEvent>) {

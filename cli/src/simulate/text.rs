@@ -8,6 +8,7 @@ use transport_mock::Flag;
 use transport_mock::bus::{BusError, Sender, SenderOutcome};
 use transport_mock::record::{FrameRecord, Outcome};
 
+use super::event::is_problem;
 use super::shared::SharedBuffer;
 use super::sight::{Level, Nodes, Sight, View, index};
 use crate::scenario::NodeIndex;
@@ -118,7 +119,7 @@ impl View for TextView {
                 self.frame(nodes, record, reading.as_ref().map(ToString::to_string));
             }
             Sight::Event { at, node, event } => {
-                let emphasis = if event.is_problem() { Emphasis::Problem } else { Emphasis::Normal };
+                let emphasis = if is_problem(event) { Emphasis::Problem } else { Emphasis::Normal };
                 self.event(nodes, *at, Some(*node), emphasis, &event.to_string());
             }
             Sight::Level { at, node, level, counters } => {
@@ -126,7 +127,10 @@ impl View for TextView {
                 let emphasis = if *level == Level::Active { Emphasis::Normal } else { Emphasis::Problem };
                 self.event(nodes, *at, Some(*node), emphasis, &words);
             }
-            Sight::Change { at, node, what } => self.event(nodes, *at, *node, Emphasis::Normal, what),
+            Sight::Change { at, node, what, problem } => {
+                let emphasis = if *problem { Emphasis::Problem } else { Emphasis::Normal };
+                self.event(nodes, *at, *node, emphasis, what);
+            }
             Sight::Note { text, .. } => {
                 self.flush();
                 let blank = if self.is_first { "" } else { "\n" };

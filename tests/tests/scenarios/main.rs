@@ -9,11 +9,15 @@
 )]
 //! The scenario files of `tests/scenarios`: their expectations hold, and their traces are what they were.
 
-mod actions_and_faults;
+mod actions;
 mod duplicate_mac;
+mod faults;
 mod network_access;
 mod reproducible;
 mod results;
+mod roles;
+
+use std::path::Path;
 
 use devicenet_cli::scenario::Scenario;
 use devicenet_cli::simulate::{self, Outcome, Settings};
@@ -29,6 +33,40 @@ fn scenario(name: &str) -> Scenario {
 #[track_caller]
 fn run(name: &str) -> (String, Outcome) {
     simulate::trace(&scenario(name), Settings::default())
+}
+
+/// A valve with MAC ID 10 and a scanner with MAC ID 0, on line after two seconds; ten seconds.
+const PAIR: &str = r#"
+[bus]
+[[node]]
+name = "valve"
+protocol = "devicenet"
+role = "access"
+mac = 10
+identity = { vendor = 0x1234, serial = 1 }
+[[node]]
+name = "scanner"
+protocol = "devicenet"
+role = "access"
+mac = 0
+identity = { vendor = 0x1234, serial = 2 }
+"#;
+
+/// Runs the pair with more around it, and demands that every expectation holds.
+#[track_caller]
+fn holds(more: &str) -> Outcome {
+    let (_, outcome) = traced(more);
+    assert!(outcome.verdict.held > 0, "nothing is expected");
+    outcome
+}
+
+/// As [`holds`], with the trace; nothing need be expected.
+#[track_caller]
+fn traced(more: &str) -> (String, Outcome) {
+    let scenario = Scenario::parse("pair", &format!("{PAIR}{more}"), Path::new("")).unwrap();
+    let (trace, outcome) = simulate::trace(&scenario, Settings::default());
+    assert_eq!(outcome.verdict.failures, [], "{trace}");
+    (trace, outcome)
 }
 
 /// Runs a scenario, demands that its expectations hold, and compares its trace with the snapshot.

@@ -1,6 +1,11 @@
 //! One node with a MAC ID: alone, bus-off, at the wrong rate, with Quick Connect, repaired.
 
-use crate::{run, trace};
+use std::path::Path;
+
+use devicenet_cli::scenario::Scenario;
+use devicenet_cli::simulate::{self, Settings};
+
+use crate::{PAIR, holds, run, trace};
 
 trace!(
     a_lone_node_stays_error_passive,
@@ -42,4 +47,46 @@ fn a_lone_node_sends_sixteen_frames_to_error_passive_and_no_more_counts() {
     assert_eq!((node.sent, node.tec, node.max_tec, node.bus_offs), (0, 128, 128, 0));
     // 125 kbit/s, 100 bits and the error frame: about a thousand attempts a second.
     assert!((990..1_010).contains(&node.failed), "{}", node.failed);
+}
+
+/// Without `to`, what is never so is not so to the end of the run, which is later than that of the scenario here.
+#[test]
+fn never_is_the_whole_run() {
+    let text = format!(
+        "{PAIR}[[action]]\nat = \"10s\"\nnode = \"valve\"\ndo = \"reset\"\n\
+         [[expect]]\nnever = true\nfrom = \"10s\"\nnode = \"valve\"\nstate = \"online\"\n"
+    );
+    let scenario = Scenario::parse("pair", &text, Path::new("")).unwrap();
+    let until = |seconds| {
+        let until = Some(core::time::Duration::from_secs(seconds));
+        simulate::outcome(&scenario, Settings { seed: None, until }).verdict
+    };
+    assert_eq!((until(11).held, until(11).failures.len()), (1, 0), "it is not on line again yet");
+    let found: Vec<String> = until(13).failures.into_iter().map(|failure| failure.found).collect();
+    assert_eq!(found.len(), 1);
+    assert!(found[0].starts_with("online at 12.0"), "{found:?}");
+    assert_eq!(until(9).unjudged, 1, "it ends before that begins");
+}
+
+#[test]
+fn an_event_and_the_state_that_it_leads_to() {
+    holds(
+        r#"
+        [[expect]]
+        by = "10ms"
+        node = "valve"
+        event = "sent"
+        state = "waiting_dup_mac"
+        [[expect]]
+        never = true
+        node = "valve"
+        event = "sent"
+        state = "sending_dup_mac"
+        [[expect]]
+        from = "2s"
+        to = "3s"
+        node = "valve"
+        event = "state_changed"
+        state = "online""#,
+    );
 }

@@ -1,5 +1,9 @@
-//! What `docs/results.md` says is what comes out.
+//! What the documents say is what comes out.
 
+use std::path::Path;
+
+use devicenet_cli::scenario::Scenario;
+use devicenet_cli::simulate::{self, Settings};
 use devicenet_tests::outcomes::{Case, Counted, Start, table};
 
 #[test]
@@ -18,4 +22,16 @@ fn two_nodes_never_go_bus_off_and_one_of_them_gets_on_line() {
         assert!(on_line.iter().all(|count| *count == 1), "{case:?}: on line {on_line:?}");
         assert!(bus_off.iter().all(|count| *count == 0), "{case:?}: bus-off {bus_off:?}");
     }
+}
+
+/// What the README shows is a scenario, and its expectations hold.
+#[test]
+fn the_scenario_of_the_readme() {
+    let readme = devicenet_tests::read("README.md");
+    let (_, after) = readme.split_once("```toml\n").expect("a scenario");
+    let (text, _) = after.split_once("```").expect("its end");
+    let scenario =
+        Scenario::parse("README.md", text, Path::new("")).unwrap_or_else(|error| panic!("{error}"));
+    let (trace, outcome) = simulate::trace(&scenario, Settings::default());
+    assert_eq!(outcome.verdict.failures, [], "{trace}");
 }
