@@ -116,6 +116,6 @@ mod tests {
         let text: String = blocks.collect();
         let scenario = Scenario::parse("docs/scenarios.md", &text, Path::new("")).unwrap();
         let outcome = crate::simulate::outcome(&scenario, crate::simulate::Settings::default());
-        assert_eq!((outcome.verdict.held, outcome.verdict.failures), (8, Vec::new()));
+        assert_eq!((outcome.verdict.held, outcome.verdict.failures), (9, Vec::new()));
     }
 }
