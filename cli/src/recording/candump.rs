@@ -34,8 +34,7 @@ pub(super) fn parse(line: &[u8], channels: &mut Channels) -> Result<Parsed, Faul
     if name.is_empty() {
         return Err(scan.fault("an interface name"));
     }
-    let channel =
-        channels.intern(name).ok_or_else(|| interface.fault("at most 255 interfaces, named in UTF-8"))?;
+    let channel = channels.intern(name).ok_or_else(|| interface.fault(Channels::LIMIT))?;
     scan.skip_blanks();
     let id = scan.can_id()?;
     scan.expect(b'#', "\"#\" after the identifier")?;

@@ -149,6 +149,10 @@ pub struct Channels {
 impl Channels {
     /// A recording has at most this many.
     pub const MAX: usize = 255;
+    /// The most bytes of a name; Linux allows 15, captures from elsewhere have more.
+    pub const MAX_NAME: usize = 255;
+    /// What [`intern`](Self::intern) wants.
+    pub(super) const LIMIT: &str = "at most 255 interfaces, named in at most 255 bytes of UTF-8";
 
     /// The name of a channel; empty for one of another recording.
     #[must_use]
@@ -173,7 +177,7 @@ impl Channels {
         self.names.is_empty()
     }
 
-    /// The channel of that name, new or known; `None` when there are too many, or the name is not text.
+    /// The channel of that name, new or known; `None` when there are too many, or the name is too long or not text.
     #[inline]
     pub(super) fn intern(&mut self, name: &[u8]) -> Option<ChannelId> {
         // Nearly always the same as before.
@@ -188,7 +192,7 @@ impl Channels {
         let known = self.names.iter().position(|other| other.as_bytes() == name);
         let index = match known {
             Some(index) => index,
-            None if self.names.len() < Self::MAX => {
+            None if self.names.len() < Self::MAX && name.len() <= Self::MAX_NAME => {
                 self.names.push(core::str::from_utf8(name).ok()?.into());
                 self.names.len() - 1
             }

@@ -69,8 +69,7 @@ impl Screen {
         scan.skip_blanks();
         let content = content(&mut scan, id, fd_flags)?;
         // Only a whole line may name a channel: prose begins with a word as well.
-        let channel =
-            channels.intern(name).ok_or_else(|| interface.fault("at most 255 interfaces, named in UTF-8"))?;
+        let channel = channels.intern(name).ok_or_else(|| interface.fault(Channels::LIMIT))?;
         if let Some(sum) = &mut self.distances {
             *sum += Duration::from_nanos(at.as_nanos());
             at = Instant::ZERO + *sum;
