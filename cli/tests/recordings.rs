@@ -12,8 +12,8 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
 use devicenet_cli::recording::{
-    Content, ErrorFrame, FdFrame, Format, Place, RecordedFrame, Recording, RecordingError, WriteFormat,
-    Writer,
+    Content, ErrorFrame, FdFrame, Format, Notes, Place, RecordedFrame, Recording, RecordingError,
+    WriteFormat, Writer,
 };
 use link_core::frame::{extended_id, standard_id};
 use link_core::{Frame, Id, Instant};
@@ -116,8 +116,15 @@ fn every_form_of_the_candump_screen_agrees_with_its_log() {
         Content::Fd(fd) => Content::Fd(Box::new(FdFrame::new(fd.id(), fd.data(), false, false).unwrap())),
         other => other.clone(),
     };
-    for name in ["plain", "ta", "ta-c", "ta-e", "ta-i", "ta-S", "ta-x-a", "tA", "tz", "td"] {
+    let names = [
+        "plain", "ta", "ta-c", "ta-c-c-c", "ta-c-c-i", "ta-c-x", "ta-e", "ta-i", "ta-i-S", "ta-S", "ta-S-a",
+        "ta-x-a", "tA", "tz", "td",
+    ];
+    for name in names {
         let (format, frames) = read(&format!("candump/{name}.txt"));
+        let mut recording = Recording::open(&capture(&format!("candump/{name}.txt"))).unwrap();
+        assert_eq!(recording.by_ref().count(), log.len(), "{name}");
+        assert_eq!(recording.channels().iter().collect::<Vec<_>>(), ["vcan0"], "{name}");
         assert_eq!(format, Format::CandumpScreen, "{name}");
         assert_eq!(frames.len(), log.len(), "{name}");
         for (found, logged) in frames.iter().zip(&log) {
@@ -128,11 +135,78 @@ fn every_form_of_the_candump_screen_agrees_with_its_log() {
             };
             assert_eq!(found.at, time, "{name}, frame {}", logged.n);
             match name {
-                "ta-x-a" => assert_eq!(found.content, logged.content, "{name}"),
+                "ta-x-a" | "ta-c-x" => assert_eq!(found.content, logged.content, "{name}"),
                 _ => assert_eq!(found.content, without_rate_switch(&logged.content), "{name}"),
             }
         }
     }
+}
+
+/// Two interfaces with names of different lengths, frames of error-passive senders, lost frames; in the log, and on the
+/// screen with `-td -c -x`.
+#[test]
+fn two_interfaces_and_lost_frames() {
+    let open = |name| {
+        let mut recording = Recording::open(&capture(name)).unwrap();
+        let frames: Vec<_> = recording.by_ref().map(Result::unwrap).collect();
+        let names = recording.channels();
+        let named = frames.into_iter().map(|frame| {
+            (frame.at, frame.channel.map(|channel| names.name(channel).to_owned()).unwrap(), frame.content)
+        });
+        (named.collect::<Vec<_>>(), recording.notes())
+    };
+    let (log, log_notes) = open("candump/two.log");
+    let (screen, screen_notes) = open("candump/two-td-c-x-d.txt");
+    assert_eq!(log_notes, Notes { dropped: 4, foreign: 0 });
+    assert_eq!(screen_notes, log_notes);
+    assert_eq!(log.len(), 7);
+    let channels: Vec<_> = log.iter().map(|(_, channel, _)| &**channel).collect();
+    assert_eq!(channels, ["vcan0", "vcan12", "vcan0", "vcan12", "vcan0", "vcan12", "vcan0"]);
+    let bytes = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11];
+    let fd = FdFrame::new(Id::Standard(standard_id(0x453)), &bytes, true, true).unwrap();
+    assert_eq!(log[4].2, Content::Fd(Box::new(fd)));
+    let start = log[0].0;
+    for ((at, channel, content), shown) in log.into_iter().zip(screen) {
+        assert_eq!((Instant::ZERO + at.saturating_since(start), channel, content), shown);
+    }
+}
+
+/// The distance of a bad line counts: the next one is from that line.
+#[test]
+fn a_bad_line_among_distances_takes_its_time() {
+    let line = |time: &str, rest: &str| format!(" ({time})  can0  456   {rest}\n");
+    let text = [
+        line("000.000000", "[1]  01"),
+        line("000.500000", "[1]  0"),
+        line("000.250000", "[1]  02"),
+        line("000.100000", "[1]  03"),
+    ];
+    let entries = read_bytes(text.concat().as_bytes()).unwrap();
+    let times: Vec<_> =
+        entries.iter().filter_map(|entry| entry.as_ref().ok()).map(|frame| frame.at).collect();
+    assert_eq!(times, [0, 750, 850].map(Instant::from_millis));
+}
+
+#[test]
+fn blanks_are_no_bad_line() {
+    for blank in ["", " ", " \t ", "\r"] {
+        let text = format!("(1.0) can0 123#00\n{blank}\n(2.0) can0 123#\n");
+        let entries = read_bytes(text.as_bytes()).unwrap();
+        assert_eq!(entries.into_iter().filter(Result::is_ok).count(), 2, "{blank:?}");
+    }
+}
+
+#[test]
+fn only_a_whole_drop_count_is_one() {
+    let text = b"(1.0) can0 123#00\nDROPCOUNT: dropped many CAN frames\nDROPCOUNT: dropped 2 CAN frames on 'can0' socket (total drops 2)\n";
+    let mut recording = Recording::from_reader(&text[..]).unwrap();
+    let entries: Vec<_> = recording.by_ref().collect();
+    assert_eq!(entries.len(), 2);
+    assert_eq!(
+        entries[1].as_ref().unwrap_err().to_string(),
+        "2:1: \"(\" and a time expected, \"DROPCOUNT:\" found"
+    );
+    assert_eq!(recording.notes().dropped, 2);
 }
 
 /// The same run as can-utils' `log2asc` converts it, which keeps no class of an error.

@@ -17,7 +17,7 @@ use std::rc::Rc;
 use crate::args::DecodeArgs;
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Attentive, Output};
-use crate::recording::{RecordedFrame, Recording, RecordingError, WriteFormat, Writer};
+use crate::recording::{Notes, RecordedFrame, Recording, RecordingError, WriteFormat, Writer};
 use progress::Progress;
 
 /// Decodes a recording.
@@ -81,6 +81,7 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
     if let Some(copy) = copy {
         copy.finish()?;
     }
+    note_the_rest(&file, recording.notes());
     if bad_lines > 0 {
         let lines = if bad_lines == 1 { "line" } else { "lines" };
         output::warn(format_args!("{file}: {bad_lines} {lines} could not be read"));
@@ -91,6 +92,19 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
         _ => {}
     }
     Ok(if bad_lines + problems > 0 { Exit::Findings } else { Exit::Done })
+}
+
+/// What the reader should know besides the frames.
+fn note_the_rest(file: &str, notes: Notes) {
+    let Notes { dropped, foreign } = notes;
+    if dropped > 0 {
+        let frames = if dropped == 1 { "frame was" } else { "frames were" };
+        output::note(format_args!("{file}: {dropped} {frames} lost when it was recorded, as it says itself"));
+    }
+    if foreign > 0 {
+        let packets = if foreign == 1 { "packet is" } else { "packets are" };
+        output::note(format_args!("{file}: {foreign} {packets} of other interfaces than CAN, and left out"));
+    }
 }
 
 /// The recording that `--record` writes.

@@ -29,7 +29,7 @@ pub enum RecordingError {
         name: &'static str,
     },
     /// The file ends within a record.
-    #[error("the file is cut off: it ends within the record after frame {after}")]
+    #[error("the file is cut off, or a length in it is wrong: it ends within the record after frame {after}")]
     Truncated {
         /// How many frames were read before.
         after: u64,
@@ -49,6 +49,26 @@ impl RecordingError {
     #[must_use]
     pub fn is_fatal(&self) -> bool {
         !matches!(self, Self::Bad(_))
+    }
+
+    #[cold]
+    pub(super) fn damaged(after: u64, what: String) -> Self {
+        Self::Damaged { after, what }
+    }
+
+    #[cold]
+    pub(super) fn link_type(number: u32) -> Self {
+        // Those that users meet.
+        let name = match number {
+            1 => "Ethernet",
+            101 => "raw IP",
+            113 => "Linux cooked capture",
+            189 | 220 => "USB",
+            190 => "CAN 2.0b, obsolete",
+            276 => "Linux cooked capture v2",
+            _ => "unknown",
+        };
+        Self::LinkType { number, name }
     }
 }
 
@@ -77,7 +97,7 @@ pub enum Place {
     Record {
         /// The packet, as Wireshark numbers them.
         record: u64,
-        /// The byte in the packet.
+        /// The byte in the packet; when the block around it is wrong, in the body of the block.
         byte: usize,
     },
 }

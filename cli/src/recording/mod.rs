@@ -7,8 +7,9 @@
 //! | pcap, pcapng with `LINKTYPE_CAN_SOCKETCAN` | yes | pcapng |
 //! | Vector ASC | yes | |
 //!
-//! The format is found in the content; a UTF-8 byte order mark before it is skipped. A line that cannot be read is an error that says where and what was expected;
-//! reading goes on after it.
+//! The format is found in the content; a UTF-8 byte order mark before it is skipped. A line or record that cannot be read
+//! is an error that says where, and what was expected; reading goes on after it. What a recording tells besides its
+//! frames, such as frames that were lost, is in the [`Notes`].
 //!
 //! ```
 //! use devicenet_cli::recording::{Content, Recording};
@@ -25,17 +26,22 @@ mod asc;
 mod candump;
 mod detect;
 mod error;
+mod fields;
 mod frame;
 mod lines;
-mod packets;
+mod notes;
+mod pcap;
+mod pcapng;
 mod scan;
 mod screen;
 mod socketcan;
+mod window;
 mod write;
 
 pub use detect::Format;
 pub use error::{Bad, Place, RecordingError};
 pub use frame::{ChannelId, Channels, Content, ErrorFrame, FdFrame, RecordedFrame};
+pub use notes::Notes;
 pub use write::{WriteFormat, Writer};
 
 use std::fs::File;
@@ -47,13 +53,16 @@ use link_core::Instant;
 use asc::Asc;
 use error::Fault;
 use lines::{Line, Lines};
-use packets::{Pcap, PcapNg};
+use pcap::Pcap;
+use pcapng::PcapNg;
 use screen::Screen;
+use window::Window;
 
 /// A recording being read: an iterator over its frames.
 pub struct Recording {
     reader: Reader,
     channels: Channels,
+    notes: Notes,
     format: Format,
     frames: u64,
     /// A fatal error was given out.
@@ -98,28 +107,30 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`] when the beginning cannot be read, or is not that of a recording.
     pub fn from_reader(source: impl Read + 'static) -> Result<Self, RecordingError> {
-        let mut lines = Lines::new(Box::new(source) as Source);
+        let mut window = Window::new(Box::new(source) as Source);
         // A pipe may give the beginning in pieces, and must not be waited for longer than necessary.
         let format = loop {
-            lines.read_ahead()?;
-            let nothing_yet = detect::without_bom(lines.ahead()).trim_ascii().is_empty();
-            match Format::detect(lines.ahead()) {
-                Ok(_) if nothing_yet && lines.can_read_ahead() => {}
-                Err(_) if lines.can_read_ahead() => {}
+            if window.can_fill() {
+                window.fill()?;
+            }
+            let nothing_yet = detect::without_bom(window.ahead()).trim_ascii().is_empty();
+            match Format::detect(window.ahead()) {
+                Ok(_) if nothing_yet && window.can_fill() => {}
+                Err(_) if window.can_fill() => {}
                 result => break result?,
             }
         };
-        let bom = lines.ahead().len() - detect::without_bom(lines.ahead()).len();
-        lines.skip(bom);
-        let screen = Screen::detect(lines.ahead());
+        let bom = window.ahead().len() - detect::without_bom(window.ahead()).len();
+        window.skip(bom);
         let reader = match format {
-            Format::CandumpLog => Reader::Candump(lines),
-            Format::CandumpScreen => Reader::Screen(lines, screen),
-            Format::Asc => Reader::Asc(lines, Asc::default()),
-            Format::Pcap => Reader::Pcap(Pcap::new(Box::new(lines.into_reader()))?),
-            Format::PcapNg => Reader::PcapNg(PcapNg::new(Box::new(lines.into_reader()))?),
+            Format::CandumpLog => Reader::Candump(Lines::new(window)),
+            Format::CandumpScreen => Reader::Screen(Lines::new(window), Screen::default()),
+            Format::Asc => Reader::Asc(Lines::new(window), Asc::default()),
+            Format::Pcap => Reader::Pcap(Pcap::new(window)?),
+            Format::PcapNg => Reader::PcapNg(PcapNg::new(window)),
         };
-        Ok(Self { reader, channels: Channels::default(), format, frames: 0, ended: false })
+        let (channels, notes) = (Channels::default(), Notes::default());
+        Ok(Self { reader, channels, notes, format, frames: 0, ended: false })
     }
 
     /// Its format.
@@ -134,21 +145,30 @@ impl Recording {
         &self.channels
     }
 
+    /// What it tells besides its frames, as far as it was read.
+    #[must_use]
+    pub fn notes(&self) -> Notes {
+        self.notes
+    }
+
     #[inline]
-    fn read(&mut self) -> Option<Result<Parsed, RecordingError>> {
-        let channels = &mut self.channels;
+    fn read(&mut self) -> Result<Option<Parsed>, RecordingError> {
+        let Self { channels, notes, .. } = self;
         match &mut self.reader {
-            Reader::Candump(lines) => next_in_lines(lines, |line| match line {
-                [] => Ok(None),
-                line => candump::parse(line, channels).map(Some),
+            Reader::Candump(lines) => next_in_lines(lines, |line| match candump::parse(line, channels) {
+                Err(_) if line.trim_ascii().is_empty() || notes.take_drop_count(line) => Ok(None),
+                parsed => parsed.map(Some),
             }),
-            Reader::Screen(lines, screen) => next_in_lines(lines, |line| match line.trim_ascii() {
-                [] => Ok(None),
-                _ => screen.parse(line, channels),
-            }),
+            Reader::Screen(lines, screen) => {
+                screen.learn(lines.window())?;
+                next_in_lines(lines, |line| match screen.parse(line, channels) {
+                    Err(_) if line.trim_ascii().is_empty() || notes.take_drop_count(line) => Ok(None),
+                    parsed => parsed,
+                })
+            }
             Reader::Asc(lines, asc) => next_in_lines(lines, |line| asc.parse(line, channels)),
             Reader::Pcap(pcap) => pcap.next(self.frames),
-            Reader::PcapNg(pcapng) => pcapng.next(self.frames, channels),
+            Reader::PcapNg(pcapng) => pcapng.next(self.frames, channels, notes),
         }
     }
 }
@@ -158,21 +178,18 @@ impl Recording {
 fn next_in_lines(
     lines: &mut Lines<Source>,
     mut parse: impl FnMut(&[u8]) -> Result<Option<Parsed>, Fault>,
-) -> Option<Result<Parsed, RecordingError>> {
+) -> Result<Option<Parsed>, RecordingError> {
     loop {
         let number = lines.number() + 1;
-        let (line, parsed) = match lines.next() {
-            Ok(None) => return None,
-            Ok(Some(Line::Text(line))) => (line, parse(line)),
-            Ok(Some(Line::TooLong(line))) => {
-                (line, Err(Fault { at: 0, expected: "a line of at most 256 KiB" }))
-            }
-            Err(error) => return Some(Err(error.into())),
+        let (line, parsed) = match lines.next()? {
+            None => return Ok(None),
+            Some(Line::Text(line)) => (line, parse(line)),
+            Some(Line::TooLong(line)) => (line, Err(Fault { at: 0, expected: "a line of at most 256 KiB" })),
         };
         match parsed {
-            Ok(Some(parsed)) => return Some(Ok(parsed)),
+            Ok(Some(parsed)) => return Ok(Some(parsed)),
             Ok(None) => {}
-            Err(fault) => return Some(Err(fault.in_line(number, line))),
+            Err(fault) => return Err(fault.in_line(number, line)),
         }
     }
 }
@@ -187,7 +204,7 @@ impl Iterator for Recording {
         if self.ended {
             return None;
         }
-        match self.read()? {
+        match self.read().transpose()? {
             Ok(Parsed { at, digits, channel, content }) => {
                 self.frames += 1;
                 Some(Ok(RecordedFrame { n: self.frames, at, digits, channel, content }))

@@ -31,12 +31,13 @@ pub(super) fn parse(packet: &[u8]) -> Result<Content, Fault> {
         return fault(0, "an 11-bit identifier, or bit 31 set");
     };
     let length = usize::from(length);
-    // Old kernels leave the flag out: the length tells as well.
-    let is_fd = flags & FLAG_FD != 0 || length > Frame::MAX_DATA;
+    // Old kernels leave the flag out: the length tells as well, or the size of their `struct canfd_frame`.
+    let is_fd = flags & FLAG_FD != 0 || length > Frame::MAX_DATA || packet.len() == FD_SIZE;
     let id = match id {
         CanId::Frame { id, remote: true } => {
             let dlc = if length == 8 && (9..=15).contains(&raw_dlc) { raw_dlc } else { length as u8 };
-            return match Frame::remote(id, dlc) {
+            let frame = if length <= Frame::MAX_DATA { Frame::remote(id, dlc) } else { None };
+            return match frame {
                 Some(frame) => Ok(Content::Classic(frame)),
                 None => fault(4, "a length of at most 8"),
             };
@@ -93,3 +94,5 @@ fn id_bits(id: Id) -> u32 {
 }
 
 const FLAG_FD: u8 = 4;
+/// Header and 64 bytes.
+const FD_SIZE: usize = 72;

@@ -11,53 +11,65 @@
 //! swapped data (`-S`) are read as well. What follows the data, such as the text column of `-a`, is ignored, as are the
 //! lines that explain an error frame (`-e`), which begin with a tab.
 
-use core::time::Duration;
+mod times;
+
+use std::io::{self, Read};
 
 use link_core::{Frame, Instant};
+use memchr::memchr;
 
 use super::Parsed;
 use super::error::Fault;
 use super::frame::{Channels, Content, ErrorFrame, FdFrame};
 use super::scan::{CanId, Scanner};
+use super::window::Window;
+use times::Times;
 
 /// Reads line after line.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Screen {
-    /// The times are distances (`-td`), and this is their sum.
-    distances: Option<Duration>,
+    times: Times,
+    /// A line without its colours.
+    plain: Vec<u8>,
 }
 
 impl Screen {
-    /// Learns from the beginning of the file whether its times are distances from line to line (`-td`): they look
-    /// like times since the start (`-tz`), but do not grow.
-    pub(super) fn detect(beginning: &[u8]) -> Self {
-        let mut times = beginning.split(|byte| *byte == b'\n').filter_map(|line| {
-            let mut scan = Scanner::new(line);
-            scan.skip_blanks();
-            let (at, _) = scan.eat(b'(').then(|| scan.seconds().ok())??;
-            // Otherwise the year of a date.
-            scan.eat(b')').then_some(at)
-        });
-        let mut last = times.next().unwrap_or(Instant::ZERO);
-        let starts_at_zero = last == Instant::ZERO;
-        let shrink = times.any(|at| core::mem::replace(&mut last, at) > at);
-        Self { distances: (starts_at_zero && shrink).then_some(Duration::ZERO) }
+    /// Learns from the lines to come whether times are distances, if that makes a difference now.
+    pub(super) fn learn<R: Read>(&mut self, window: &mut Window<R>) -> io::Result<()> {
+        self.times.learn(window)
     }
 
     /// Reads one line; `None` for one that holds no frame.
     pub(super) fn parse(&mut self, line: &[u8], channels: &mut Channels) -> Result<Option<Parsed>, Fault> {
-        if line.first() == Some(&b'\t') {
+        if memchr(ESCAPE, line).is_none() {
+            return self.parse_plain(line, channels);
+        }
+        let mut plain = core::mem::take(&mut self.plain);
+        plain.clear();
+        plain.extend(visible(line).map(|(_, byte)| byte));
+        let parsed = self.parse_plain(&plain, channels);
+        self.plain = plain;
+        parsed.map_err(|fault| {
+            let at = visible(line).nth(fault.at).map_or(line.len(), |(at, _)| at);
+            Fault { at, ..fault }
+        })
+    }
+
+    fn parse_plain(&mut self, line: &[u8], channels: &mut Channels) -> Result<Option<Parsed>, Fault> {
+        if line.first() == Some(&b'\t') || line.trim_ascii().is_empty() {
             return Ok(None);
         }
         let mut scan = Scanner::new(line);
         scan.skip_blanks();
         let (mut at, mut digits) = (Instant::ZERO, 0);
         if scan.eat(b'(') {
-            (at, digits) = time(&mut scan)?;
+            let is_relative = times::is_relative(scan);
+            (at, digits) = times::read(&mut scan)?;
             scan.expect(b')', "\")\" after the time")?;
+            // Even if the rest of the line is bad: the next distance is from this line.
+            at = self.times.moment(at, is_relative);
             scan.skip_blanks();
         }
-        skip_colours(&mut scan);
         let interface = scan;
         let name = scan.word();
         if name.is_empty() {
@@ -70,22 +82,24 @@ impl Screen {
         let content = content(&mut scan, id, fd_flags)?;
         // Only a whole line may name a channel: prose begins with a word as well.
         let channel = channels.intern(name).ok_or_else(|| interface.fault(Channels::LIMIT))?;
-        if let Some(sum) = &mut self.distances {
-            *sum += Duration::from_nanos(at.as_nanos());
-            at = Instant::ZERO + *sum;
-        }
         Ok(Some(Parsed { at, digits, channel: Some(channel), content }))
     }
 }
 
-/// `ESC [ 34 m`, which `-c` puts before the interface.
-fn skip_colours(scan: &mut Scanner<'_>) {
-    while scan.eat(0x1B) {
-        while scan.peek().is_some_and(|byte| byte != b'm') {
-            scan.skip();
+/// The bytes of a line that are not part of a control sequence such as `ESC [ 34 m`, each with its place.
+fn visible(line: &[u8]) -> impl Iterator<Item = (usize, u8)> + '_ {
+    let mut at = 0;
+    core::iter::from_fn(move || {
+        while let Some(&[ESCAPE, b'[', ref sequence @ ..]) = line.get(at..)
+            && let Some(length) = sequence.iter().position(|byte| !matches!(byte, 0x20..=0x3F))
+            && matches!(sequence[length], 0x40..=0x7E)
+        {
+            at += 2 + length + 1;
         }
-        scan.skip();
-    }
+        let byte = *line.get(at)?;
+        at += 1;
+        Some((at - 1, byte))
+    })
 }
 
 /// The direction, `B` or `-` for the bit rate switch, `E` or `-` for the error state (`-x`).
@@ -148,67 +162,53 @@ fn content(scan: &mut Scanner<'_>, id: CanId, fd_flags: [bool; 2]) -> Result<Con
     }
 }
 
-/// Bytes in hexadecimal, in hexadecimal and from the last to the first with grave accents between them (`-S`), or in
-/// binary (`-i`).
+/// Bytes in hexadecimal or binary (`-i`); with grave accents between them they are from the last to the first (`-S`).
 fn data(scan: &mut Scanner<'_>, length: usize) -> Result<[u8; FdFrame::MAX_DATA], Fault> {
     let mut data = [0; FdFrame::MAX_DATA];
-    let is_binary =
-        scan.peek_word().len() == 8 && scan.peek_word().iter().all(|bit| matches!(bit, b'0' | b'1'));
+    let is_bit = |byte: &u8| matches!(byte, b'0' | b'1');
+    let is_binary = scan.peek_word().iter().take_while(|byte| is_bit(byte)).count() == 8;
     let mut is_swapped = false;
     for (index, slot) in data[..length].iter_mut().enumerate() {
-        is_swapped |= index > 0 && scan.eat(b'`');
+        match index {
+            0 => {}
+            1 => is_swapped = scan.eat(b'`'),
+            _ if is_swapped => scan.expect(b'`', "\"`\" between the bytes")?,
+            _ => {}
+        }
         scan.skip_blanks();
-        if is_binary {
-            let bits = *scan;
-            let word = scan.word();
-            let byte = word.iter().try_fold(0u8, |byte, bit| match bit {
-                b'0' | b'1' => Some(byte << 1 | (bit - b'0')),
-                _ => None,
-            });
-            *slot = byte.filter(|_| word.len() == 8).ok_or_else(|| bits.fault("eight binary digits"))?;
-        } else {
-            *slot = scan.hex_byte().ok_or_else(|| scan.fault("two hexadecimal digits"))?;
+        *slot = if is_binary { binary_byte(scan) } else { scan.hex_byte() }.ok_or_else(|| {
+            scan.fault(if is_binary { "eight binary digits" } else { "two hexadecimal digits" })
+        })?;
+        if !matches!(scan.peek(), None | Some(b' ' | b'\t' | b'`')) {
+            return Err(scan.fault("a blank or \"`\" after the byte"));
         }
     }
     if is_swapped {
         data[..length].reverse();
     }
-    Ok(data)
-}
-
-/// Seconds, or a date and a time of day (`-tA`), which is taken for UTC: the file does not say.
-fn time(scan: &mut Scanner<'_>) -> Result<(Instant, u8), Fault> {
-    let start = *scan;
-    let year = scan.decimal();
-    if scan.peek() != Some(b'-') {
-        *scan = start;
-        return scan.seconds();
+    let after = scan.peek_word();
+    let is_byte = if is_binary { after.len() == 8 && after.iter().all(is_bit) } else { is_hex_byte(after) };
+    match is_byte || length > 0 && scan.peek() == Some(b'`') {
+        true => Err(scan.fault("as many bytes as the length says")),
+        false => Ok(data),
     }
-    let date = || start.fault("a date and time, YYYY-MM-DD hh:mm:ss");
-    let mut field = |separator: u8, range: core::ops::RangeInclusive<u64>| {
-        let value = scan.eat(separator).then(|| scan.decimal()).flatten();
-        value.filter(|value| range.contains(value)).ok_or_else(date)
-    };
-    let year = year.filter(|year| (1970..2500).contains(year)).ok_or_else(date)?;
-    let (month, day) = (field(b'-', 1..=12)?, field(b'-', 1..=31)?);
-    let (hour, minute) = (field(b' ', 0..=23)?, field(b':', 0..=59)?);
-    scan.expect(b':', "\":\" and the seconds")?;
-    let (seconds, digits) = scan.seconds()?;
-    let minutes = (days_since_1970(year, month, day) * 24 + hour) * 60 + minute;
-    Ok((seconds + Duration::from_secs(minutes * 60), digits))
 }
 
-/// Days from 1970-01-01 to a date of the Gregorian calendar.
-fn days_since_1970(year: u64, month: u64, day: u64) -> u64 {
-    // Years that begin in March have the leap day at their end, and months of 30.6 days on average.
-    let (year, month) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
-    let days = year * 365 + year / 4 - year / 100 + year / 400 + (month * 153 + 2) / 5 + day - 1;
-    days - DAYS_FROM_MARCH_0_TO_1970
+/// Eight binary digits, or none consumed.
+fn binary_byte(scan: &mut Scanner<'_>) -> Option<u8> {
+    let byte = scan.rest().first_chunk::<8>()?.iter().try_fold(0u8, |byte, bit| match bit {
+        b'0' | b'1' => Some(byte << 1 | (bit - b'0')),
+        _ => None,
+    })?;
+    (0..8).for_each(|_| scan.skip());
+    Some(byte)
 }
 
-/// From 1 March of the year 0 to 1 January 1970.
-const DAYS_FROM_MARCH_0_TO_1970: u64 = 719_468;
+fn is_hex_byte(word: &[u8]) -> bool {
+    word.len() == 2 && word.iter().all(u8::is_ascii_hexdigit)
+}
 
+const ESCAPE: u8 = 0x1B;
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -240,32 +240,6 @@ mod tests {
     }
 
     #[test]
-    fn a_date_is_taken_for_utc() {
-        let parsed = read(" (2023-11-14 22:13:20.000250)  can0  456   [0]");
-        assert_eq!((parsed.at, parsed.digits), (Instant::from_micros(1_700_000_000_000_250), 6));
-        assert_eq!(days_since_1970(2024, 2, 29), 19_782);
-        assert!(
-            Screen::default()
-                .parse(b" (2023-13-14 22:13:20.0)  can0  456   [0]", &mut Channels::default())
-                .is_err()
-        );
-    }
-
-    #[test]
-    fn distances_are_summed_when_the_beginning_shows_that_they_are_distances() {
-        let text = b" (000.000000)  can0  456   [0]\n (000.500000)  can0  456   [0]\n (000.250000)  can0  456   [0]\n";
-        let mut screen = Screen::detect(text);
-        let mut channels = Channels::default();
-        let times: Vec<_> = text
-            .split(|byte| *byte == b'\n')
-            .filter(|line| !line.is_empty())
-            .map(|line| screen.parse(line, &mut channels).unwrap().unwrap().at)
-            .collect();
-        assert_eq!(times, [0, 500, 750].map(Instant::from_millis));
-        assert!(Screen::detect(&text[..62]).distances.is_none(), "times that grow are times");
-    }
-
-    #[test]
     fn says_where_a_line_goes_wrong() {
         let fault = |line: &str| {
             let fault = Screen::default().parse(line.as_bytes(), &mut Channels::default()).unwrap_err();
@@ -275,5 +249,14 @@ mod tests {
         assert_eq!(fault("  can0  456   [9]  01"), (15, "a length of at most 8, of CAN FD at most 64"));
         assert_eq!(fault("  can0  456   [2]  01"), (22, "two hexadecimal digits"));
         assert_eq!(fault("  can0  456   [1]  XX"), (20, "two hexadecimal digits"));
+        assert_eq!(fault("  can0  456   [2]  014B"), (22, "a blank or \"`\" after the byte"));
+        assert_eq!(fault("  can0  456   [1]  01 4B"), (22, "as many bytes as the length says"));
+        assert_eq!(fault("  can0  456   [1]  01`4B"), (22, "as many bytes as the length says"));
+        assert_eq!(fault("  can0  456   [3]  01`4B 03"), (25, "\"`\" between the bytes"));
+        assert_eq!(fault("  can0  456   [1]  00000001 00000001"), (28, "as many bytes as the length says"));
+        assert_eq!(fault("  can0  456   [2]  00000001 0001"), (29, "eight binary digits"));
+        // The place counts the colours.
+        assert_eq!(fault("  \x1B[1m\x1B[34mcan0\x1B[0m  456   6  01"), (28, "the length in brackets"));
+        assert_eq!(fault("  \x1B[34mcan0  456   [2]  01\x1B[0m"), (31, "two hexadecimal digits"));
     }
 }
