@@ -209,6 +209,25 @@ fn only_a_whole_drop_count_is_one() {
     assert_eq!(recording.notes().dropped, 2);
 }
 
+/// A name ends at a blank there.
+#[test]
+fn a_candump_log_has_names_of_one_word() {
+    let content = Content::Classic(Frame::new(standard_id(0x123), &[1]).unwrap());
+    let names = ["CAN 1", "can0", "CAN 1", "", "a\tb\n"];
+    let file = Shared::default();
+    let mut writer = Writer::new(file.clone(), WriteFormat::CandumpLog).unwrap();
+    for name in names {
+        writer.write(Instant::from_millis(1000), 6, name, &content).unwrap();
+    }
+    let renamed: Vec<_> = writer.renamed().iter().map(|it| (&*it.name, &*it.written)).collect();
+    assert_eq!(renamed, [("CAN 1", "CAN_1"), ("", "_"), ("a\tb\n", "a_b_")]);
+    writer.finish().unwrap();
+    let bytes = file.0.lock().unwrap().clone();
+    let mut recording = Recording::from_reader(std::io::Cursor::new(bytes)).unwrap();
+    assert_eq!(recording.by_ref().map(Result::unwrap).filter(|frame| frame.content == content).count(), 5);
+    assert_eq!(recording.channels().iter().collect::<Vec<_>>(), ["CAN_1", "can0", "_", "a_b_"]);
+}
+
 /// The same run as can-utils' `log2asc` converts it, which keeps no class of an error.
 #[test]
 fn asc_agrees_with_the_log_it_was_made_from() {

@@ -17,7 +17,7 @@ use std::rc::Rc;
 use crate::args::DecodeArgs;
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Attentive, Output};
-use crate::recording::{Notes, RecordedFrame, Recording, RecordingError, WriteFormat, Writer};
+use crate::recording::{Notes, RecordedFrame, Recording, RecordingError, Renamed, WriteFormat, Writer};
 use progress::Progress;
 
 /// Decodes a recording.
@@ -138,6 +138,12 @@ impl Copy {
     }
 
     fn finish(self) -> Result<(), Failure> {
+        for Renamed { name, written } in self.writer.renamed() {
+            output::note(format_args!(
+                "{}: a name in a candump log is one word, so {name:?} is written as {written:?}",
+                self.name
+            ));
+        }
         self.writer.finish().map_err(|error| failure(&self.name, error))
     }
 }

@@ -42,7 +42,7 @@ pub use detect::Format;
 pub use error::{Bad, Place, RecordingError};
 pub use frame::{ChannelId, Channels, Content, ErrorFrame, FdFrame, RecordedFrame};
 pub use notes::Notes;
-pub use write::{WriteFormat, Writer};
+pub use write::{Renamed, WriteFormat, Writer};
 
 use std::fs::File;
 use std::io::{self, Read};

@@ -38,11 +38,20 @@ impl WriteFormat {
     }
 }
 
+/// A channel whose name the format cannot hold.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Renamed {
+    /// Its name.
+    pub name: String,
+    /// Its name in the recording.
+    pub written: String,
+}
+
 /// Writes frames into a recording.
 pub struct Writer<W: Write>(Kind<W>);
 
 enum Kind<W: Write> {
-    Candump { out: W, line: Vec<u8> },
+    Candump { out: W, line: Vec<u8>, renamed: Vec<Renamed> },
     PcapNg { out: Box<PcapNgWriter<W>>, interfaces: Vec<String>, packet: Vec<u8> },
 }
 
@@ -53,7 +62,7 @@ impl<W: Write> Writer<W> {
     /// When the header cannot be written.
     pub fn new(out: W, format: WriteFormat) -> io::Result<Self> {
         Ok(Self(match format {
-            WriteFormat::CandumpLog => Kind::Candump { out, line: Vec::new() },
+            WriteFormat::CandumpLog => Kind::Candump { out, line: Vec::new(), renamed: Vec::new() },
             WriteFormat::PcapNg => Kind::PcapNg {
                 out: Box::new(PcapNgWriter::new(out).map_err(io_error)?),
                 interfaces: Vec::new(),
@@ -62,15 +71,16 @@ impl<W: Write> Writer<W> {
         }))
     }
 
-    /// Writes one entry. A candump log gets six decimals of a second, or nine when `digits` are more than six.
+    /// Writes one entry. A candump log gets six decimals of a second, or nine when `digits` are more than six; blanks
+    /// in the name of a channel would end it there, and are written as `_`.
     ///
     /// # Errors
     /// When `out` fails.
     pub fn write(&mut self, at: Instant, digits: u8, channel: &str, content: &Content) -> io::Result<()> {
         match &mut self.0 {
-            Kind::Candump { out, line } => {
+            Kind::Candump { out, line, renamed } => {
                 line.clear();
-                candump_line(line, at, digits, channel, content);
+                candump_line(line, at, digits, word(channel, renamed), content);
                 out.write_all(line)
             }
             Kind::PcapNg { out, interfaces, packet } => {
@@ -103,6 +113,15 @@ impl<W: Write> Writer<W> {
         }
     }
 
+    /// The channels whose names were written otherwise than given.
+    #[must_use]
+    pub fn renamed(&self) -> &[Renamed] {
+        match &self.0 {
+            Kind::Candump { renamed, .. } => renamed,
+            Kind::PcapNg { .. } => &[],
+        }
+    }
+
     /// Writes out what is buffered.
     ///
     /// # Errors
@@ -113,6 +132,25 @@ impl<W: Write> Writer<W> {
             Kind::PcapNg { out, .. } => out.into_inner().flush(),
         }
     }
+}
+
+/// A name as one word.
+fn word<'a>(name: &'a str, renamed: &'a mut Vec<Renamed>) -> &'a str {
+    let is_blank = |byte: u8| byte.is_ascii_whitespace() || byte.is_ascii_control();
+    if !name.is_empty() && !name.bytes().any(is_blank) {
+        return name;
+    }
+    let index = renamed.iter().position(|renamed| renamed.name == name).unwrap_or_else(|| {
+        let written = match name {
+            "" => "_".to_owned(),
+            name => {
+                name.chars().map(|it| if u8::try_from(it).is_ok_and(is_blank) { '_' } else { it }).collect()
+            }
+        };
+        renamed.push(Renamed { name: name.to_owned(), written });
+        renamed.len() - 1
+    });
+    &renamed[index].written
 }
 
 fn candump_line(line: &mut Vec<u8>, at: Instant, digits: u8, channel: &str, content: &Content) {
