@@ -72,6 +72,7 @@
 //! assert_eq!(answer(0x32, &[]), [0xB2]);
 //! ```
 
+mod assembly;
 mod call;
 mod common;
 mod effect;
@@ -81,6 +82,7 @@ mod rule;
 mod serve;
 mod set;
 
+pub use assembly::{Assemblies, Assembly, AssemblyKind, AssemblyObject, Member};
 pub use call::Call;
 pub use common::{
     CommonServices, attribute_list, attributes_all, class_attribute, find_next_instance, set_attribute_list,
