@@ -72,6 +72,7 @@
 //! assert_eq!(answer(0x32, &[]), [0xB2]);
 //! ```
 
+mod acknowledge_handler;
 mod assembly;
 mod call;
 mod common;
@@ -82,6 +83,7 @@ mod rule;
 mod serve;
 mod set;
 
+pub use acknowledge_handler::{AcknowledgeHandler, AcknowledgePath, AcknowledgeSettings};
 pub use assembly::{Assemblies, Assembly, AssemblyKind, AssemblyObject, Member};
 pub use call::Call;
 pub use common::{

@@ -1,5 +1,6 @@
 //! Tests of all objects: what they share is here, what they are about in the modules.
 
+mod acknowledge_handler;
 mod assembly;
 mod common;
 mod identity;
