@@ -184,6 +184,22 @@ impl fmt::Display for ConnectionName {
     }
 }
 
+/// The connection opened by UCMM, or made by Create, that a frame is on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DynamicConnection {
+    /// Who has the instance: it answers, whichever way the frame goes.
+    pub server: MacId,
+    /// Who has opened or made it.
+    pub client: MacId,
+    /// The instance at the server; `None` if the response to Open was not seen.
+    pub instance: Option<InstanceId>,
+    /// The message group, 1-3, as in [`ConnectionName::Dynamic`].
+    pub group: u8,
+    /// Its state at the frame.
+    pub state: ConnectionState,
+}
+
 /// What is known of a connection: a copy for a summary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ConnectionRecord {

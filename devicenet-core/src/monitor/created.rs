@@ -110,6 +110,7 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
         prove(reading, &mut held.connection);
         held.connection.touch(at);
     }
+    reading.dynamic = Some(held.told());
     let (_, message) = io::data(slots, reading, &mut held.connection, identifier, flow, guess);
     message.map(|data| {
         let fields = Fields { value: Span::tail(data.len(), data.len()), ..Fields::default() };

@@ -15,7 +15,7 @@ use super::pairing::{Seen, Transaction};
 use super::problem::Problem;
 use super::reading::{Frag, Message, Note, Reading};
 use super::slots::{Piece, Slots, Stream};
-use super::state::{Link, State};
+use super::state::{Dynamic, Link, State};
 use crate::id::{Identifier, MacId};
 use crate::message::ExplicitHeader;
 
@@ -229,6 +229,7 @@ fn address<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, rout
         (ConnectionState::Unknown, _) => connection.active = at,
         _ => {}
     }
+    reading.dynamic = state.held(route.link).map(Dynamic::told);
     false
 }
 

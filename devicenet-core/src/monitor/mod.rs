@@ -93,7 +93,7 @@ mod ucmm;
 mod unconnected;
 mod volley;
 
-pub use connections::{ConnectionName, ConnectionRecord, ConnectionState, Predefined};
+pub use connections::{ConnectionName, ConnectionRecord, ConnectionState, DynamicConnection, Predefined};
 pub use kind::Kind;
 pub use nodes::{AccessState, NAME_CAPACITY, NodeRecord, Roles};
 pub use problem::Problem;

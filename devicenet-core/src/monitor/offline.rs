@@ -5,14 +5,15 @@ use cip_core::codec::Wire;
 
 use super::bodies::problem_of;
 use super::kind::Kind;
-use super::nodes::{AccessState, Roles};
+use super::nodes::{AccessState, Node, Roles};
 use super::pairing::Seen;
 use super::problem::Problem;
 use super::reading::{Detail, Reading};
 use super::state::State;
 use crate::id::{MacId, Purpose};
 use crate::message::{
-    CommunicationFaultedRequest, CommunicationFaultedResponse, DeviceIdentity, Direction, OfflineOwnership,
+    CommunicationFaultedRequest, CommunicationFaultedResponse, DeviceIdentity, Direction, NodeSelection,
+    OfflineOwnership,
 };
 
 /// Reads a frame of Group 4 that has a use.
@@ -71,20 +72,24 @@ fn request<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>) {
     match CommunicationFaultedRequest::parse(data) {
         Ok(CommunicationFaultedRequest::Who(who)) => {
             reading.fields.detail = Detail::Who { nodes, delay_offset: who.delay_offset.number() };
+            reading.dst = selected(who.nodes);
             state.offline.who = Some(seen);
         }
-        Ok(CommunicationFaultedRequest::Identify(_)) => {
+        Ok(CommunicationFaultedRequest::Identify(identify)) => {
             reading.fields.detail = Detail::Identify { nodes };
+            reading.dst = selected(identify.nodes);
             state.offline.identify = Some(seen);
         }
         Ok(CommunicationFaultedRequest::IdentifyDevice(identify)) => {
             reading.fields.detail = Detail::Identify { nodes };
             device(reading, identify.device);
+            reading.dst = last_known(state, identify.device);
             state.offline.identify = Some(seen);
         }
         Ok(CommunicationFaultedRequest::ChangeMacId(change)) => {
             reading.fields.detail = Detail::ChangeMacId { mac: change.mac };
             device(reading, change.device);
+            reading.dst = last_known(state, change.device);
         }
         Err(error) => reading.flag(problem_of(error, data.len())),
     }
@@ -99,12 +104,14 @@ fn response<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>) {
             reading.fields.detail = Detail::WhoAnswer;
             reading.fields.port = Some(who.port.number());
             device(reading, who.device);
-            reading.src = faulted(state, who.device);
+            reading.src = last_known(state, who.device);
+            faulted(state, who.device);
             // Every faulted node answers the same request.
             state.offline.who
         }
-        Ok(CommunicationFaultedResponse::Identify(_)) => {
+        Ok(CommunicationFaultedResponse::Identify(identify)) => {
             service(reading, 1);
+            reading.src = selected(identify.nodes);
             let nodes = data.first().copied().unwrap_or_default();
             reading.fields.detail = Detail::Identify { nodes };
             state.offline.identify
@@ -120,18 +127,34 @@ fn response<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>) {
     }
 }
 
-/// The MAC ID under which the device was heard last, if one is known; it is faulted.
-fn faulted<const N: usize>(state: &mut State<N>, device: DeviceIdentity) -> Option<MacId> {
-    let known = state.nodes_mut().filter(|(_, node)| {
-        node.identity.vendor == Some(device.vendor) && node.identity.serial == Some(device.serial)
-    });
-    // A device that was moved is known by its old MAC ID as well.
-    if let Some((mac, node)) = known.max_by_key(|(_, node)| node.access_since) {
-        node.access = AccessState::Faulted;
-        return Some(mac);
+/// The node that is meant, if it is one by its MAC ID.
+fn selected(nodes: NodeSelection) -> Option<MacId> {
+    match nodes {
+        NodeSelection::MacId(mac) => Some(mac),
+        NodeSelection::Mask(_) => None,
     }
+}
+
+/// The MAC ID under which the device was heard last, if one is known.
+fn last_known<const N: usize>(state: &State<N>, device: DeviceIdentity) -> Option<MacId> {
+    let known = state.nodes().filter(|(_, node)| is(node, device));
+    // A device that was moved is known by its old MAC ID as well.
+    let last = known.max_by_key(|(_, node)| node.access_since);
     // A twin that has met the owner of its MAC ID, which stays on line.
-    state.nodes().find(|(_, node)| node.rival == Some(device)).map(|(mac, _)| mac)
+    let twin = || state.nodes().find(|(_, node)| node.rival == Some(device));
+    last.or_else(twin).map(|(mac, _)| mac)
+}
+
+/// Takes note that the device is faulted.
+fn faulted<const N: usize>(state: &mut State<N>, device: DeviceIdentity) {
+    let known = state.nodes_mut().filter(|(_, node)| is(node, device));
+    if let Some((_, node)) = known.max_by_key(|(_, node)| node.access_since) {
+        node.access = AccessState::Faulted;
+    }
+}
+
+fn is(node: &Node, device: DeviceIdentity) -> bool {
+    node.identity.vendor == Some(device.vendor) && node.identity.serial == Some(device.serial)
 }
 
 fn device(reading: &mut Reading<'_>, device: DeviceIdentity) {

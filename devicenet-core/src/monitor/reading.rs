@@ -9,7 +9,7 @@ use cip_core::fragment::{FragmentByte, FragmentKind};
 use cip_core::message::AllocationChoice;
 use link_core::{Frame, Instant};
 
-use super::connections::ConnectionState;
+use super::connections::{ConnectionState, DynamicConnection};
 use super::kind::Kind;
 use super::problem::Problem;
 use crate::id::{Identifier, MacId};
@@ -34,6 +34,9 @@ pub struct Reading<'a> {
     pub src: Option<MacId>,
     /// Who shall receive it; `None` also for a broadcast.
     pub dst: Option<MacId>,
+    /// The connection that it is on, of those that UCMM has opened or Create has made. One of the predefined set is told by
+    /// the identifier.
+    pub dynamic: Option<DynamicConnection>,
     /// What it is.
     pub kind: Kind,
     /// What it says.
@@ -264,6 +267,7 @@ impl<'a> Reading<'a> {
             msg: identifier.filter(|_| group.is_some()).map(Identifier::message_id),
             src: None,
             dst: None,
+            dynamic: None,
             kind: Kind::Foreign,
             fields: Fields::default(),
             frag: None,

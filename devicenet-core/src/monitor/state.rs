@@ -4,7 +4,7 @@ use cip_core::code::InstanceId;
 use link_core::Instant;
 
 use super::connection::{Connection, Flow};
-use super::connections::{ConnectionState, Predefined};
+use super::connections::{ConnectionState, DynamicConnection, Predefined};
 use super::explicit::Channel;
 use super::nodes::{Node, Roles};
 use super::pairing::Seen;
@@ -126,6 +126,11 @@ impl<const N: usize> State<N> {
         }
     }
 
+    /// The dynamic connection of a link, if it is one.
+    pub(super) fn held(&self, link: Link) -> Option<&Dynamic> {
+        self.dynamics.get(link.dynamic?)?.as_ref()
+    }
+
     /// The connection with that instance at a server.
     pub(super) fn instance(&mut self, server: MacId, instance: InstanceId) -> Option<&mut Connection> {
         if let Some(predefined) = Predefined::from_instance(instance) {
@@ -234,6 +239,17 @@ impl<const N: usize> State<N> {
 }
 
 impl Dynamic {
+    /// What a reading of one of its frames says of it.
+    pub(super) fn told(&self) -> DynamicConnection {
+        DynamicConnection {
+            server: self.server,
+            client: self.client,
+            instance: self.instance,
+            group: self.group,
+            state: self.connection.state,
+        }
+    }
+
     fn end(&mut self, at: Instant) {
         self.connection.end(at);
         self.requests = None;

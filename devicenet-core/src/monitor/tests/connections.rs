@@ -162,6 +162,28 @@ fn a_dynamic_connection_ends_by_its_close() {
     assert_eq!(bus.monitor.connections().next().unwrap().state, ConnectionState::NonExistent);
 }
 
+/// Two connections of one client at one server, in one group: each frame is on its own, whichever way it goes.
+#[test]
+fn a_frame_tells_which_dynamic_connection_it_is_on() {
+    let mut bus = Bus::new();
+    for (message, instance) in [(1, 7), (2, 8)] {
+        bus.group3(6, 2, &[20, 0x4B, 0, 0x30 | message]);
+        bus.group3(5, 20, &[2, 0xCB, 0, message, instance, 0]);
+    }
+    for (message, instance) in [(1, 7), (2, 8)] {
+        let expected = DynamicConnection {
+            server: mac(20),
+            client: mac(2),
+            instance: Some(instance.into()),
+            group: 3,
+            state: ConnectionState::Established,
+        };
+        assert_eq!(bus.group3(message, 2, &[20, 0x0E, 1, 1, 1]).dynamic, Some(expected));
+        assert_eq!(bus.group3(message, 20, &[2, 0x8E, 0x34, 0x12]).dynamic, Some(expected));
+    }
+    assert_eq!(bus.group2(10, 4, &[0x02, 0x0E, 1, 1, 1]).dynamic, None, "of the predefined set");
+}
+
 /// I/O that is allocated through a UCMM connection, in its body format.
 #[test]
 fn an_allocation_through_a_dynamic_connection() {

@@ -43,6 +43,8 @@ fn one_slave_produces_for_another() {
     assert_eq!(bus.frame(FROM_10, &[7]).text, "I/O 10 -> 11  07");
     assert_eq!((bus.created(10).frames, bus.created(11).frames), (2, 1));
     assert_eq!(bus.created(10).name.to_string(), "group 1 instance 6");
+    let told = bus.frame(FROM_10, &[7]).dynamic.unwrap();
+    assert_eq!((told.server, told.instance, told.group), (mac(10), Some(6.into()), 1));
     bus.group2(10, 4, &[0x01, 0x09, 5, 6]);
     bus.group2(10, 3, &[0x01, 0x89]);
     bus.group2(11, 4, &[0x01, 0x09, 5, 6]);

@@ -20,10 +20,12 @@ fn a_tool_finds_and_repairs_a_faulted_node() {
     assert_eq!(bus.node(10).access, AccessState::Faulted);
     let heard = bus.frame(0x7ED, &[0x4A, 0x4C]);
     assert_eq!(heard.text, "offline Identify  MAC ID 10");
-    assert_eq!(bus.frame(0x7EC, &[0x4A, 0xCC]).answers(), Some(heard.n));
+    assert_eq!((who.dst, heard.dst), (None, Some(10)), "all nodes, and one");
+    let answer = bus.frame(0x7EC, &[0x4A, 0xCC]);
+    assert_eq!((answer.answers(), answer.src), (Some(heard.n), Some(10)));
     let heard = bus.frame(0x7ED, &[0x03, 0x4D, 0x06, 0x00, 0x08, 0x07, 0x06, 0x05]);
     assert_eq!(heard.text, "offline Change_MAC_ID  to 3  vendor 6 serial 0x05060708");
-    assert_eq!(heard.problem, None);
+    assert_eq!((heard.problem, heard.dst), (None, Some(10)));
     assert!(bus.node(1).roles.contains(Roles::TOOL));
 }
 
