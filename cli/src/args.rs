@@ -80,7 +80,8 @@ pub struct DecodeArgs {
     /// Only frames of this kind, named as in the JSON output; several with commas, or given more than once
     #[arg(long, value_name = "KIND", value_parser = kind_parser(), value_delimiter = ',')]
     pub kind: Vec<Kind>,
-    /// Instead of the frames, a summary: each node, each connection, each kind of problem
+    /// Instead of the frames, a summary: each node, each connection, each kind of problem; response times p50 and p99 have
+    /// two significant digits, the longest is exact
     #[arg(long)]
     pub summary: bool,
     /// The bit rate of the bus, from which the summary computes the bus load

@@ -179,15 +179,15 @@ fn the_summary_counts_nodes_and_connections() {
 can0: 30 frames in 4.210 s, 0 with a problem
 bus load 0.45 % at 125 kbit/s, stuff bits and intermission included
 
-node  frames  bytes  problems    load  response p50       p99       max  access  device
-   1      15     50         0  0.22 %             -         -         -  online
-  10      15     54         0  0.23 %      0.300 ms  0.300 ms  0.300 ms  online  vendor 4660, serial 0x00002345
+node  frames  bytes  problems    load  response p50      p99       max  access  device
+   1      15     50         0  0.22 %             -        -         -  online
+  10      15     54         0  0.23 %       0.30 ms  0.30 ms  0.300 ms  online  vendor 4660, serial 0x00002345
 
-node  connection              frames  bytes  problems    load  response p50       p99       max  states seen
-  10  duplicate MAC ID check       2     14         0  0.04 %             -         -         -
-  10  explicit                    13     59         0  0.22 %      0.300 ms  0.300 ms  0.300 ms  non-existent, established
-  10  poll                        11     15         0  0.13 %      0.300 ms  0.300 ms  0.300 ms  non-existent, configuring, established
-  10  unconnected port             4     16         0  0.06 %      0.300 ms  0.300 ms  0.300 ms
+node  connection              frames  bytes  problems    load  response p50      p99       max  states seen
+  10  duplicate MAC ID check       2     14         0  0.04 %             -        -         -
+  10  explicit                    13     59         0  0.22 %       0.30 ms  0.30 ms  0.300 ms  non-existent, established
+  10  poll                        11     15         0  0.13 %       0.30 ms  0.30 ms  0.300 ms  non-existent, configuring, established
+  10  unconnected port             4     16         0  0.06 %       0.30 ms  0.30 ms  0.300 ms
 ";
     assert_eq!(stdout(&output), expected);
     let objects = json_lines(&run(&["decode", "--summary", "--json", &file]));
@@ -198,6 +198,105 @@ node  connection              frames  bytes  problems    load  response p50     
         serde_json::json!({ "count": 13, "p50": 0.0003, "p99": 0.0003, "max": 0.0003 })
     );
     assert_eq!(objects[5]["states"], serde_json::json!(["non_existent", "configuring", "established"]));
+}
+
+/// Two connections that one client has opened, and one of another, at the same server in the same group.
+#[test]
+fn the_summary_keeps_opened_connections_apart_and_both_directions_together() {
+    let mut log = String::new();
+    let mut put =
+        |id: u16, data: &str| log += &format!("({}.000000) can0 {id:03X}#{data}\n", log.lines().count());
+    // Group 3 of server 20: opened by 2 with instances 7 and 8, by 3 with instance 9.
+    for (client, message, instance) in [(2, 1, 7), (2, 2, 8), (3, 1, 9)] {
+        put(0x780 | client, &format!("144B003{message}"));
+        put(0x754, &format!("{client:02X}CB000{message}{instance:02X}00"));
+    }
+    for (client, message) in [(2, 1), (2, 2), (2, 2), (3, 1)] {
+        put(0x600 | message << 6 | client, "140E010101");
+        put(0x600 | message << 6 | 20, &format!("{client:02X}8E3412"));
+    }
+    // It closes one, which then has been in both states.
+    put(0x782, "144C0700");
+    put(0x754, "02CC");
+    let output = run_with_input(&["decode", "--summary", "--json", "-"], &log);
+    assert_exit(&output, 0);
+    let rows: Vec<_> = json_lines(&output)
+        .into_iter()
+        .filter(|object| object["summary"] == "connection")
+        .map(|row| {
+            let [node, name, client, frames, states] =
+                ["node", "connection", "client", "frames", "states"].map(|field| row[field].to_string());
+            [node, name.replace('"', ""), client, frames, states.replace('"', "")].join(" ")
+        })
+        .collect();
+    assert_eq!(
+        rows,
+        [
+            "20 UCMM null 8 []",
+            "20 group 3 instance 7 2 2 [non_existent,established]",
+            "20 group 3 instance 8 2 4 [established]",
+            "20 group 3 instance 9 3 2 [established]",
+        ]
+    );
+    let text = run_with_input(&["decode", "--summary", "-"], &log);
+    assert!(
+        stdout(&text).contains("  20  group 3 instance 9, client 3       2      9 "),
+        "{}",
+        stdout(&text)
+    );
+}
+
+/// A tool that connects anew for every request: neither states nor frames are lost, and memory does not grow.
+#[test]
+fn any_number_of_opened_connections_is_summed_up() {
+    let mut log = String::new();
+    let mut n = 0;
+    for instance in 10..2010_u16 {
+        let [low, high] = instance.to_le_bytes();
+        for (id, data) in [
+            (0x782, "144B0031".to_owned()),
+            (0x754, format!("02CB0001{low:02X}{high:02X}")),
+            (0x642, "140E010101".to_owned()),
+            (0x654, "028E3412".to_owned()),
+            (0x782, format!("144C{low:02X}{high:02X}")),
+            (0x754, "02CC".to_owned()),
+        ] {
+            log += &format!("({}.{:03}000) can0 {id:03X}#{data}\n", n / 1000, n % 1000);
+            n += 1;
+        }
+    }
+    let output = run_with_input(&["decode", "--summary", "--json", "-"], &log);
+    assert_exit(&output, 0);
+    let rows: Vec<_> =
+        json_lines(&output).into_iter().filter(|object| object["summary"] == "connection").collect();
+    assert_eq!(rows.len(), 1025);
+    assert_eq!(rows.iter().filter_map(|row| row["frames"].as_u64()).sum::<u64>(), 12_000);
+    let others = rows.iter().find(|row| row["connection"] == "further dynamic connections").unwrap();
+    assert_eq!(others["frames"], 2 * (2000 - 1023));
+    assert!(rows.iter().skip(2).all(|row| row["states"].to_string().contains("established")), "{}", rows[5]);
+}
+
+#[test]
+fn the_summary_names_devices_and_nothing_on_the_bus_commands_the_terminal() {
+    // The slave answers with its product name, in which a byte is ESC.
+    let log = "(0.000000) can0 454#010E010107\n(0.001000) can0 453#018E0441621B64\n";
+    let output = run_with_input(&["decode", "--summary", "-"], log);
+    assert!(stdout(&output).starts_with("can0: 2 frames in 0.001 s, 0 with a problem\n"));
+    assert!(
+        stdout(&output).contains("  Ab\u{FFFD}d\n") && !stdout(&output).contains('\u{1B}'),
+        "{}",
+        stdout(&output)
+    );
+    let objects = json_lines(&run_with_input(&["decode", "--summary", "--json", "-"], log));
+    let node = objects.iter().find(|object| object["summary"] == "node" && object["node"] == 10).unwrap();
+    assert_eq!(node["product_name"], "Ab\u{FFFD}d");
+    let (one, _) = log.split_at(log.find('\n').unwrap());
+    let output = run_with_input(&["decode", "--summary", "-"], one);
+    assert!(
+        stdout(&output).starts_with("can0: 1 frame in 0.000 s, 0 with a problem\n"),
+        "{}",
+        stdout(&output)
+    );
 }
 
 /// A filter hides frames, not time: the load of those shown is a part of the same whole.

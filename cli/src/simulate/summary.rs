@@ -11,6 +11,7 @@ use transport_mock::record::Outcome;
 use super::expectations::Status;
 use super::sight::{Level, Nodes, Sight, View, index, length};
 use crate::scenario::{NodeIndex, Scenario, StateName};
+use crate::text::count;
 
 /// The figures of a run.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -196,11 +197,6 @@ impl Summary {
         );
         text
     }
-}
-
-fn count(number: u64, what: &str) -> String {
-    let plural = if number == 1 { "" } else { "s" };
-    format!("{number} {what}{plural}")
 }
 
 #[expect(clippy::ref_option, reason = "the signature is serde's")]

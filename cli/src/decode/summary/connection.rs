@@ -1,26 +1,67 @@
 //! Which connection a frame belongs to.
 
-use devicenet_core::Identifier;
+use core::fmt;
+
 use devicenet_core::id::{MessageGroup, Purpose};
-use devicenet_core::monitor::{ConnectionName, Kind, Predefined, Reading};
+use devicenet_core::monitor::{ConnectionName, ConnectionRecord, Kind, Predefined, Reading};
+use devicenet_core::{Identifier, MacId};
 
 /// A connection of a node, or another exchange that belongs together.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) struct ConnectionKey {
-    /// The slave of a master/slave connection, the node that a check or a broadcast is about, the sender on a connection
-    /// opened by UCMM; none for a command to all.
-    pub(super) node: Option<u8>,
-    pub(super) name: &'static str,
+    pub(super) node: Node,
+    pub(super) name: Name,
+}
+
+/// Whose it is.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(super) enum Node {
+    /// Of all nodes: commands to many, and the offline connection set.
+    All,
+    /// Of none that is known.
+    Unknown,
+    /// The slave of a master/slave connection, the server of one opened by UCMM, the node that a check or a broadcast is
+    /// about.
+    Mac(u8),
+}
+
+/// What it is at its node.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(super) enum Name {
+    /// There is one of it.
+    Single(&'static str),
+    /// Opened by UCMM, or made by Create.
+    Dynamic {
+        group: u8,
+        /// `None` if the response to Open was not seen.
+        instance: Option<u16>,
+        client: u8,
+    },
+    /// On an identifier that UCMM assigns, but nothing tells the connection: the node is the sender.
+    Unassigned { group: u8 },
+    /// Dynamic connections beyond those that are kept apart.
+    Others,
 }
 
 impl ConnectionKey {
     /// `None` for a frame that is not DeviceNet's.
     pub(super) fn of(reading: &Reading<'_>) -> Option<Self> {
         let identifier = Identifier::of_frame(&reading.frame)?;
+        if let Some(dynamic) = &reading.dynamic {
+            let name = Name::Dynamic {
+                group: dynamic.group,
+                instance: dynamic.instance.map(u16::from),
+                client: dynamic.client.number(),
+            };
+            return Some(Self { node: Node::Mac(dynamic.server.number()), name });
+        }
         let name = match (reading.kind, identifier.purpose()) {
             (Kind::Heartbeat, _) => "heartbeat",
             (Kind::Shutdown, _) => "shutdown",
-            (_, Purpose::Dynamic) => dynamic(identifier.group().number()),
+            (_, Purpose::Dynamic) => {
+                let name = Name::Unassigned { group: identifier.group().number()? };
+                return Some(Self { node: Node::of(reading.src), name });
+            }
             (_, Purpose::MulticastPollResponse | Purpose::MulticastPollCommand) => {
                 Predefined::MulticastPoll.name()
             }
@@ -43,31 +84,76 @@ impl ConnectionKey {
         };
         let is_to_all = matches!(reading.kind, Kind::BitStrobeCommand | Kind::MulticastPollCommand);
         let node = match identifier.group() {
-            _ if is_to_all => None,
+            _ if is_to_all => Node::All,
             // The MAC ID of the predefined set is the slave's in both directions.
-            MessageGroup::Group1 | MessageGroup::Group2 => identifier.mac_id(),
-            MessageGroup::Group3 if reading.kind == Kind::UnconnectedRequest => reading.dst,
-            MessageGroup::Group3 => reading.src,
-            MessageGroup::Group4 | MessageGroup::Invalid => None,
+            MessageGroup::Group1 | MessageGroup::Group2 => Node::of(identifier.mac_id()),
+            MessageGroup::Group3 if reading.kind == Kind::UnconnectedRequest => Node::of(reading.dst),
+            MessageGroup::Group3 => Node::of(reading.src),
+            MessageGroup::Group4 if reading.kind != Kind::Reserved => Node::All,
+            MessageGroup::Group4 | MessageGroup::Invalid => Node::Unknown,
         };
-        Some(Self { node: node.map(u8::from), name })
+        Some(Self { node, name: Name::Single(name) })
+    }
+
+    /// Where what has no room of its own is counted.
+    pub(super) const OTHERS: Self = Self { node: Node::Unknown, name: Name::Others };
+
+    /// The key under which the frames of a connection that the monitor knows are counted.
+    pub(super) fn of_record(record: &ConnectionRecord) -> Option<Self> {
+        let name = match record.name {
+            ConnectionName::Predefined(predefined) => Name::Single(predefined.name()),
+            ConnectionName::Dynamic { instance, group } => {
+                Name::Dynamic { group, instance: instance.map(u16::from), client: record.client?.number() }
+            }
+        };
+        Some(Self { node: Node::Mac(record.server.number()), name })
     }
 }
 
-/// The name under which the frames of a connection are counted.
-pub(super) fn name(connection: ConnectionName) -> &'static str {
-    match connection {
-        ConnectionName::Predefined(predefined) => predefined.name(),
-        ConnectionName::Dynamic { group, .. } => dynamic(Some(group)),
+impl Node {
+    fn of(mac: Option<MacId>) -> Self {
+        mac.map_or(Self::Unknown, |mac| Self::Mac(mac.number()))
+    }
+
+    pub(super) fn mac(self) -> Option<u8> {
+        match self {
+            Self::Mac(mac) => Some(mac),
+            Self::All | Self::Unknown => None,
+        }
     }
 }
 
-fn dynamic(group: Option<u8>) -> &'static str {
-    match group {
-        Some(1) => "opened in group 1",
-        Some(2) => "opened in group 2",
-        Some(3) => "opened in group 3",
-        _ => "opened",
+/// As in a table.
+impl fmt::Display for Node {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::All => f.write_str("all"),
+            Self::Unknown => f.write_str("-"),
+            Self::Mac(mac) => mac.fmt(f),
+        }
+    }
+}
+
+impl Name {
+    /// The client, where connections of several clients can bear the same name.
+    pub(super) fn client(self) -> Option<u8> {
+        match self {
+            Self::Dynamic { client, .. } => Some(client),
+            Self::Single(_) | Self::Unassigned { .. } | Self::Others => None,
+        }
+    }
+}
+
+impl fmt::Display for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Single(name) => f.write_str(name),
+            Self::Dynamic { group, instance, .. } => {
+                ConnectionName::Dynamic { instance: instance.map(Into::into), group }.fmt(f)
+            }
+            Self::Unassigned { group } => write!(f, "group {group}, connection unknown"),
+            Self::Others => f.write_str("further dynamic connections"),
+        }
     }
 }
 

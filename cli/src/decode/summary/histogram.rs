@@ -2,10 +2,12 @@
 
 use core::time::Duration;
 
-/// Counts durations in buckets that are 1/32 of their value wide, so that a percentile is right to about 3 %.
-#[derive(Clone, Debug)]
+/// Counts durations in buckets that are at most 1/128 of their value wide, so that a percentile has two significant digits,
+/// the second of which is at most one off.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Histogram {
-    buckets: Box<[u32; BUCKETS]>,
+    /// Empty until there is something to count.
+    buckets: Vec<u32>,
     count: u64,
     min: Duration,
     max: Duration,
@@ -13,6 +15,9 @@ pub(super) struct Histogram {
 
 impl Histogram {
     pub(super) fn record(&mut self, span: Duration) {
+        if self.buckets.is_empty() {
+            self.buckets.resize(BUCKETS, 0);
+        }
         let bucket = &mut self.buckets[bucket_of(nanos(span))];
         *bucket = bucket.saturating_add(1);
         self.count += 1;
@@ -29,27 +34,40 @@ impl Histogram {
         self.max
     }
 
-    /// The duration that `percent` of all do not exceed, never below the shortest or above the longest.
+    /// The duration that `percent` of all do not exceed, rounded to two significant digits; never below the shortest or
+    /// above the longest.
     pub(super) fn percentile(&self, percent: u64) -> Duration {
         let rank = (self.count * percent).div_ceil(100).max(1);
         let mut seen = 0;
         for (bucket, count) in self.buckets.iter().enumerate() {
             seen += u64::from(*count);
             if seen >= rank {
-                return Duration::from_nanos(middle_of(bucket)).clamp(self.min, self.max);
+                return Duration::from_nanos(rounded(middle_of(bucket))).clamp(self.min, self.max);
             }
         }
         self.max
     }
 }
 
-impl Default for Histogram {
-    fn default() -> Self {
-        Self { buckets: Box::new([0; BUCKETS]), count: 0, min: Duration::ZERO, max: Duration::ZERO }
-    }
+/// The decimals of a number of milliseconds that has two significant digits; `None` if it has more.
+pub(super) fn decimals_of_milliseconds(span: Duration) -> Option<usize> {
+    let nanos = nanos(span);
+    let second = second_digit(nanos);
+    (rounded(nanos) == nanos).then(|| if nanos == 0 { 0 } else { 6_usize.saturating_sub(second as usize) })
 }
 
-/// Values below 32 have a bucket each; above, every power of two has 32.
+/// To two significant digits.
+fn rounded(nanos: u64) -> u64 {
+    let unit = 10_u64.pow(second_digit(nanos));
+    nanos.saturating_add(unit / 2) / unit * unit
+}
+
+/// The power of ten that the second digit counts.
+fn second_digit(nanos: u64) -> u32 {
+    nanos.checked_ilog10().unwrap_or(0).saturating_sub(1)
+}
+
+/// Values below 128 have a bucket each; above, every power of two has 128.
 fn bucket_of(nanos: u64) -> usize {
     let exponent = (u64::BITS - nanos.leading_zeros()).saturating_sub(SUB_BITS + 1);
     let mantissa = (nanos >> exponent) as usize;
@@ -66,40 +84,66 @@ fn nanos(span: Duration) -> u64 {
     u64::try_from(span.as_nanos()).unwrap_or(u64::MAX)
 }
 
-const SUB_BITS: u32 = 5;
+const SUB_BITS: u32 = 7;
 const SUB_BUCKETS: usize = 1 << SUB_BITS;
 /// Up to 2^37 ns, which is over two minutes; what is longer counts as that.
-const BUCKETS: usize = SUB_BUCKETS * 33;
+const BUCKETS: usize = SUB_BUCKETS * 31;
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// With two digits, the second of which is at most one off.
     #[test]
-    fn percentiles_are_right_to_three_percent() {
-        let mut histogram = Histogram::default();
-        for micros in 1..=10_000 {
-            histogram.record(Duration::from_micros(micros));
-        }
-        assert_eq!((histogram.count(), histogram.max()), (10_000, Duration::from_millis(10)));
-        for (percent, exact) in [(50, 5_000.0), (99, 9_900.0), (100, 10_000.0)] {
-            let found = histogram.percentile(percent).as_secs_f64() * 1e6;
-            assert!((found / exact - 1.0).abs() < 0.03, "p{percent}: {found} instead of {exact}");
+    fn percentiles_have_the_digits_that_they_are_right_to() {
+        for scale in 1..50 {
+            let mut histogram = Histogram::default();
+            for micros in 1..=1_000 {
+                histogram.record(Duration::from_micros(micros * scale));
+            }
+            assert_eq!((histogram.count(), histogram.max()), (1_000, Duration::from_micros(1_000 * scale)));
+            for percent in [50, 90, 97, 99, 100] {
+                let (found, exact) = (nanos(histogram.percentile(percent)), percent * 10_000 * scale);
+                assert_eq!(rounded(found), found, "p{percent} has more than two digits: {found}");
+                let one = 10_u64.pow(second_digit(exact));
+                assert!(found.abs_diff(exact) <= one, "p{percent}: {found} instead of {exact}");
+            }
         }
     }
 
     #[test]
     fn buckets_cover_every_value_without_a_gap() {
-        for nanos in (0..10_000).chain([u64::from(u32::MAX), 1 << 36]) {
+        for nanos in (0..100_000).chain([u64::from(u32::MAX), 1 << 36, (1 << 37) - 1]) {
             let bucket = bucket_of(nanos);
             let error = middle_of(bucket).abs_diff(nanos);
             assert!(
-                error <= nanos / 32,
+                error <= nanos / 256 + 1,
                 "{nanos} is in bucket {bucket}, which stands for {}",
                 middle_of(bucket)
             );
         }
+        assert_eq!(bucket_of((1 << 37) - 1), BUCKETS - 1);
         assert_eq!(bucket_of(u64::MAX), BUCKETS - 1);
+    }
+
+    #[test]
+    fn two_digits_in_milliseconds() {
+        let text = |nanos| {
+            let span = Duration::from_nanos(nanos);
+            decimals_of_milliseconds(span).map(|decimals| format!("{:.decimals$}", span.as_secs_f64() * 1e3))
+        };
+        for (nanos, expected) in [
+            (0, "0"),
+            (300_000, "0.30"),
+            (1_200_000, "1.2"),
+            (12_000_000, "12"),
+            (1_300_000_000, "1300"),
+            (25_000, "0.025"),
+        ] {
+            assert_eq!(text(nanos).as_deref(), Some(expected));
+        }
+        assert_eq!(text(301_000), None);
+        assert_eq!([96_500, 95_400, 99_600, 5, 0].map(rounded), [97_000, 95_000, 100_000, 5, 0]);
     }
 
     #[test]

@@ -2,21 +2,21 @@
 
 mod connection;
 mod histogram;
+mod json;
 mod problems;
 mod table;
+mod text;
 
 use core::time::Duration;
 
 use devicenet_core::monitor::{ConnectionState, Kind, Monitor, NodeRecord};
 use link_core::Instant;
-use serde::Serialize;
 
 use super::decoder::Meaning;
 use crate::recording::{Content, RecordedFrame};
 use connection::ConnectionKey;
 use histogram::Histogram;
 use problems::Problems;
-use table::{Cell, Table};
 
 /// The counts of a recording.
 #[derive(Debug)]
@@ -33,7 +33,7 @@ struct Bus {
     total: Count,
     /// By MAC ID, and one more for frames whose sender is not known.
     nodes: Vec<Node>,
-    /// Sorted.
+    /// Sorted by key.
     connections: Vec<(ConnectionKey, Connection)>,
     problems: Problems,
 }
@@ -66,6 +66,7 @@ struct Seen {
 #[derive(Debug, Default)]
 struct Connection {
     count: Count,
+    /// Sorted.
     states: Vec<ConnectionState>,
 }
 
@@ -96,7 +97,10 @@ impl Summary {
         if let Meaning::Read(reading) = meaning
             && let Some(key) = ConnectionKey::of(reading)
         {
-            bus.connection(key).count.add(&seen);
+            let connection = bus.connection(key);
+            connection.count.add(&seen);
+            // The monitor keeps a limited number of dynamic connections: what it has forgotten in the end was seen here.
+            connection.saw(reading.dynamic.map(|dynamic| dynamic.state));
         }
     }
 
@@ -108,12 +112,10 @@ impl Summary {
             bus.nodes[mac].record = Some(record);
         }
         for record in monitor.connections() {
-            let key =
-                ConnectionKey { node: Some(record.server.number()), name: connection::name(record.name) };
+            let Some(key) = ConnectionKey::of_record(&record) else { continue };
             // Only connections that had a frame among those shown.
-            if let Ok(index) = bus.connections.binary_search_by_key(&key, |(key, _)| *key) {
-                let states = &mut bus.connections[index].1.states;
-                states.extend(record.states().filter(|state| !states.contains(state)).collect::<Vec<_>>());
+            if let Ok(index) = bus.find(&key) {
+                bus.connections[index].1.saw(record.states());
             }
         }
     }
@@ -123,86 +125,6 @@ impl Summary {
             self.buses.resize_with(index + 1, Bus::new);
         }
         &mut self.buses[index]
-    }
-
-    /// As tables for people.
-    pub(super) fn text(&self, channel: impl Fn(usize) -> String) -> String {
-        let mut out = String::new();
-        for (index, bus) in self.buses.iter().enumerate() {
-            if index > 0 {
-                out.push('\n');
-            }
-            out += &format!(
-                "{}: {} frames in {:.3} s, {} with a problem\n\
-                 bus load {} at {} kbit/s, stuff bits and intermission included\n",
-                channel(index),
-                bus.total.frames,
-                bus.seconds(),
-                bus.total.problems,
-                percent(bus.load(&bus.total, self.bit_rate)),
-                f64::from(self.bit_rate) / 1000.0,
-            );
-            if bus.total.frames > 0 {
-                out += &format!("\n{}\n{}", self.node_table(bus), self.connection_table(bus));
-            }
-            if !bus.problems.is_empty() {
-                out += &format!("\n{}", bus.problems.table());
-            }
-        }
-        out
-    }
-
-    fn node_table(&self, bus: &Bus) -> Table {
-        let mut table = Table::new(&[&["node"][..], &COUNT_COLUMNS, &["access", "device"]].concat());
-        for (mac, Node { count, record }) in bus.senders() {
-            let node = vec![Cell::right(mac.map_or_else(|| "-".to_owned(), |mac| mac.to_string()))];
-            let known = match record {
-                Some(record) => vec![Cell::left(record.access.to_string()), Cell::left(device(record))],
-                None => vec![Cell::left(""), Cell::left("")],
-            };
-            table.row([node, count.cells(bus.load(count, self.bit_rate)), known].concat());
-        }
-        table
-    }
-
-    fn connection_table(&self, bus: &Bus) -> Table {
-        let mut table = Table::new(&[&["node", "connection"][..], &COUNT_COLUMNS, &["states seen"]].concat());
-        for (key, Connection { count, states }) in &bus.connections {
-            let node = key.node.map_or_else(|| "all".to_owned(), |mac| mac.to_string());
-            let names = vec![Cell::right(node), Cell::left(key.name)];
-            let states = states.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
-            table
-                .row([names, count.cells(bus.load(count, self.bit_rate)), vec![Cell::left(states)]].concat());
-        }
-        table
-    }
-
-    /// As JSON, one object a line: first the bus, then its nodes, its connections, its problems.
-    pub(super) fn json(&self, channel: impl Fn(usize) -> String) -> String {
-        let mut out = String::new();
-        for (index, bus) in self.buses.iter().enumerate() {
-            let channel = channel(index);
-            let seconds = Some(bus.seconds());
-            let record = |summary| Record { summary, channel: &channel, ..Record::default() };
-            let mut push = |record: &Record<'_>| out += &line(record);
-            let load = |count: &Count| bus.load(count, self.bit_rate);
-            let bus_record = Record { seconds, bit_rate: Some(self.bit_rate), ..record("bus") };
-            push(&bus_record.with_count(&bus.total, load(&bus.total)));
-            for (node, Node { count, record: known }) in bus.senders() {
-                let node = Record { node, ..record("node") }.with_count(count, load(count));
-                push(&node.with_identity(known.as_ref()));
-            }
-            for (key, Connection { count, states }) in &bus.connections {
-                let states = Some(states.iter().map(|state| state.name()).collect());
-                let connection =
-                    Record { node: key.node, connection: Some(key.name), ..record("connection") };
-                push(&Record { states, ..connection }.with_count(count, load(count)));
-            }
-            for problem in bus.problems.records(&channel) {
-                out += &line(&problem);
-            }
-        }
-        out
     }
 }
 
@@ -219,12 +141,23 @@ impl Bus {
         }
     }
 
+    /// The connection of a key, which is a new one if there is room.
     fn connection(&mut self, key: ConnectionKey) -> &mut Connection {
-        let index = self.connections.binary_search_by_key(&key, |(key, _)| *key).unwrap_or_else(|index| {
+        let is_full = self.connections.len() >= MOST_CONNECTIONS;
+        let found = self.find(&key).or_else(|index| match is_full && key.name.client().is_some() {
+            true => self.find(&ConnectionKey::OTHERS).map_err(|index| (index, ConnectionKey::OTHERS)),
+            false => Err((index, key)),
+        });
+        let index = found.unwrap_or_else(|(index, key)| {
             self.connections.insert(index, (key, Connection::default()));
             index
         });
         &mut self.connections[index].1
+    }
+
+    /// Where a connection is, or where it belongs.
+    fn find(&self, key: &ConnectionKey) -> Result<usize, usize> {
+        self.connections.binary_search_by_key(key, |(key, _)| *key)
     }
 
     /// The nodes that sent something; those not known last.
@@ -273,6 +206,16 @@ impl Seen {
     }
 }
 
+impl Connection {
+    fn saw(&mut self, states: impl IntoIterator<Item = ConnectionState>) {
+        for state in states {
+            if let Err(index) = self.states.binary_search(&state) {
+                self.states.insert(index, state);
+            }
+        }
+    }
+}
+
 impl Count {
     fn add(&mut self, seen: &Seen) {
         self.frames += 1;
@@ -283,111 +226,12 @@ impl Count {
             self.responses.record(latency);
         }
     }
-
-    /// The cells below [`COUNT_COLUMNS`].
-    fn cells(&self, load: Option<f64>) -> Vec<Cell> {
-        let milliseconds = |span: Duration| match self.responses.count() {
-            0 => "-".to_owned(),
-            _ => format!("{:.3} ms", span.as_secs_f64() * 1000.0),
-        };
-        let responses = &self.responses;
-        vec![
-            Cell::right(self.frames.to_string()),
-            Cell::right(self.bytes.to_string()),
-            Cell::right(self.problems.to_string()),
-            Cell::right(percent(load)),
-            Cell::right(milliseconds(responses.percentile(50))),
-            Cell::right(milliseconds(responses.percentile(99))),
-            Cell::right(milliseconds(responses.max())),
-        ]
-    }
-}
-
-/// One line of the JSON summary; `response` holds seconds.
-#[derive(Serialize, Default)]
-struct Record<'a> {
-    summary: &'static str,
-    channel: &'a str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    node: Option<u8>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    connection: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    seconds: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    bit_rate: Option<u32>,
-    frames: u64,
-    bytes: u64,
-    problems: u64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    load: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    response: Option<Response>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    states: Option<Vec<&'static str>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    access: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    vendor: Option<u16>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    serial: Option<u32>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    product: Option<u16>,
-}
-
-#[derive(Serialize)]
-struct Response {
-    count: u64,
-    p50: f64,
-    p99: f64,
-    max: f64,
-}
-
-impl Record<'_> {
-    fn with_count(mut self, count: &Count, load: Option<f64>) -> Self {
-        let responses = &count.responses;
-        (self.frames, self.bytes, self.problems) = (count.frames, count.bytes, count.problems);
-        self.load = load;
-        self.response = (responses.count() > 0).then(|| Response {
-            count: responses.count(),
-            p50: responses.percentile(50).as_secs_f64(),
-            p99: responses.percentile(99).as_secs_f64(),
-            max: responses.max().as_secs_f64(),
-        });
-        self
-    }
-
-    fn with_identity(mut self, known: Option<&NodeRecord>) -> Self {
-        if let Some(record) = known {
-            self.access = Some(record.access.name());
-            (self.vendor, self.serial) = (record.vendor.map(|vendor| vendor.0), record.serial);
-            self.product = record.product;
-        }
-        self
-    }
-}
-
-/// An object as a line.
-fn line(record: &impl Serialize) -> String {
-    // Numbers and strings: nothing in it can fail.
-    serde_json::to_string(record).unwrap_or_default() + "\n"
-}
-
-/// `Pressure gauge, vendor 4660, serial 0x00002345`, as far as it is known.
-fn device(record: &NodeRecord) -> String {
-    let name = record.product_name.iter().map(|&byte| char::from(byte)).collect::<String>();
-    let name = Some(name.trim().to_owned()).filter(|name| !name.is_empty());
-    let vendor = record.vendor.map(|vendor| format!("vendor {}", vendor.0));
-    let serial = record.serial.map(|serial| format!("serial 0x{serial:08X}"));
-    [name, vendor, serial].into_iter().flatten().collect::<Vec<_>>().join(", ")
-}
-
-fn percent(load: Option<f64>) -> String {
-    load.map_or_else(|| "-".to_owned(), |load| format!("{:.2} %", load * 100.0))
 }
 
 /// Bits between two frames.
 const INTERMISSION: u32 = 3;
+/// Rows in the table of connections before those opened by UCMM are no longer kept apart; the predefined set of a full
+/// network needs fewer. A tool that connects anew for every request can open any number.
+const MOST_CONNECTIONS: usize = 1024;
 /// MAC IDs 0 to 63.
 const NODES: usize = 64;
-const COUNT_COLUMNS: [&str; 7] = ["frames", "bytes", "problems", "load", "response p50", "p99", "max"];

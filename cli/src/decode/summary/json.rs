@@ -1,0 +1,116 @@
+//! The summary as JSON, one object a line.
+
+use devicenet_core::monitor::NodeRecord;
+use serde::Serialize;
+
+use super::text::product_name;
+use super::{Connection, Count, Node, Summary};
+
+impl Summary {
+    /// As JSON, one object a line: first the bus, then its nodes, its connections, its problems.
+    pub(in crate::decode) fn json(&self, channel: impl Fn(usize) -> String) -> String {
+        let mut out = String::new();
+        for (index, bus) in self.buses.iter().enumerate() {
+            let channel = channel(index);
+            let seconds = Some(bus.seconds());
+            let record = |summary| Record { summary, channel: &channel, ..Record::default() };
+            let mut push = |record: &Record<'_>| out += &line(record);
+            let load = |count: &Count| bus.load(count, self.bit_rate);
+            let bus_record = Record { seconds, bit_rate: Some(self.bit_rate), ..record("bus") };
+            push(&bus_record.with_count(&bus.total, load(&bus.total)));
+            for (node, Node { count, record: known }) in bus.senders() {
+                let node = Record { node, ..record("node") }.with_count(count, load(count));
+                push(&node.with_identity(known.as_ref()));
+            }
+            for (key, Connection { count, states }) in &bus.connections {
+                let states = Some(states.iter().map(|state| state.name()).collect());
+                let connection = Record {
+                    node: key.node.mac(),
+                    connection: Some(key.name.to_string()),
+                    client: key.name.client(),
+                    ..record("connection")
+                };
+                push(&Record { states, ..connection }.with_count(count, load(count)));
+            }
+            for problem in bus.problems.records(&channel) {
+                out += &line(&problem);
+            }
+        }
+        out
+    }
+}
+
+/// One line of the JSON summary; `response` holds seconds, percentiles with two significant digits.
+#[derive(Serialize, Default)]
+struct Record<'a> {
+    summary: &'static str,
+    channel: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    node: Option<u8>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    connection: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    client: Option<u8>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seconds: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bit_rate: Option<u32>,
+    frames: u64,
+    bytes: u64,
+    problems: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    load: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    response: Option<Response>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    states: Option<Vec<&'static str>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    access: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    vendor: Option<u16>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    serial: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    product: Option<u16>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    product_name: Option<String>,
+}
+
+#[derive(Serialize)]
+struct Response {
+    count: u64,
+    p50: f64,
+    p99: f64,
+    max: f64,
+}
+
+impl Record<'_> {
+    fn with_count(mut self, count: &Count, load: Option<f64>) -> Self {
+        let responses = &count.responses;
+        (self.frames, self.bytes, self.problems) = (count.frames, count.bytes, count.problems);
+        self.load = load;
+        self.response = (responses.count() > 0).then(|| Response {
+            count: responses.count(),
+            p50: responses.percentile(50).as_secs_f64(),
+            p99: responses.percentile(99).as_secs_f64(),
+            max: responses.max().as_secs_f64(),
+        });
+        self
+    }
+
+    fn with_identity(mut self, known: Option<&NodeRecord>) -> Self {
+        if let Some(record) = known {
+            self.access = Some(record.access.name());
+            (self.vendor, self.serial) = (record.vendor.map(|vendor| vendor.0), record.serial);
+            self.product = record.product;
+            self.product_name = product_name(record);
+        }
+        self
+    }
+}
+
+/// An object as a line.
+fn line(record: &impl Serialize) -> String {
+    // Numbers and strings: nothing in it can fail.
+    serde_json::to_string(record).unwrap_or_default() + "\n"
+}

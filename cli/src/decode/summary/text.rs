@@ -1,0 +1,113 @@
+//! The summary as tables for people.
+
+use core::time::Duration;
+
+use devicenet_core::monitor::NodeRecord;
+
+use super::histogram;
+use super::table::{Cell, Table};
+use super::{Bus, Connection, Count, Node, Summary};
+use crate::text::count;
+
+impl Summary {
+    /// As tables for people.
+    pub(in crate::decode) fn text(&self, channel: impl Fn(usize) -> String) -> String {
+        let mut out = String::new();
+        for (index, bus) in self.buses.iter().enumerate() {
+            if index > 0 {
+                out.push('\n');
+            }
+            out += &format!(
+                "{}: {} in {:.3} s, {} with a problem\n\
+                 bus load {} at {} kbit/s, stuff bits and intermission included\n",
+                channel(index),
+                count(bus.total.frames, "frame"),
+                bus.seconds(),
+                bus.total.problems,
+                percent(bus.load(&bus.total, self.bit_rate)),
+                f64::from(self.bit_rate) / 1000.0,
+            );
+            if bus.total.frames > 0 {
+                out += &format!("\n{}\n{}", self.node_table(bus), self.connection_table(bus));
+            }
+            if !bus.problems.is_empty() {
+                out += &format!("\n{}", bus.problems.table());
+            }
+        }
+        out
+    }
+
+    fn node_table(&self, bus: &Bus) -> Table {
+        let mut table = Table::new(&[&["node"][..], &COUNT_COLUMNS, &["access", "device"]].concat());
+        for (mac, Node { count, record }) in bus.senders() {
+            let node = vec![Cell::right(mac.map_or_else(|| "-".to_owned(), |mac| mac.to_string()))];
+            let known = match record {
+                Some(record) => vec![Cell::left(record.access.to_string()), Cell::left(device(record))],
+                None => vec![Cell::left(""), Cell::left("")],
+            };
+            table.row([node, count.cells(bus.load(count, self.bit_rate)), known].concat());
+        }
+        table
+    }
+
+    fn connection_table(&self, bus: &Bus) -> Table {
+        let mut table = Table::new(&[&["node", "connection"][..], &COUNT_COLUMNS, &["states seen"]].concat());
+        for (key, Connection { count, states }) in &bus.connections {
+            let name = match key.name.client() {
+                Some(client) => format!("{}, client {client}", key.name),
+                None => key.name.to_string(),
+            };
+            let names = vec![Cell::right(key.node.to_string()), Cell::left(name)];
+            let states = states.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+            table
+                .row([names, count.cells(bus.load(count, self.bit_rate)), vec![Cell::left(states)]].concat());
+        }
+        table
+    }
+}
+
+impl Count {
+    /// The cells below [`COUNT_COLUMNS`].
+    fn cells(&self, load: Option<f64>) -> Vec<Cell> {
+        let responses = &self.responses;
+        let milliseconds = |span: Duration, decimals: usize| match responses.count() {
+            0 => "-".to_owned(),
+            _ => format!("{:.decimals$} ms", span.as_secs_f64() * 1000.0),
+        };
+        let percentile = |percent| {
+            let span = responses.percentile(percent);
+            milliseconds(span, histogram::decimals_of_milliseconds(span).unwrap_or(MICROSECONDS))
+        };
+        vec![
+            Cell::right(self.frames.to_string()),
+            Cell::right(self.bytes.to_string()),
+            Cell::right(self.problems.to_string()),
+            Cell::right(percent(load)),
+            Cell::right(percentile(50)),
+            Cell::right(percentile(99)),
+            Cell::right(milliseconds(responses.max(), MICROSECONDS)),
+        ]
+    }
+}
+
+/// `Pressure gauge, vendor 4660, serial 0x00002345`, as far as it is known.
+fn device(record: &NodeRecord) -> String {
+    let vendor = record.vendor.map(|vendor| format!("vendor {}", vendor.0));
+    let serial = record.serial.map(|serial| format!("serial 0x{serial:08X}"));
+    [product_name(record), vendor, serial].into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+/// The name in the Identity object, with a replacement for what would command a terminal.
+pub(super) fn product_name(record: &NodeRecord) -> Option<String> {
+    let characters = record.product_name.iter().map(|&byte| char::from(byte));
+    let shown = characters.map(|it| if it.is_control() { char::REPLACEMENT_CHARACTER } else { it });
+    Some(shown.collect::<String>().trim().to_owned()).filter(|name| !name.is_empty())
+}
+
+fn percent(load: Option<f64>) -> String {
+    load.map_or_else(|| "-".to_owned(), |load| format!("{:.2} %", load * 100.0))
+}
+
+/// Decimals of milliseconds.
+const MICROSECONDS: usize = 3;
+const COUNT_COLUMNS: [&str; 7] = ["frames", "bytes", "problems", "load", "response p50", "p99", "max"];
