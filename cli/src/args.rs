@@ -57,7 +57,8 @@ Exit codes:
   0  every line was read, and no frame shown has a problem; also when there is no frame, or none passes the filters,
      which a note on standard error says
   1  some frame shown has a problem, or some line could not be read
-  2  wrong usage, not a recording, cut off or damaged; with --strict also a line that could not be read
+  2  wrong usage, not a recording, cut off or damaged; with --strict also a line that could not be read; what was read
+     before is shown, summed up and recorded
 
 Examples:
   devicenet decode recording.log
@@ -71,10 +72,11 @@ Examples:
 pub struct DecodeArgs {
     /// The recording; `-` is standard input
     pub file: PathBuf,
-    /// Which protocol the frames belong to
+    /// Which protocol the frames belong to; a frame that cannot is a problem
     #[arg(long, value_enum, default_value_t = Protocol::Auto)]
     pub protocol: Protocol,
-    /// Only frames to or from this node (MAC ID 0 to 63, or 0x00 to 0x3F); bit-strobe commands are to every node
+    /// Only frames to or from this node (MAC ID 0 to 63, or 0x00 to 0x3F), and those to every node: bit-strobe and multicast
+    /// poll commands, and messages of the offline connection set that do not name another node
     #[arg(long, value_name = "N", value_parser = parse_mac_id)]
     pub mac: Option<u8>,
     /// Only frames of this kind, named as in the JSON output; several with commas, or given more than once
@@ -106,10 +108,12 @@ impl DecodeArgs {
 /// The protocols that `decode` knows.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Protocol {
-    /// Find out from the frame
+    /// The one that is supported: DeviceNet
     Auto,
-    /// DeviceNet: a frame that cannot be is a problem
+    /// DeviceNet
     Devicenet,
+    /// DeviceNeX: not supported yet
+    Devicenex,
 }
 
 /// The names of [`Kind`].

@@ -406,6 +406,93 @@ fn a_cut_off_file_shows_its_frames_and_then_fails() {
     assert!(stderr(&output).ends_with("it ends within the record after frame 23\n"));
 }
 
+/// What was read before the damage is summed up and recorded.
+#[test]
+fn a_cut_off_file_is_summed_up_and_recorded_and_then_fails() {
+    let whole = std::fs::read(capture("socketcan.pcapng")).unwrap();
+    let (file, copy) = (temporary("cut-2.pcapng"), temporary("cut-2.log"));
+    std::fs::write(&file, &whole[..whole.len() - 8]).unwrap();
+    let output = run(&["decode", "--summary", "--record", &copy, &file]);
+    assert_exit(&output, 2);
+    assert!(
+        stderr(&output).starts_with(&format!("error: {file}: the file is cut off")),
+        "{}",
+        stderr(&output)
+    );
+    assert!(stdout(&output).contains(": 23 frames in "), "{}", stdout(&output));
+    assert_eq!(std::fs::read_to_string(&copy).unwrap().lines().count(), 23);
+    let log = "(1.000000) can0 455#01\nnonsense\n(1.000400) can0 455#\n";
+    let output = run_with_input(&["decode", "--summary", "--strict", "-"], log);
+    assert!(
+        stdout(&output).starts_with("can0: 1 frame in 0.000 s, 0 with a problem\n"),
+        "{}",
+        stdout(&output)
+    );
+    assert!(stderr(&output).starts_with("error: <stdin>:2:1: "), "{}", stderr(&output));
+}
+
+/// Whoever looks only at the beginning still gets the whole copy.
+#[test]
+fn a_copy_is_complete_when_the_words_are_not_wanted() {
+    let (file, copy) = (temporary("long-2.log"), temporary("long-2-copy.log"));
+    let log: String =
+        (0..50_000).map(|n| format!("({}.{:06}) can0 455#0102\n", n / 1000, n % 1000 * 1000)).collect();
+    std::fs::write(&file, &log).unwrap();
+    let mut child = devicenet(&["decode", "--record", &copy, &file])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(stderr(&output), "");
+    assert!(std::fs::read_to_string(&copy).unwrap() == log);
+}
+
+#[test]
+fn a_node_sees_what_is_for_all() {
+    let log = "\
+(0.000000) can0 7ED#3F4B03
+(0.001000) can0 7ED#3F4C
+(0.002000) can0 7ED#4A4C
+(0.003000) can0 7ED#4B4C
+(0.004000) can0 7EC#4BCC
+(0.005000) can0 7ED#0A4D341245230000
+(0.006000) can0 45F#00341245230000
+(0.007000) can0 7ED#034D341245230000
+(0.008000) can0 401#
+(0.009000) can0 408#0000000000000000
+(0.010000) can0 781#0A4B0031
+(0.011000) can0 781#0B4B0031
+(0.012000) can0 457#00341245240000
+(0.013000) can0 7EF#014B240001000000
+";
+    let shown = |mac| {
+        let objects = json_lines(&run_with_input(&["decode", "--json", "--mac", mac, "-"], log));
+        objects.iter().filter_map(|object| object["n"].as_u64()).collect::<Vec<_>>()
+    };
+    // Who and Identify to all; those that name it; what makes it 10; commands to many; UCMM; its check; the tool's claim.
+    assert_eq!(shown("10"), [1, 2, 3, 6, 9, 10, 11, 13, 14]);
+    // Identify and its answer; the device that has checked for 11 shall be 3.
+    assert_eq!(shown("11"), [1, 2, 4, 5, 6, 7, 8, 9, 10, 12, 14]);
+    assert_eq!(shown("3"), [1, 2, 6, 8, 9, 10, 14]);
+}
+
+#[test]
+fn a_protocol_that_is_not_supported_is_refused_in_words() {
+    let file = capture("slave-01-startup-poll.log");
+    let words = run(&["decode", &file]);
+    for protocol in ["auto", "devicenet"] {
+        assert_eq!(stdout(&run(&["decode", "--protocol", protocol, &file])), stdout(&words), "{protocol}");
+    }
+    let refused = run(&["decode", "--protocol", "devicenex", &file]);
+    assert_exit(&refused, 2);
+    assert_eq!(stdout(&refused), "");
+    assert!(stderr(&refused).starts_with("error: DeviceNeX is not supported yet"), "{}", stderr(&refused));
+    let help = run(&["decode", "--help"]);
+    assert!(stdout(&help).contains("DeviceNeX: not supported yet"), "{}", stdout(&help));
+}
+
 #[test]
 fn wrong_usage_exits_with_2() {
     for arguments in [

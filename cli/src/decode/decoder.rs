@@ -2,7 +2,8 @@
 
 use core::fmt;
 
-use devicenet_core::monitor::{Kind, Monitor, MonitorConfig, Reading};
+use devicenet_core::MacId;
+use devicenet_core::monitor::{Detail, Kind, Monitor, MonitorConfig, Reading};
 
 use super::json;
 use super::outside::Outside;
@@ -29,7 +30,7 @@ enum View {
         summary: Box<Summary>,
         json: bool,
     },
-    /// Nothing: standard output gets the frames themselves.
+    /// Nothing: standard output gets the frames themselves, or nobody reads it.
     Silent,
 }
 
@@ -111,6 +112,11 @@ impl Decoder {
         let text = if *json { summary.json(name) } else { summary.text(name) };
         out.extend_from_slice(text.as_bytes());
     }
+
+    /// Writes nothing from now on, and says the same of every frame.
+    pub fn silence(&mut self) {
+        self.view = View::Silent;
+    }
 }
 
 fn monitor(monitors: &mut Vec<Box<Monitor>>, bus: usize) -> &mut Monitor {
@@ -139,6 +145,13 @@ impl Meaning<'_> {
         match self {
             Self::Read(reading) => reading.src.map(u8::from),
             Self::Outside(_) => None,
+        }
+    }
+
+    fn kind(&self) -> Kind {
+        match self {
+            Self::Read(reading) => reading.kind,
+            Self::Outside(_) => Kind::Foreign,
         }
     }
 
@@ -180,14 +193,24 @@ impl Filter {
 
     #[inline]
     fn accepts(&self, meaning: &Meaning<'_>) -> bool {
-        let (kind, ends) = match meaning {
-            Meaning::Read(reading) => (reading.kind, [reading.src, reading.dst]),
-            Meaning::Outside(_) => (Kind::Foreign, [None, None]),
-        };
-        let is_of_node = self.mac.is_none_or(|mac| {
-            // The only command that is for all.
-            kind == Kind::BitStrobeCommand || ends.iter().any(|end| end.map(u8::from) == Some(mac))
+        let is_of_node = self.mac.is_none_or(|mac| match meaning {
+            Meaning::Read(reading) => concerns(reading, mac),
+            Meaning::Outside(_) => false,
         });
-        is_of_node && (self.kinds.is_empty() || self.kinds.contains(&kind))
+        is_of_node && (self.kinds.is_empty() || self.kinds.contains(&meaning.kind()))
     }
+}
+
+/// Whether a frame is from a node, to it, or to all.
+fn concerns(reading: &Reading<'_>, mac: u8) -> bool {
+    let is_node = |end: Option<MacId>| end.map(u8::from) == Some(mac);
+    let is_to_all = match reading.kind {
+        Kind::BitStrobeCommand | Kind::MulticastPollCommand => true,
+        // Unless it names the one node that it is for, or from.
+        Kind::OfflineFaultRequest | Kind::OfflineOwnershipRequest => reading.dst.is_none(),
+        Kind::OfflineFaultResponse | Kind::OfflineOwnershipResponse => reading.src.is_none(),
+        _ => false,
+    };
+    let is_new_mac = matches!(reading.fields.detail, Detail::ChangeMacId { mac: new } if new.number() == mac);
+    is_to_all || is_new_mac || is_node(reading.src) || is_node(reading.dst)
 }

@@ -1,5 +1,6 @@
 //! `devicenet decode`: a recording, frame by frame, in words or as JSON.
 
+mod copy;
 mod decoder;
 mod json;
 mod outside;
@@ -9,89 +10,67 @@ mod summary;
 pub use decoder::{Decoder, Verdict};
 
 use std::cell::RefCell;
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io;
 use std::path::Path;
 use std::rc::Rc;
 
-use crate::args::DecodeArgs;
+use crate::args::{DecodeArgs, Protocol};
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Attentive, Output};
-use crate::recording::{Notes, RecordedFrame, Recording, RecordingError, Renamed, WriteFormat, Writer};
+use crate::recording::{Notes, RecordedFrame, Recording, RecordingError};
+use crate::text::count;
+use copy::Copy;
 use progress::Progress;
 
 /// Decodes a recording.
 ///
 /// # Errors
-/// [`Failure`] when the recording cannot be read to its end, with `--strict` also when a line is bad.
+/// [`Failure`] when the recording cannot be read to its end, with `--strict` also when a line is bad. What precedes the
+/// failure is shown, summed up and recorded.
 pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
-    if args.is_record_on_stdout() && (json || args.summary) {
-        let other = if json { "--json" } else { "--summary" };
-        return Err(Failure::Usage(format!(
-            "{other} and `--record -` both want standard output: record into a file, or leave {other} out"
-        )));
-    }
+    check(args, json)?;
     let file = shown(&args.file, "<stdin>");
-    let unreadable = |error: RecordingError| {
-        let separator = if error.is_fatal() { ": " } else { ":" };
-        Failure::Usage(format!("{file}{separator}{error}"))
-    };
     let output = Rc::new(RefCell::new(Output::new()));
     let recording = match is_standard(&args.file) {
         true => Recording::from_reader(Attentive::new(Rc::clone(&output))),
         false => Recording::open(&args.file),
     };
-    let mut recording = recording.map_err(unreadable)?;
-    let mut copy = args.record.as_deref().map(|path| Copy::create(path, &args.file)).transpose()?;
-    let mut progress = Progress::new(&args.file, &output.borrow());
-    let mut decoder = Decoder::new(args, json, output.borrow().is_coloured());
-    let (mut frames, mut shown_frames, mut bad_lines, mut problems) = (0u64, 0u64, 0u64, 0u64);
-    while let Some(entry) = recording.next() {
-        let mut output = output.borrow_mut();
-        let frame = match entry {
-            Ok(frame) => frame,
-            Err(error) => {
-                output.flush()?;
-                if error.is_fatal() || args.strict {
-                    progress.finish();
-                    return Err(unreadable(error));
-                }
-                bad_lines += 1;
-                progress.suspend(|| output::warn(format_args!("{file}:{error}")));
-                continue;
-            }
-        };
-        progress.advance(frame.n);
-        frames = frame.n;
-        match decoder.frame(&mut output.buffer, &frame, recording.channels()) {
-            Verdict::Hidden => continue,
-            Verdict::Fine => {}
-            Verdict::Problem => problems += 1,
-        }
-        shown_frames += 1;
-        output.line_done()?;
-        if let Some(copy) = &mut copy {
-            copy.write(&recording, &frame)?;
-        }
-    }
-    let mut output = output.borrow_mut();
-    decoder.finish(&mut output.buffer, recording.channels(), &file);
-    output.flush()?;
-    progress.finish();
-    if let Some(copy) = copy {
-        copy.finish()?;
-    }
+    let mut recording = recording.map_err(|error| unreadable(&file, error))?;
+    let copy = args.record.as_deref().map(|path| Copy::create(path, &args.file)).transpose()?;
+    let mut session = Session {
+        decoder: Decoder::new(args, json, output.borrow().is_coloured()),
+        progress: Progress::new(&args.file, &output.borrow()),
+        output: Rc::clone(&output),
+        copy,
+        file,
+        tally: Tally::default(),
+    };
+    let read = session.read(&mut recording, args.strict);
+    let tally = session.tally;
+    let file = session.file.clone();
+    let closed = session.close(&recording);
     note_the_rest(&file, recording.notes());
-    if bad_lines > 0 {
-        let lines = if bad_lines == 1 { "line" } else { "lines" };
-        output::warn(format_args!("{file}: {bad_lines} {lines} could not be read"));
+    if tally.bad_lines > 0 {
+        output::warn(format_args!("{file}: {} could not be read", count(tally.bad_lines, "line")));
     }
-    match (frames, shown_frames) {
-        (0, _) => output::note(format_args!("{file}: no frames")),
-        (_, 0) => output::note(format_args!("{file}: no frame of {frames} passed the filters")),
+    match (read, closed) {
+        // Standard output that fails once fails twice, and is one failure.
+        (Err(failure @ (Failure::Usage(_) | Failure::Refused(_) | Failure::Transport(_))), Err(another))
+            if another.exit() != Exit::Done =>
+        {
+            output::error(another);
+            return Err(failure);
+        }
+        (read, closed) => read.and(closed)?,
+    }
+    match tally {
+        Tally { frames: 0, .. } => output::note(format_args!("{file}: no frames")),
+        Tally { shown: 0, frames, .. } => {
+            output::note(format_args!("{file}: no frame of {frames} passed the filters"));
+        }
         _ => {}
     }
-    Ok(if bad_lines + problems > 0 { Exit::Findings } else { Exit::Done })
+    Ok(if tally.bad_lines + tally.problems > 0 { Exit::Findings } else { Exit::Done })
 }
 
 /// What the reader should know besides the frames.
@@ -107,52 +86,113 @@ fn note_the_rest(file: &str, notes: Notes) {
     }
 }
 
-/// The recording that `--record` writes.
-struct Copy {
-    name: String,
-    writer: Writer<BufWriter<Box<dyn Write>>>,
+/// Refuses what the command line allows but cannot be done.
+fn check(args: &DecodeArgs, json: bool) -> Result<(), Failure> {
+    if args.protocol == Protocol::Devicenex {
+        return Err(Failure::Usage(
+            "DeviceNeX is not supported yet: without `--protocol devicenex`, frames are decoded as DeviceNet"
+                .to_owned(),
+        ));
+    }
+    if args.is_record_on_stdout() && (json || args.summary) {
+        let other = if json { "--json" } else { "--summary" };
+        return Err(Failure::Usage(format!(
+            "{other} and `--record -` both want standard output: record into a file, or leave {other} out"
+        )));
+    }
+    Ok(())
 }
 
-impl Copy {
-    fn create(path: &Path, original: &Path) -> Result<Self, Failure> {
-        let name = shown(path, "<stdout>");
-        let failed = |error: io::Error| Failure::Usage(format!("{name}: {error}"));
-        let is_original =
-            path.canonicalize().is_ok_and(|path| original.canonicalize().is_ok_and(|it| it == path));
-        if is_original {
-            return Err(Failure::Usage(format!("{name}: is being read, record into another file")));
+/// A recording on its way to where it is wanted.
+struct Session {
+    file: String,
+    output: Rc<RefCell<Output>>,
+    decoder: Decoder,
+    progress: Progress,
+    copy: Option<Copy>,
+    tally: Tally,
+}
+
+/// What there was in a recording.
+#[derive(Clone, Copy, Default)]
+struct Tally {
+    frames: u64,
+    /// Of them, those that passed the filters.
+    shown: u64,
+    /// Of those, the ones with a problem.
+    problems: u64,
+    bad_lines: u64,
+}
+
+impl Session {
+    fn read(&mut self, recording: &mut Recording, strict: bool) -> Result<(), Failure> {
+        while let Some(entry) = recording.next() {
+            match entry {
+                Ok(frame) => self.frame(recording, &frame)?,
+                Err(error) if error.is_fatal() || strict => return Err(unreadable(&self.file, error)),
+                Err(error) => {
+                    // The message comes after the frames before it.
+                    let written = self.output.borrow_mut().flush();
+                    self.written(written)?;
+                    self.tally.bad_lines += 1;
+                    self.progress.suspend(|| output::warn(format_args!("{}:{error}", self.file)));
+                }
+            }
         }
-        let sink: Box<dyn Write> = match is_standard(path) {
-            true => Box::new(io::stdout()),
-            false => Box::new(File::create(path).map_err(failed)?),
-        };
-        let writer = Writer::new(BufWriter::new(sink), WriteFormat::of_name(&name)).map_err(failed)?;
-        Ok(Self { name, writer })
+        Ok(())
     }
 
-    fn write(&mut self, recording: &Recording, frame: &RecordedFrame) -> Result<(), Failure> {
-        // A pcap file does not say which interface it comes from.
-        let channel = frame.channel.map_or("can0", |channel| recording.channels().name(channel));
-        let written = self.writer.write(frame.at, frame.digits, channel, &frame.content);
-        written.map_err(|error| failure(&self.name, error))
+    #[inline]
+    fn frame(&mut self, recording: &Recording, frame: &RecordedFrame) -> Result<(), Failure> {
+        self.progress.advance(frame.n);
+        self.tally.frames = frame.n;
+        let mut output = self.output.borrow_mut();
+        match self.decoder.frame(&mut output.buffer, frame, recording.channels()) {
+            Verdict::Hidden => return Ok(()),
+            Verdict::Fine => {}
+            Verdict::Problem => self.tally.problems += 1,
+        }
+        self.tally.shown += 1;
+        let written = output.line_done();
+        drop(output);
+        if let Err(error) = written {
+            self.written(Err(error))?;
+        }
+        match &mut self.copy {
+            Some(copy) => copy.write(recording, frame).inspect_err(|_| self.copy = None),
+            None => Ok(()),
+        }
     }
 
-    fn finish(self) -> Result<(), Failure> {
-        for Renamed { name, written } in self.writer.renamed() {
-            output::note(format_args!(
-                "{}: a name in a candump log is one word, so {name:?} is written as {written:?}",
-                self.name
-            ));
+    /// Shows what was still to be shown, however reading has ended.
+    fn close(mut self, recording: &Recording) -> Result<(), Failure> {
+        let mut output = self.output.borrow_mut();
+        self.decoder.finish(&mut output.buffer, recording.channels(), &self.file);
+        let written = output.flush();
+        drop(output);
+        self.progress.finish();
+        let written = self.written(written);
+        let copied = self.copy.take().map_or(Ok(()), Copy::finish);
+        written.and(copied)
+    }
+
+    /// Whoever closes the pipe that the words go to does not want more of them, but the copy is to be complete.
+    #[cold]
+    fn written(&mut self, result: io::Result<()>) -> Result<(), Failure> {
+        match result {
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe && self.copy.is_some() => {
+                self.decoder.silence();
+                Ok(())
+            }
+            result => Ok(result?),
         }
-        self.writer.finish().map_err(|error| failure(&self.name, error))
     }
 }
 
-fn failure(name: &str, error: io::Error) -> Failure {
-    match error.kind() {
-        io::ErrorKind::BrokenPipe => Failure::Output(error),
-        _ => Failure::Usage(format!("{name}: {error}")),
-    }
+/// `file:12:8: ...` with a place in the file, `file: ...` without.
+fn unreadable(file: &str, error: RecordingError) -> Failure {
+    let separator = if error.is_fatal() { ": " } else { ":" };
+    Failure::Usage(format!("{file}{separator}{error}"))
 }
 
 /// Whether a path means standard input or output.
