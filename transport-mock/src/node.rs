@@ -48,6 +48,10 @@ pub struct NodeConfig {
     pub reaction: Reaction,
     /// How fast (positive) or slow its clock is, in parts per million. Timers and bits follow it.
     pub clock_ppm: i32,
+    /// Its machine has power of its own, such as a computer with an adapter that the bus feeds. Without power the
+    /// controller is off the bus, and the machine gets [`LinkEvent::Down`](link_core::LinkEvent::Down); with power it
+    /// gets [`LinkEvent::Up`](link_core::LinkEvent::Up), and goes on with what it had.
+    pub own_power: bool,
 }
 
 impl NodeConfig {
@@ -62,6 +66,7 @@ impl NodeConfig {
             filter: FilterSet::all(),
             reaction: Reaction::Immediate,
             clock_ppm: 0,
+            own_power: false,
         }
     }
 }

@@ -7,10 +7,11 @@ use devicenet_core::access::{Access, Config};
 use devicenet_core::message::{DeviceIdentity, PortNumber};
 use link_core::{Filter, Instant, StandardId, frame::standard_id};
 use transport_mock::bus::Fault;
-use transport_mock::nodes::{Babbler, External, Listener, Replay};
+use transport_mock::nodes::{Babbler, Listener, Replay};
 use transport_mock::rng::Rng;
 use transport_mock::{BusConfig, Change, FaultId, Network, NodeConfig, NodeId, Reaction, Scope, Which};
 
+use super::doors;
 use super::event::{Effect, NodeEvent};
 use crate::scenario::{AccessNode, Do, FaultKind, Node, NodeIndex, Recorded, Role, Scenario, TimeRange};
 
@@ -58,6 +59,7 @@ fn add(network: &mut Network<NodeEvent>, node: &Node, seed: u64, index: usize, i
             TimeRange { min, max } => Reaction::Uniform(min, max),
         },
         clock_ppm: node.clock_ppm,
+        own_power: is_served && node.role == Role::External,
         ..NodeConfig::named(node.name.as_str())
     };
     match &node.role {
@@ -70,7 +72,7 @@ fn add(network: &mut Network<NodeEvent>, node: &Node, seed: u64, index: usize, i
             let frames: Vec<_> = frames.iter().map(timed).collect();
             network.add_silent(config, Replay::since(Instant::ZERO, frames))
         }
-        Role::External if is_served => network.add_silent(config, External::default()),
+        Role::External if is_served => network.add_silent(config, doors::outside()),
         Role::External | Role::Listener => network.add_silent(config, Listener::new(0)),
         Role::Babbler { frame, period } => network.add_silent(config, Babbler::new(*frame, *period)),
     }

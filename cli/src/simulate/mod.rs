@@ -3,6 +3,7 @@
 
 mod args;
 mod build;
+mod doors;
 mod event;
 mod expectations;
 mod json;

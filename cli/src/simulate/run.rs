@@ -7,16 +7,16 @@ use std::io;
 use devicenet_core::Access;
 use link_core::Instant;
 use link_core::time::Clock;
-use transport_mock::nodes::{External, ExternalEvent, TooManyFrames};
-use transport_mock::{Change, Network, NodeId};
+use transport_mock::{Network, NodeId};
 
 use super::build::{self, Settings};
+use super::doors::Doors;
 use super::event::NodeEvent;
 use super::expectations::Verdict;
 use super::sight::{Observer, View};
-use super::socketcand::{ClientId, Outgoing, Server};
+use super::socketcand::Server;
 use super::summary::{Counting, Last, Summary};
-use crate::scenario::{NodeIndex, Note, Role, Scenario};
+use crate::scenario::{NodeIndex, Note, Scenario};
 
 /// What a run has come to.
 #[derive(Clone, PartialEq, Debug)]
@@ -82,7 +82,7 @@ impl<'a> Run<'a> {
         while self.network.now() < self.end && !interrupted.load(Ordering::Relaxed) {
             self.run_to(clock.now().min(self.end).max(self.network.now()));
             if let Some(server) = &mut server {
-                doors.hand_out(&mut self.network, server);
+                doors.hand_out(&mut self.network, server, &mut self.observer);
             }
             between()?;
             // Rounded up: what begins at a moment is done when it has passed.
@@ -98,6 +98,9 @@ impl<'a> Run<'a> {
                     doors.take_in(&mut self.network, server, outgoing);
                 }
             }
+        }
+        if let Some(server) = &mut server {
+            doors.hand_out(&mut self.network, server, &mut self.observer);
         }
         Ok(())
     }
@@ -136,73 +139,7 @@ fn notes(scenario: &Scenario) -> Vec<&Note> {
     notes
 }
 
-/// The external nodes, through which clients come onto the bus.
-struct Doors {
-    /// In the order of the server's channels.
-    nodes: Vec<Door>,
-}
-
-struct Door {
-    id: NodeId,
-    /// Whose frames are on their way, in order.
-    senders: std::collections::VecDeque<ClientId>,
-}
-
-impl Doors {
-    fn of(scenario: &Scenario, network: &Network<NodeEvent>) -> Self {
-        let external = network.nodes().filter(|id| scenario.nodes[id.index()].role == Role::External);
-        Self { nodes: external.map(|id| Door { id, senders: std::collections::VecDeque::new() }).collect() }
-    }
-
-    /// Frames of clients go to the bus.
-    fn take_in(&mut self, network: &mut Network<NodeEvent>, server: &mut Server, outgoing: Vec<Outgoing>) {
-        for Outgoing { client, channel, frame } in outgoing {
-            let door = &mut self.nodes[channel];
-            match network.command(door.id, |external: &mut External, _| external.inject(frame)) {
-                Some(Ok(())) => door.senders.push_back(client),
-                Some(Err(TooManyFrames)) => server.refuse(client, "too many frames wait to be sent"),
-                None => server.refuse(client, "the node has no power"),
-            }
-        }
-    }
-
-    /// What was on the bus goes to clients.
-    fn hand_out(&mut self, network: &mut Network<NodeEvent>, server: &mut Server) {
-        for (channel, door) in self.nodes.iter_mut().enumerate() {
-            while let Some((at, event)) =
-                network.command(door.id, |external: &mut External, _| external.take()).flatten()
-            {
-                match event {
-                    ExternalEvent::Received(frame) => server.frame(at, channel, &frame, None),
-                    ExternalEvent::Done(frame, outcome) => {
-                        let sender = door.senders.pop_front();
-                        match (outcome, sender) {
-                            (link_core::TxOutcome::Sent, _) => server.frame(at, channel, &frame, sender),
-                            (_, Some(sender)) => server.refuse(sender, "the frame was not sent"),
-                            (_, None) => {}
-                        }
-                    }
-                    ExternalEvent::Link(link_core::LinkEvent::BusOff) => {
-                        server.bus_error(at, channel, CLASS_BUS_OFF);
-                        // As an interface with `restart-ms` does.
-                        door.senders.clear();
-                        network.schedule(network.now() + RESTART, Change::PowerCycle(door.id));
-                    }
-                    ExternalEvent::Link(link_core::LinkEvent::BusError(_)) => {
-                        server.bus_error(at, channel, CLASS_BUS_ERROR);
-                    }
-                    ExternalEvent::Link(_) => {}
-                }
-            }
-        }
-    }
-}
-
 /// Virtual time after which the output is written.
 const SLICE: Duration = Duration::from_millis(20);
 /// So that neither the end of the run nor an interruption is missed by much, whatever a client does.
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
-const RESTART: Duration = Duration::from_millis(100);
-/// `CAN_ERR_BUSOFF` and `CAN_ERR_BUSERROR` of linux/can/error.h.
-const CLASS_BUS_OFF: u32 = 0x40;
-const CLASS_BUS_ERROR: u32 = 0x80;

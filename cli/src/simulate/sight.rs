@@ -172,6 +172,11 @@ impl<'a> Observer<'a> {
         self.show(&Sight::Note { at, text });
     }
 
+    /// Something is wrong outside, with whoever sits on an external node.
+    pub(super) fn trouble(&mut self, at: Instant, node: Option<NodeIndex>, what: String) {
+        self.show(&Sight::Change { at, node, what, problem: true });
+    }
+
     fn frame(&mut self, record: &FrameRecord<'_>) {
         let reading = match record.outcome {
             Outcome::Ok => {

@@ -45,7 +45,7 @@ impl<E: 'static> Network<E> {
                     self.note_change(ChangeKind::Clock(node, ppm));
                     self.nodes[node.index()].clock.set(now, ppm);
                     self.bus.set_clock(now, node.index(), ppm);
-                    if self.is_powered(node) {
+                    if self.nodes[node.index()].runs() {
                         self.drain(node.index());
                     }
                 }
@@ -85,7 +85,9 @@ impl<E: 'static> Network<E> {
         }
         self.note_change(ChangeKind::PowerOn(node));
         let index = node.index();
-        self.nodes[index].slot.power_up();
+        if !self.nodes[index].own_power {
+            self.nodes[index].slot.power_up();
+        }
         self.bus.reset_mode(index);
         if self.nodes[index].plugged {
             self.bus.attach(self.now, index);
@@ -99,8 +101,12 @@ impl<E: 'static> Network<E> {
             return;
         }
         self.note_change(ChangeKind::PowerOff(node));
-        self.bus.power_off(self.now, node.index());
-        self.timeline.set(node.index(), Instant::MAX);
+        if self.nodes[node.index()].own_power {
+            self.bus.detach(self.now, node.index());
+        } else {
+            self.bus.power_off(self.now, node.index());
+            self.timeline.set(node.index(), Instant::MAX);
+        }
         if let Some(producers) = &mut self.producers {
             producers.forget(node);
         }

@@ -72,6 +72,7 @@ struct Node<E> {
     reaction: Reaction,
     rng: Rng,
     powered: bool,
+    own_power: bool,
     plugged: bool,
     max_in_flight: usize,
     /// Calls at one moment.
@@ -90,6 +91,13 @@ enum Pending<E> {
 enum OwnedChange {
     Plain(ChangeKind<'static>),
     Split(Vec<NodeId>),
+}
+
+impl<E> Node<E> {
+    /// Its machine has power.
+    const fn runs(&self) -> bool {
+        self.powered || self.own_power
+    }
 }
 
 impl<E: 'static> Network<E> {
@@ -161,14 +169,15 @@ impl<E: 'static> Network<E> {
     }
 
     /// Gives a command to the machine of a node, and carries out what follows. The closure gets the present moment on
-    /// the clock of the node. `None` if the machine is not an `M`, or has no power.
+    /// the clock of the node. `None` if the machine is not an `M`, or has no power, not even
+    /// [its own](NodeConfig::own_power).
     pub fn command<M: 'static, R>(
         &mut self,
         node: NodeId,
         command: impl FnOnce(&mut M, Instant) -> R,
     ) -> Option<R> {
         let index = node.index();
-        let state = self.nodes.get_mut(index).filter(|state| state.powered)?;
+        let state = self.nodes.get_mut(index).filter(|state| state.runs())?;
         let local = state.clock.local(self.now);
         let result = command(state.slot.machine_mut().downcast_mut()?, local);
         self.drain(index);
@@ -316,6 +325,7 @@ impl<E: 'static> Network<E> {
             reaction: config.reaction,
             rng: Rng::new(self.config.seed, index as u64),
             powered: false,
+            own_power: config.own_power,
             plugged: true,
             max_in_flight,
             last_call: Instant::MAX,

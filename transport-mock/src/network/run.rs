@@ -50,7 +50,7 @@ impl<E: 'static> Network<E> {
 
     pub(super) fn feed(&mut self, index: usize, input: Input) {
         let node = &mut self.nodes[index];
-        if !node.powered {
+        if !node.runs() {
             return;
         }
         if self.interest.contains(Interest::REQUESTS)

@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use link_core::{BitRate, Frame, Instant, LinkEvent};
+use link_core::{BitRate, Frame, Instant, LinkEvent, TxOutcome};
 use transport_mock::nodes::{Babbler, External, ExternalEvent, Listener, Replay, TooManyFrames};
 use transport_mock::realtime::{Realtime, WallClock};
 use transport_mock::record::Outcome;
-use transport_mock::{BusConfig, Change, Fault, FaultId, Ignore, Network, NodeConfig, Record};
+use transport_mock::{BusConfig, Change, Fault, FaultId, Ignore, Network, NodeConfig, NodeId, Record, Scope};
 
 use crate::harness::{Probe, data};
 
@@ -124,25 +124,27 @@ fn a_babbler_that_was_kept_waiting_goes_on_from_there() {
 fn a_babbler_with_priority_keeps_everybody_else_silent() {
     let mut network = network();
     network.add_silent(NodeConfig::named("babbler"), Babbler::new(data(0, &[0; 8]), Duration::ZERO));
-    let victim = network.add_silent(NodeConfig::named("victim"), External::default());
+    let victim = network.add_silent(NodeConfig::named("victim"), External::<()>::new());
     network.run_until(Instant::from_millis(1), &mut Ignore);
-    network.command(victim, |victim: &mut External, _| victim.inject(data(0x100, &[])).unwrap());
+    network.command(victim, |victim: &mut External, now| victim.inject(now, (), data(0x100, &[])).unwrap());
     network.run_until(Instant::from_millis(100), &mut Ignore);
     let mut events = Vec::new();
     network.command(victim, |victim: &mut External, _| events.extend(std::iter::from_fn(|| victim.take())));
-    assert!(events.iter().all(|(_, event)| !matches!(event, ExternalEvent::Done(..))));
+    assert!(events.iter().all(|(_, event)| !matches!(event, ExternalEvent::Done { .. })));
     assert!(events.len() > 300, "it hears the babbler");
 }
 
 #[test]
 fn what_waits_at_an_external_node_is_bounded() {
     let mut network = network();
-    let outside = network.add_silent(NodeConfig::named("outside"), External::default());
+    let outside = network.add_silent(NodeConfig::named("outside"), External::<()>::new());
     network.run_until(Instant::from_millis(1), &mut Ignore);
     let inject = |network: &mut Network<()>| {
-        network.command(outside, |outside: &mut External, _| outside.inject(data(0x100, &[]))).unwrap()
+        network
+            .command(outside, |outside: &mut External, now| outside.inject(now, (), data(0x100, &[])))
+            .unwrap()
     };
-    for _ in 0..External::CAPACITY {
+    for _ in 0..External::<()>::CAPACITY {
         inject(&mut network).unwrap();
     }
     assert_eq!(inject(&mut network), Err(TooManyFrames));
@@ -151,17 +153,17 @@ fn what_waits_at_an_external_node_is_bounded() {
     let mut answers = 0;
     network.command(outside, |outside: &mut External, _| {
         answers = std::iter::from_fn(|| outside.take())
-            .filter(|(_, event)| matches!(event, ExternalEvent::Done(..)))
+            .filter(|(_, event)| matches!(event, ExternalEvent::Done { .. }))
             .count();
     });
-    assert_eq!((answers, inject(&mut network)), (External::CAPACITY, Ok(())));
+    assert_eq!((answers, inject(&mut network)), (External::<()>::CAPACITY, Ok(())));
 }
 
 #[test]
 fn what_an_external_node_has_no_room_for_is_counted_where_it_is_missing() {
     let mut network = network();
     network.add_silent(NodeConfig::named("babbler"), Babbler::new(data(1, &[]), Duration::from_millis(1)));
-    let outside = network.add_silent(NodeConfig::named("outside"), External::default());
+    let outside = network.add_silent(NodeConfig::named("outside"), External::<()>::new());
     let listener = network.add_silent(Listener::config("listener"), Listener::new(1));
     let at = Instant::from_millis(2_000);
     network.schedule(at, Change::Cut(outside));
@@ -176,7 +178,7 @@ fn what_an_external_node_has_no_room_for_is_counted_where_it_is_missing() {
     else {
         panic!("{:?}", &events[events.len() - 3..]);
     };
-    assert_eq!(events.len(), External::CAPACITY + 2);
+    assert_eq!(events.len(), External::<()>::CAPACITY + 2);
     let heard = network.machine::<Listener>(listener).unwrap().heard();
     assert_eq!(kept as u64 + u64::from(lost), heard);
 }
@@ -208,6 +210,121 @@ fn a_babbler_goes_on_after_whatever_is_done_to_its_controller() {
     }
 }
 
+fn outside(network: &mut Network<()>, machine: External<u8>) -> NodeId {
+    let config = NodeConfig { own_power: true, ..NodeConfig::named("outside") };
+    let outside = network.add_silent(config, machine);
+    network.run_until(Instant::from_millis(1), &mut Ignore);
+    outside
+}
+
+fn inject(network: &mut Network<()>, node: NodeId, owners: impl IntoIterator<Item = u8>) {
+    for owner in owners {
+        let frame = data(0x200, &[owner]);
+        network
+            .command(node, |outside: &mut External<u8>, now| outside.inject(now, owner, frame))
+            .unwrap()
+            .unwrap();
+    }
+}
+
+/// What has become of the frames, and what was below them.
+fn taken(network: &mut Network<()>, node: NodeId) -> (Vec<(u8, TxOutcome)>, Vec<LinkEvent>) {
+    let (mut done, mut link) = (Vec::new(), Vec::new());
+    let take = |outside: &mut External<u8>, _| std::iter::from_fn(|| outside.take()).collect::<Vec<_>>();
+    for (_, event) in network.command(node, take).unwrap() {
+        match event {
+            ExternalEvent::Done { owner, frame, outcome } => {
+                assert_eq!(frame, data(0x200, &[owner]));
+                done.push((owner, outcome));
+            }
+            ExternalEvent::Link(event @ (LinkEvent::Up | LinkEvent::Down | LinkEvent::BusOff)) => {
+                link.push(event);
+            }
+            ExternalEvent::Link(_) | ExternalEvent::Received(_) => {}
+        }
+    }
+    (done, link)
+}
+
+#[test]
+fn every_frame_from_outside_comes_back_to_its_owner_once() {
+    for (changes, seen) in [
+        (
+            &[Change::PowerOff as fn(NodeId) -> Change<()>, Change::PowerOn][..],
+            [LinkEvent::Down, LinkEvent::Up],
+        ),
+        (&[Change::PowerCycle], [LinkEvent::Down, LinkEvent::Up]),
+        (&[Change::Cut, Change::Plug], [LinkEvent::Down, LinkEvent::Up]),
+    ] {
+        let mut network = network();
+        let node = outside(&mut network, External::new());
+        inject(&mut network, node, 0..5);
+        // Two are sent, the third is in the middle, two wait.
+        network.run_until(Instant::from_micros(1_310), &mut Ignore);
+        changes.iter().for_each(|change| network.schedule(network.now(), change(node)));
+        network.run_until(Instant::from_millis(3), &mut Ignore);
+        inject(&mut network, node, 5..6);
+        network.run_until(Instant::from_millis(5), &mut Ignore);
+        let (mut done, link) = taken(&mut network, node);
+        done.sort_by_key(|(owner, _)| *owner);
+        let (sent, dropped) = (TxOutcome::Sent, TxOutcome::Dropped);
+        assert_eq!(done, [(0, sent), (1, sent), (2, dropped), (3, dropped), (4, dropped), (5, sent)]);
+        assert_eq!(link, [&[LinkEvent::Up], &seen[..]].concat());
+    }
+}
+
+#[test]
+fn without_power_a_frame_from_outside_is_lost_at_once() {
+    let mut network = network();
+    let node = outside(&mut network, External::new());
+    network.schedule(Instant::from_millis(2), Change::PowerOff(node));
+    network.run_until(Instant::from_millis(3), &mut Ignore);
+    inject(&mut network, node, [7]);
+    assert_eq!(
+        taken(&mut network, node),
+        (vec![(7, TxOutcome::Dropped)], vec![LinkEvent::Up, LinkEvent::Down])
+    );
+}
+
+/// A node outside that has gone bus-off by its frame, and what it restarts after.
+fn bus_off_outside() -> (Network<()>, NodeId, Instant) {
+    let mut network = Network::new(BusConfig::new(BitRate::K500, 1));
+    network.add_silent(NodeConfig::named("acknowledges"), Probe::default());
+    let node = outside(&mut network, External::new().with_restart(Duration::from_millis(100)));
+    let fault = Fault::BitFlips { rate: 1.0, scope: Scope::Node(node) };
+    network.schedule(network.now(), Change::FaultOn(FaultId(1), fault));
+    inject(&mut network, node, 0..3);
+    network.run_until(Instant::from_millis(50), &mut Ignore);
+    network.apply(Change::FaultOff(FaultId(1)));
+    let (done, link) = taken(&mut network, node);
+    assert_eq!(done.len(), 3);
+    assert!(done.iter().all(|(_, outcome)| *outcome == TxOutcome::Dropped));
+    assert_eq!(link, [LinkEvent::Up, LinkEvent::BusOff]);
+    let until = network.now() + Duration::from_millis(150);
+    (network, node, until)
+}
+
+#[test]
+fn after_bus_off_a_node_outside_restarts_by_itself() {
+    let (mut network, node, until) = bus_off_outside();
+    network.run_until(until, &mut Ignore);
+    assert_eq!(taken(&mut network, node), (vec![], vec![LinkEvent::Up]));
+    inject(&mut network, node, [9]);
+    network.run_until(until + Duration::from_millis(1), &mut Ignore);
+    assert_eq!(taken(&mut network, node).0, [(9, TxOutcome::Sent)]);
+}
+
+#[test]
+fn a_restart_after_bus_off_does_not_bring_back_power_or_cable() {
+    for away in [Change::PowerOff, Change::Cut] {
+        let (mut network, node, until) = bus_off_outside();
+        network.apply(away(node));
+        network.run_until(until, &mut Ignore);
+        assert_eq!(taken(&mut network, node).1, [LinkEvent::Down]);
+        assert_eq!(network.error_state(node), None);
+    }
+}
+
 /// A clock that jumps to where it is told to sleep to.
 struct Jumping(Instant);
 
@@ -227,7 +344,7 @@ fn virtual_time_follows_the_wall_clock() {
         let mut network = network();
         network
             .add_silent(NodeConfig::named("babbler"), Babbler::new(data(1, &[]), Duration::from_millis(10)));
-        let outside = network.add_silent(NodeConfig::named("outside"), External::default());
+        let outside = network.add_silent(NodeConfig::named("outside"), External::<()>::new());
         let start = Instant::from_millis(7_000);
         let mut driver = Realtime::new(network, Jumping(start), speed);
         let mut wakeups = 0;
@@ -240,14 +357,16 @@ fn virtual_time_follows_the_wall_clock() {
         assert!(wakeups < 100 * speed, "it sleeps in between: {wakeups} wakeups");
 
         driver.at_now(&mut Ignore, |network| {
-            network.command(outside, |outside: &mut External, _| outside.inject(data(0x123, &[9])).unwrap());
+            network.command(outside, |outside: &mut External, now| {
+                outside.inject(now, (), data(0x123, &[9])).unwrap()
+            });
         });
         driver.run_for(Duration::from_millis(1), &mut Ignore, |_| true);
         let mut network = driver.into_network();
         let sent = network
             .command(outside, |outside: &mut External, _| {
                 std::iter::from_fn(|| outside.take())
-                    .find(|(_, event)| matches!(event, ExternalEvent::Done(..)))
+                    .find(|(_, event)| matches!(event, ExternalEvent::Done { .. }))
                     .map(|(at, _)| at)
             })
             .flatten();

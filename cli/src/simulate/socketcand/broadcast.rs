@@ -6,34 +6,111 @@ use link_core::{Frame, Id, Instant};
 
 use super::session::Effect;
 
+/// What a client has asked for.
+#[derive(Debug, Default)]
+pub(super) struct Broadcast {
+    jobs: Vec<Job>,
+    subscriptions: Vec<Subscription>,
+}
+
 /// A frame that is sent in cycles.
 #[derive(Debug)]
-pub(super) struct Job {
-    pub(super) frame: Frame,
-    pub(super) every: Duration,
-    pub(super) next: Instant,
+struct Job {
+    frame: Frame,
+    every: Duration,
+    next: Instant,
 }
 
 /// A client's wish to receive an identifier.
 #[derive(Debug)]
-pub(super) struct Subscription {
-    pub(super) id: Id,
+struct Subscription {
+    id: Id,
     /// At most one frame in this time; zero is no limit.
     every: Duration,
     /// Only when one of these bits has changed; `None` is always.
     mask: Option<[u8; 8]>,
     last: Option<(Instant, Frame)>,
-    /// The newest frame of a time that is not over.
-    held: Option<Frame>,
+    /// The newest frame of a time that is not over, and when it came.
+    held: Option<(Instant, Frame)>,
+}
+
+impl Broadcast {
+    /// Sends a frame now and in cycles; once if they have no length.
+    pub(super) fn add(
+        &mut self,
+        now: Instant,
+        every: Duration,
+        frame: Frame,
+        effects: &mut Vec<Effect>,
+    ) -> Result<(), String> {
+        self.jobs.retain(|job| job.frame.id() != frame.id());
+        if !every.is_zero() {
+            if self.jobs.len() == MOST_ENTRIES {
+                return Err(format!("at most {MOST_ENTRIES} frames are sent in cycles"));
+            }
+            self.jobs.push(Job { frame, every, next: now + every });
+        }
+        effects.push(Effect::Send(frame));
+        Ok(())
+    }
+
+    /// Sends this instead of the frame with the same identifier, at the same times.
+    pub(super) fn update(&mut self, frame: Frame) -> Result<(), String> {
+        let job = self.jobs.iter_mut().find(|job| job.frame.id() == frame.id());
+        job.ok_or(NOTHING_SENT)?.frame = frame;
+        Ok(())
+    }
+
+    /// No longer sends the frame with this identifier.
+    pub(super) fn delete(&mut self, id: Id) -> Result<(), String> {
+        let place = self.jobs.iter().position(|job| job.frame.id() == id).ok_or(NOTHING_SENT)?;
+        self.jobs.remove(place);
+        Ok(())
+    }
+
+    /// Delivers an identifier, at most once in `every`, and only what has changed under the mask.
+    pub(super) fn subscribe(&mut self, every: Duration, id: Id, mask: Option<[u8; 8]>) -> Result<(), String> {
+        self.unsubscribe(id);
+        if self.subscriptions.len() == MOST_ENTRIES {
+            return Err(format!("at most {MOST_ENTRIES} subscriptions"));
+        }
+        self.subscriptions.push(Subscription { id, every, mask, last: None, held: None });
+        Ok(())
+    }
+
+    /// No longer delivers an identifier.
+    pub(super) fn unsubscribe(&mut self, id: Id) {
+        self.subscriptions.retain(|subscription| subscription.id != id);
+    }
+
+    /// A frame was on the bus.
+    pub(super) fn frame(&mut self, now: Instant, frame: &Frame, effects: &mut Vec<Effect>) {
+        for subscription in self.subscriptions.iter_mut().filter(|item| item.id == frame.id()) {
+            subscription.take(now, frame, effects);
+        }
+    }
+
+    /// When [`tick`](Self::tick) has something to do next.
+    pub(super) fn deadline(&self) -> Option<Instant> {
+        let jobs = self.jobs.iter().map(|job| job.next);
+        jobs.chain(self.subscriptions.iter().filter_map(Subscription::due)).min()
+    }
+
+    /// Time has passed.
+    pub(super) fn tick(&mut self, now: Instant, effects: &mut Vec<Effect>) {
+        for job in self.jobs.iter_mut().filter(|job| job.next <= now) {
+            effects.push(Effect::Send(job.frame));
+            // A server that fell behind sends once, not all that it missed.
+            job.next = (job.next + job.every).max(now + Duration::from_nanos(1));
+        }
+        for subscription in &mut self.subscriptions {
+            subscription.tick(now, effects);
+        }
+    }
 }
 
 impl Subscription {
-    pub(super) const fn new(every: Duration, id: Id, mask: Option<[u8; 8]>) -> Self {
-        Self { id, every, mask, last: None, held: None }
-    }
-
-    /// A frame with this identifier was on the bus.
-    pub(super) fn take(&mut self, now: Instant, frame: &Frame, effects: &mut Vec<Effect>) {
+    fn take(&mut self, now: Instant, frame: &Frame, effects: &mut Vec<Effect>) {
         if let (Some(mask), Some((_, last))) = (&self.mask, &self.last)
             && !differ(last, frame, mask)
         {
@@ -41,28 +118,28 @@ impl Subscription {
             return;
         }
         match self.last {
-            Some((then, _)) if now < then + self.every => self.held = Some(*frame),
-            _ => self.deliver(now, frame, effects),
+            Some((then, _)) if now < then + self.every => self.held = Some((now, *frame)),
+            _ => self.deliver(now, now, frame, effects),
         }
     }
 
-    fn deliver(&mut self, now: Instant, frame: &Frame, effects: &mut Vec<Effect>) {
+    /// The time of a frame that is held may be over.
+    fn tick(&mut self, now: Instant, effects: &mut Vec<Effect>) {
+        if self.due().is_some_and(|due| due <= now)
+            && let Some((came, frame)) = self.held
+        {
+            self.deliver(now, came, &frame, effects);
+        }
+    }
+
+    fn deliver(&mut self, now: Instant, came: Instant, frame: &Frame, effects: &mut Vec<Effect>) {
         self.last = Some((now, *frame));
         self.held = None;
-        effects.push(Effect::Reply(received(now, frame)));
-    }
-
-    /// The time of the frame that is held may be over.
-    pub(super) fn tick(&mut self, now: Instant, effects: &mut Vec<Effect>) {
-        if self.due().is_some_and(|due| due <= now)
-            && let Some(frame) = self.held.take()
-        {
-            self.deliver(now, &frame, effects);
-        }
+        effects.push(Effect::Reply(received(came, frame)));
     }
 
     /// When the frame that is held may go.
-    pub(super) fn due(&self) -> Option<Instant> {
+    fn due(&self) -> Option<Instant> {
         self.held?;
         self.last.map(|(then, _)| then + self.every)
     }
@@ -89,3 +166,6 @@ pub(super) fn received(at: Instant, frame: &Frame) -> String {
     text.push_str(" >");
     text
 }
+
+const NOTHING_SENT: &str = "nothing is sent with this identifier";
+const MOST_ENTRIES: usize = 256;

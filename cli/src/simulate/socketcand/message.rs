@@ -32,7 +32,7 @@ pub(super) fn parse(text: &str) -> Result<Command, String> {
         "rawmode" => Command::RawMode,
         "bcmmode" => Command::BcmMode,
         "controlmode" => Command::ControlMode,
-        "send" => Command::Send(words.frame()?),
+        "send" => Command::Send(words.frame_or_remote()?),
         "sendrtr" => {
             let (id, dlc) = (words.id()?, words.dlc()?);
             Command::Send(Frame::remote(id, dlc).ok_or("no such remote frame")?)
@@ -68,10 +68,8 @@ impl<'a> Words<'a> {
 
     fn number(&mut self, what: &str) -> Result<u64, String> {
         let word = self.next(what)?;
-        match word.parse() {
-            Ok(number) if number <= MOST => Ok(number),
-            _ => Err(format!("{} is not a number of {what}", printable(word))),
-        }
+        let number = word.parse().ok().filter(|number| is_digits(word) && *number <= MOST);
+        number.ok_or_else(|| format!("{} is not a number of {what}", printable(word)))
     }
 
     /// Seconds and microseconds.
@@ -82,7 +80,7 @@ impl<'a> Words<'a> {
     /// At most three hexadecimal digits are an 11-bit identifier, more are one of 29 bits.
     fn id(&mut self) -> Result<Id, String> {
         let word = self.next("an identifier")?;
-        let bits = u32::from_str_radix(word, 16).ok().filter(|_| !word.starts_with('+'));
+        let bits = u32::from_str_radix(word, 16).ok().filter(|_| is_digits(word));
         let id = match word.len() {
             0..=3 => {
                 bits.and_then(|bits| u16::try_from(bits).ok()).and_then(StandardId::new).map(Id::Standard)
@@ -94,26 +92,44 @@ impl<'a> Words<'a> {
 
     fn dlc(&mut self) -> Result<u8, String> {
         let word = self.next("a length")?;
-        match u8::from_str_radix(word, 16) {
-            Ok(dlc) if dlc <= 8 => Ok(dlc),
-            _ => Err(format!("{} is not a length, 0 to 8", printable(word))),
-        }
+        let dlc = u8::from_str_radix(word, 16).ok().filter(|dlc| is_digits(word) && *dlc <= 8);
+        dlc.ok_or_else(|| format!("{} is not a length, 0 to 8", printable(word)))
     }
 
     fn bytes(&mut self, length: u8) -> Result<([u8; 8], usize), String> {
         let (mut data, length) = ([0; 8], usize::from(length));
         for byte in data.iter_mut().take(length) {
             let word = self.next("a data byte")?;
-            *byte = u8::from_str_radix(word, 16).map_err(|_| format!("{} is not a byte", printable(word)))?;
+            let value = u8::from_str_radix(word, 16).ok().filter(|_| is_digits(word));
+            *byte = value.ok_or_else(|| format!("{} is not a byte", printable(word)))?;
         }
         Ok((data, length))
     }
 
     fn frame(&mut self) -> Result<Frame, String> {
         let (id, dlc) = (self.id()?, self.dlc()?);
+        self.data(id, dlc)
+    }
+
+    /// A length that no data follow makes a remote frame, as python-can sends it. One of length 0 cannot be told from a
+    /// data frame, and is one.
+    fn frame_or_remote(&mut self) -> Result<Frame, String> {
+        let (id, dlc) = (self.id()?, self.dlc()?);
+        if dlc > 0 && self.0.clone().next().is_none() {
+            return Frame::remote(id, dlc).ok_or_else(|| "no such remote frame".to_owned());
+        }
+        self.data(id, dlc)
+    }
+
+    fn data(&mut self, id: Id, dlc: u8) -> Result<Frame, String> {
         let (data, length) = self.bytes(dlc)?;
         Frame::new(id, &data[..length]).ok_or_else(|| "no such frame".to_owned())
     }
+}
+
+/// Without the sign that the standard library takes.
+fn is_digits(word: &str) -> bool {
+    !word.starts_with('+')
 }
 
 /// A word of the client, short and safe to send back inside `< >`.
@@ -121,7 +137,7 @@ fn printable(word: &str) -> String {
     word.chars().filter(|c| c.is_ascii_graphic() && !matches!(c, '<' | '>')).take(32).collect()
 }
 
-/// The greatest number of seconds, micro- or milliseconds that makes sense: a hundred days.
+/// The greatest number of seconds, milli- or microseconds: a hundred days of the latter.
 const MOST: u64 = 8_640_000_000_000;
 
 #[cfg(test)]
@@ -149,6 +165,10 @@ mod tests {
                 "send 1AAAAAAA 2 1 F1",
                 Command::Send(Frame::new(extended_id(0x1AAA_AAAA), &[0x01, 0xF1]).unwrap()),
             ),
+            // python-can 4.6, interfaces/socketcand: the data bytes, of which a remote frame has none, joined by spaces.
+            ("send 123 2  ", Command::Send(Frame::remote(short, 2).unwrap())),
+            ("send 00000123 8  ", Command::Send(Frame::remote(extended_id(0x123), 8).unwrap())),
+            ("send 123 0  ", Command::Send(frame(&[]))),
             ("sendrtr 123 2", Command::Send(Frame::remote(short, 2).unwrap())),
             (
                 "filter 1 500000 123 1 FF",
@@ -178,8 +198,12 @@ mod tests {
             ("send +12 0", "+12 is not an identifier"),
             ("send FFFFFFFF 0", "FFFFFFFF is not an identifier"),
             ("send 123 9", "9 is not a length, 0 to 8"),
-            ("send 123 1", "a data byte is missing"),
+            ("send 123 2 11", "a data byte is missing"),
+            ("add 1 0 123 1", "a data byte is missing"),
             ("send 123 1 100", "100 is not a byte"),
+            ("send 123 1 +1", "+1 is not a byte"),
+            ("send 123 +1 1", "+1 is not a length, 0 to 8"),
+            ("statistics +1", "+1 is not a number of milliseconds"),
             ("send 123 1 11 22", "send: 22 is too much"),
             ("statistics -1", "-1 is not a number of milliseconds"),
             ("add 99999999999999 0 123 0", "99999999999999 is not a number of seconds"),

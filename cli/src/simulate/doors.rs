@@ -1,0 +1,167 @@
+//! The external nodes, through which clients of the server come onto the bus.
+
+use core::time::Duration;
+use std::collections::BTreeMap;
+
+use link_core::{LinkEvent, TxOutcome};
+use transport_mock::nodes::{External, ExternalEvent};
+use transport_mock::{Network, NodeId};
+
+use super::event::NodeEvent;
+use super::sight::{Observer, index};
+use super::socketcand::{ClientId, Complaint, MOST_CLIENTS, Outgoing, Server};
+use crate::scenario::{Role, Scenario};
+
+/// The machine of an external node. Each frame knows whose it is.
+pub(super) type Outside = External<ClientId>;
+
+/// The machine of an external node, which restarts by itself after bus-off.
+pub(super) fn outside() -> Outside {
+    // One client does not use up what there is. Those that have gone may leave frames, and many that come and go would fill
+    // the memory without a limit.
+    External::new().with_restart(RESTART).with_capacity(MOST_CLIENTS * MOST_WAITING)
+}
+
+/// The external nodes, in the order of the server's channels.
+pub(super) struct Doors {
+    doors: Vec<Door>,
+    /// Frames that were not sent since the last time, by door and client.
+    lost: BTreeMap<(usize, ClientId), u64>,
+}
+
+struct Door {
+    id: NodeId,
+    /// Frames that wait to be sent, of each client that has some.
+    waiting: BTreeMap<ClientId, usize>,
+    is_bus_off: bool,
+}
+
+impl Doors {
+    pub(super) fn of(scenario: &Scenario, network: &Network<NodeEvent>) -> Self {
+        let external = network.nodes().filter(|id| scenario.nodes[id.index()].role == Role::External);
+        let door = |id| Door { id, waiting: BTreeMap::new(), is_bus_off: false };
+        Self { doors: external.map(door).collect(), lost: BTreeMap::new() }
+    }
+
+    /// Frames of clients go to the bus.
+    pub(super) fn take_in(
+        &mut self,
+        network: &mut Network<NodeEvent>,
+        server: &mut Server,
+        outgoing: Vec<Outgoing>,
+    ) {
+        for Outgoing { client, channel, frame } in outgoing {
+            let door = &mut self.doors[channel];
+            let own = door.waiting.get(&client).copied().unwrap_or(0);
+            let inject = |outside: &mut Outside, now| outside.inject(now, client, frame);
+            if own < MOST_WAITING && network.command(door.id, inject).is_some_and(|taken| taken.is_ok()) {
+                door.waiting.insert(client, own + 1);
+            } else {
+                server.lost(network.now(), client, CLASS_CONTROLLER, "too many frames wait to be sent");
+                *self.lost.entry((channel, client)).or_default() += 1;
+            }
+        }
+    }
+
+    /// What was on the bus goes to clients, and what they cannot be told into the trace.
+    pub(super) fn hand_out(
+        &mut self,
+        network: &mut Network<NodeEvent>,
+        server: &mut Server,
+        observer: &mut Observer<'_>,
+    ) {
+        for (channel, door) in self.doors.iter_mut().enumerate() {
+            while let Some((at, event)) =
+                network.command(door.id, |outside: &mut Outside, _| outside.take()).flatten()
+            {
+                match event {
+                    ExternalEvent::Received(frame) => server.frame(at, channel, &frame, None),
+                    ExternalEvent::Done { owner, frame, outcome } => {
+                        door.leave(owner);
+                        match outcome {
+                            TxOutcome::Sent => server.frame(at, channel, &frame, Some(owner)),
+                            TxOutcome::Dropped | TxOutcome::Withdrawn => {
+                                server.lost(at, owner, CLASS_TX_TIMEOUT, "the frame was not sent");
+                                *self.lost.entry((channel, owner)).or_default() += 1;
+                            }
+                        }
+                    }
+                    ExternalEvent::Link(event) => {
+                        if let LinkEvent::Overrun { lost } = event {
+                            let words = format!("overrun, clients miss {}", lost.max(1));
+                            observer.trouble(network.now(), Some(index(door.id)), words);
+                        }
+                        if let Some(class) = door.class(event) {
+                            server.bus_error(at, channel, class);
+                        }
+                    }
+                }
+            }
+        }
+        self.announce(network, server, observer);
+    }
+
+    fn announce(&mut self, network: &Network<NodeEvent>, server: &mut Server, observer: &mut Observer<'_>) {
+        let node = |channel: usize| index(self.doors[channel].id);
+        for ((channel, client), count) in core::mem::take(&mut self.lost) {
+            let plural = if count == 1 { "" } else { "s" };
+            let words = format!("{count} frame{plural} of {client} not sent");
+            observer.trouble(network.now(), Some(node(channel)), words);
+        }
+        for (client, Complaint { channel, words, more }) in server.complaints() {
+            let and_more = if more == 0 { String::new() } else { format!(", and {more} more") };
+            let words = format!("{client}: {words}{and_more}");
+            observer.trouble(network.now(), channel.map(node), words);
+        }
+    }
+}
+
+impl Door {
+    /// A frame of a client no longer waits.
+    fn leave(&mut self, client: ClientId) {
+        if let Some(own) = self.waiting.get_mut(&client) {
+            *own -= 1;
+            if *own == 0 {
+                self.waiting.remove(&client);
+            }
+        }
+    }
+
+    /// The error frame that a SocketCAN interface gives.
+    fn class(&mut self, event: LinkEvent) -> Option<u32> {
+        match event {
+            LinkEvent::BusOff => {
+                self.is_bus_off = true;
+                Some(CLASS_BUS_OFF)
+            }
+            LinkEvent::Up => core::mem::take(&mut self.is_bus_off).then_some(CLASS_RESTARTED),
+            LinkEvent::Down => {
+                self.is_bus_off = false;
+                None
+            }
+            LinkEvent::BusError(_) => Some(CLASS_BUS_ERROR),
+            LinkEvent::ErrorWarning
+            | LinkEvent::ErrorPassive
+            | LinkEvent::ErrorActive
+            | LinkEvent::Overrun { .. } => Some(CLASS_CONTROLLER),
+            LinkEvent::Counters { .. }
+            | LinkEvent::ModeSet(_)
+            | LinkEvent::FilterSet
+            | LinkEvent::Refused(_) => None,
+        }
+    }
+}
+
+/// Frames of one client that wait at one external node.
+const MOST_WAITING: usize = 1024;
+/// From bus-off to the restart, as `restart-ms` of an interface.
+const RESTART: Duration = Duration::from_millis(100);
+/// `CAN_ERR_TX_TIMEOUT`, `CAN_ERR_CRTL`, `CAN_ERR_BUSOFF`, `CAN_ERR_BUSERROR` and `CAN_ERR_RESTARTED` of linux/can/error.h.
+const CLASS_TX_TIMEOUT: u32 = 0x001;
+const CLASS_CONTROLLER: u32 = 0x004;
+const CLASS_BUS_OFF: u32 = 0x040;
+const CLASS_BUS_ERROR: u32 = 0x080;
+const CLASS_RESTARTED: u32 = 0x100;
+
+#[cfg(test)]
+mod tests;
