@@ -9,6 +9,7 @@
 //! | [`message`] | the data field of every message, with its byte table |
 //! | [`access`] | network access: the duplicate MAC ID check, bus-off, the offline connection set of a faulted node |
 //! | [`client`] | the explicit client: requests, fragments, time-outs, responses |
+//! | [`master`] | the scanner: brings slaves up, polls them, brings them back |
 //! | [`monitor`] | the passive decoder: it learns connections from the traffic and says what each frame means |
 //!
 //! A machine is told what happens as [`Input`](link_core::Input), and hands out what is to be done as
@@ -115,6 +116,7 @@ extern crate std;
 pub mod access;
 pub mod client;
 pub mod id;
+pub mod master;
 pub mod message;
 pub mod monitor;
 

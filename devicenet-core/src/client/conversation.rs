@@ -8,7 +8,7 @@ use cip_core::fragment::{
     AckStatus, ExplicitOutcome, ExplicitReassembly, FragmentByte, FragmentKind, explicit_fragment,
     is_fragmented_explicit,
 };
-use cip_core::message::{EmitError, Request, Response};
+use cip_core::message::{AttributeRequest, BodyFormat, EmitError, Request, Response};
 use heapless::Vec;
 use link_core::{Frame, TxOutcome};
 
@@ -232,10 +232,23 @@ impl<const N: usize> Conversation<N> {
     /// Starts a transaction, which is tried `tries` times; more than once only for services that may be carried out
     /// twice.
     pub fn start(&mut self, request: &Request<'_>, tries: u8) -> Result<(), StartError> {
+        self.start_with(|format, out| request.emit(format, out), tries)
+    }
+
+    /// Starts a transaction that reads or writes one attribute.
+    pub fn start_attribute(&mut self, request: &AttributeRequest<'_>, tries: u8) -> Result<(), StartError> {
+        self.start_with(|format, out| request.emit(format, out), tries)
+    }
+
+    fn start_with(
+        &mut self,
+        emit: impl FnOnce(BodyFormat, &mut Writer<'_>) -> Result<(), EmitError>,
+        tries: u8,
+    ) -> Result<(), StartError> {
         self.ready()?;
         let mut buffer = [0; N];
         let mut out = Writer::new(&mut buffer);
-        request.emit(self.route.format(), &mut out).map_err(|error| match error {
+        emit(self.route.format(), &mut out).map_err(|error| match error {
             EmitError::Full(_) => StartError::TooLong { capacity: N },
             EmitError::NotAddressable(_) | EmitError::Service(_) => StartError::NotAddressable(error),
         })?;

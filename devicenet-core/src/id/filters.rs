@@ -12,6 +12,12 @@ pub fn duplicate_mac_check(node: MacId) -> FilterSet {
     [exact(Identifier::duplicate_mac_check(node))].into_iter().collect()
 }
 
+/// The duplicate MAC ID checks of every node: a master learns from them that a slave comes up.
+#[must_use]
+pub fn duplicate_mac_checks() -> Filter {
+    Filter::standard(Identifier::duplicate_mac_check(MacId::MIN).into(), 0x607)
+}
+
 /// A faulted node that takes part in the offline connection set: 0x7ED.
 #[must_use]
 pub fn communication_faulted() -> FilterSet {

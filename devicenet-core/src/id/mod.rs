@@ -61,8 +61,8 @@ mod mac_id;
 mod purpose;
 
 pub use filters::{
-    communication_faulted, duplicate_mac_check, group2_only_server, group2_server, master, offline_owner,
-    ucmm_requests,
+    communication_faulted, duplicate_mac_check, duplicate_mac_checks, group2_only_server, group2_server,
+    master, offline_owner, ucmm_requests,
 };
 pub use identifier::{Identifier, MessageGroup};
 pub use mac_id::{InvalidMacId, MacId};

@@ -1,0 +1,337 @@
+//! What the application can ask, and tell.
+
+use core::time::Duration;
+
+use cip_core::codec::{Wire, Writer};
+use cip_core::message::{AttributeRequest, Request, Response, Target};
+use heapless::Vec;
+use link_core::Instant;
+
+use super::event::{Counters, SlaveCounters};
+use super::machine::Master;
+use super::scan_list::{IoInstance, ScanEntry, ScanListError};
+use super::slot::{Output, Slot, SlotTimer, TalkStage};
+use super::state::{Cause, SlaveState, Stage};
+use super::status::ScannerStatus;
+use super::writes::AttributeWrite;
+use crate::access::{Access, Fault};
+use crate::client::StartError;
+use crate::id::MacId;
+
+/// Why a command was not carried out.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum CommandError {
+    /// The scan list does not allow it.
+    #[error(transparent)]
+    ScanList(#[from] ScanListError),
+    /// Output data have the size that the scan list says.
+    #[error("{found} bytes of output data, {expected} in the scan list: send as many")]
+    OutputLength {
+        /// In the scan list.
+        expected: usize,
+        /// Given.
+        found: usize,
+    },
+    /// Explicit messages of the application have to wait until the slave runs.
+    #[error("the slave is not running: wait for its StateChanged event")]
+    NotRunning,
+    /// One request at a time.
+    #[error("a request to this slave is under way: wait for its Response or RequestFailed event")]
+    Busy,
+    /// The request cannot be sent.
+    #[error(transparent)]
+    Request(StartError),
+}
+
+impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
+    /// Adds a slave, which is brought up at once if the master is on line.
+    pub fn add_slave(&mut self, now: Instant, entry: ScanEntry) -> Result<(), ScanListError> {
+        self.advance(now);
+        if entry.mac_id == self.access.mac_id() {
+            return Err(ScanListError::OwnMacId(entry.mac_id));
+        }
+        entry.check(MESSAGE)?;
+        let Err(place) = self.slots.binary_search_by_key(&entry.mac_id, |slot| slot.entry.mac_id) else {
+            return Err(ScanListError::AlreadyListed(entry.mac_id));
+        };
+        let mut slot = Slot::new(entry, self.access.mac_id());
+        slot.timers.advance(now);
+        if self.on_line {
+            slot.enter(Stage::Waiting, Cause::MasterOnLine);
+            slot.timers.set_after(SlotTimer::Retry, Duration::ZERO);
+        }
+        self.slots.insert(place, slot).map_err(|_| ScanListError::Full(SLAVES))?;
+        self.list_changed();
+        Ok(())
+    }
+
+    /// Removes a slave. Its connections are not released: they time out.
+    pub fn remove_slave(&mut self, slave: MacId) -> Result<(), ScanListError> {
+        let place = self.place(slave).ok_or(ScanListError::NotListed(slave))?;
+        self.slots.remove(place);
+        self.list_changed();
+        Ok(())
+    }
+
+    /// What is written to a slave before its I/O starts, in this order.
+    pub fn set_configuration(
+        &mut self,
+        slave: MacId,
+        writes: &[AttributeWrite<'_>],
+    ) -> Result<(), ScanListError> {
+        let slot = self.slot_mut(slave).ok_or(ScanListError::NotListed(slave))?;
+        let mut buffer = [0; MESSAGE];
+        let mut out = Writer::new(&mut buffer);
+        for write in writes {
+            write.emit(&mut out).map_err(|_| ScanListError::TooManyWrites(MESSAGE))?;
+        }
+        slot.writes = Vec::from_slice(out.written()).map_err(|_| ScanListError::TooManyWrites(MESSAGE))?;
+        Ok(())
+    }
+
+    /// Run, or idle: an idle master sends its commands without data. A new master is idle.
+    pub fn set_run(&mut self, run: bool) {
+        if self.run == run {
+            return;
+        }
+        self.run = run;
+        for slot in &mut self.slots {
+            if slot.sends_output() && slot.is_running() {
+                slot.output_changed();
+            }
+        }
+    }
+
+    /// The output data of a slave: with its next poll, or at once if it is not polled.
+    pub fn set_output(&mut self, slave: MacId, data: &[u8]) -> Result<(), CommandError> {
+        let slot = self.slot_mut(slave).ok_or(ScanListError::NotListed(slave))?;
+        if !slot.output.set(data)? {
+            return Ok(());
+        }
+        if slot.sends_output() && slot.is_running() {
+            slot.output_changed();
+        }
+        Ok(())
+    }
+
+    /// The output bit of a slave in the bit-strobe command.
+    pub fn set_strobe_bit(&mut self, slave: MacId, bit: bool) -> Result<(), CommandError> {
+        let slot = self.slot_mut(slave).ok_or(ScanListError::NotListed(slave))?;
+        slot.output.strobe_bit = bit;
+        Ok(())
+    }
+
+    /// The output data of the multicast poll group.
+    pub fn set_multicast_output(&mut self, data: &[u8]) -> Result<(), CommandError> {
+        let most = MESSAGE;
+        if data.len() > most {
+            return Err(CommandError::OutputLength { expected: most, found: data.len() });
+        }
+        if data.len() != self.multicast_output.wanted.len() {
+            self.multicast_output = Output::zeroed(data.len());
+        }
+        self.multicast_output.set(data).map(|_| ())
+    }
+
+    /// What a slave produced last over an instance; `None` if nothing yet, or not since it was lost.
+    #[must_use]
+    pub fn input_data(&self, slave: MacId, instance: IoInstance) -> Option<&[u8]> {
+        let input = self.slot(slave)?.input(instance)?;
+        input.received.then_some(input.data.as_slice())
+    }
+
+    /// Asks a slave that runs. The answer is a [`Response`](super::SlaveEvent::Response) or
+    /// [`RequestFailed`](super::SlaveEvent::RequestFailed) event. A service that may be carried out twice can be tried more
+    /// than once.
+    pub fn request(
+        &mut self,
+        now: Instant,
+        slave: MacId,
+        request: &Request<'_>,
+        tries: u8,
+    ) -> Result<(), CommandError> {
+        let (Some(class), Some(instance)) = (request.target.class(), request.target.instance()) else {
+            return Err(CommandError::Request(StartError::Empty));
+        };
+        self.talk(now, slave, tries, |talk| {
+            talk.service = request.service;
+            talk.class = class;
+            talk.instance = instance;
+            talk.attribute = match request.target {
+                Target::Path(path) => path.logical().ok().and_then(|path| path.attribute),
+                Target::Object { .. } => None,
+            };
+            request.data
+        })
+    }
+
+    /// Reads or writes one attribute of a slave that runs; see [`request`](Self::request).
+    pub fn request_attribute(
+        &mut self,
+        now: Instant,
+        slave: MacId,
+        request: &AttributeRequest<'_>,
+        tries: u8,
+    ) -> Result<(), CommandError> {
+        self.talk(now, slave, tries, |talk| {
+            talk.service = request.service;
+            talk.class = request.class;
+            talk.instance = request.instance;
+            talk.attribute = Some(request.attribute);
+            request.value
+        })
+    }
+
+    fn talk<'a>(
+        &mut self,
+        now: Instant,
+        slave: MacId,
+        tries: u8,
+        fill: impl FnOnce(&mut super::slot::Talk<MESSAGE>) -> &'a [u8],
+    ) -> Result<(), CommandError> {
+        self.advance(now);
+        let own = self.access.mac_id();
+        let place = self.place(slave).ok_or(ScanListError::NotListed(slave))?;
+        let Some(slot) = self.slots.get_mut(place) else { return Err(CommandError::NotRunning) };
+        if !slot.is_running() {
+            return Err(CommandError::NotRunning);
+        }
+        if slot.talk.stage != TalkStage::Idle || slot.conversation.is_busy() {
+            return Err(CommandError::Busy);
+        }
+        let data = fill(&mut slot.talk);
+        slot.talk.tries = tries;
+        slot.talk.data = Vec::from_slice(data)
+            .map_err(|_| CommandError::Request(StartError::TooLong { capacity: MESSAGE }))?;
+        slot.begin_talk(&self.config, own).map_err(CommandError::Request)
+    }
+
+    /// The response that the last [`Response`](super::SlaveEvent::Response) event told of.
+    #[must_use]
+    pub fn response(&self, slave: MacId) -> Option<Response<'_>> {
+        let slot = self.slot(slave)?;
+        match slot.talk.stage {
+            TalkStage::Idle | TalkStage::Closing => Response::parse(&slot.talk.data).ok(),
+            TalkStage::Connecting | TalkStage::Asking { .. } => None,
+        }
+    }
+
+    /// Brings a slave up anew, for example after its configuration was changed.
+    pub fn restart_slave(&mut self, now: Instant, slave: MacId) -> Result<(), CommandError> {
+        self.advance(now);
+        let slot = self.slot_mut(slave).ok_or(ScanListError::NotListed(slave))?;
+        if slot.stage != Stage::Offline {
+            slot.failures = 0;
+            slot.abandon_talk();
+            slot.wait(Cause::Commanded, ScannerStatus::INITIALISING, Duration::ZERO);
+        }
+        Ok(())
+    }
+
+    /// Its own network access.
+    #[must_use]
+    pub const fn access(&self) -> &Access {
+        &self.access
+    }
+
+    /// True in run mode.
+    #[must_use]
+    pub const fn is_running(&self) -> bool {
+        self.run
+    }
+
+    /// The scan list, in the order of the MAC IDs.
+    pub fn scan_list(&self) -> impl ExactSizeIterator<Item = &ScanEntry> {
+        self.slots.iter().map(|slot| &slot.entry)
+    }
+
+    /// Where the master is with a slave.
+    #[must_use]
+    pub fn state(&self, slave: MacId) -> Option<SlaveState> {
+        self.slot(slave).map(|slot| slot.stage.state())
+    }
+
+    /// The scanner status of a slave.
+    #[must_use]
+    pub fn status(&self, slave: MacId) -> Option<ScannerStatus> {
+        self.slot(slave).map(|slot| slot.status)
+    }
+
+    /// The scanner's own status: 70 and 91 off line, 80 when it is idle.
+    #[must_use]
+    pub fn own_status(&self) -> ScannerStatus {
+        match self.access.fault() {
+            Some(Fault::DuplicateMacId) => ScannerStatus::DUPLICATE_MAC_ID,
+            Some(Fault::BusOff) => ScannerStatus::BUS_OFF,
+            None if !self.on_line => ScannerStatus::INITIALISING,
+            None if self.slots.is_empty() => ScannerStatus::NO_TRAFFIC,
+            None if !self.run => ScannerStatus::SCANNER_IDLE,
+            None => ScannerStatus::NORMAL,
+        }
+    }
+
+    /// What is counted for a slave.
+    #[must_use]
+    pub fn slave_counters(&self, slave: MacId) -> Option<&SlaveCounters> {
+        self.slot(slave).map(|slot| &slot.counters)
+    }
+
+    /// What is counted for the master.
+    #[must_use]
+    pub const fn counters(&self) -> &Counters {
+        &self.counters
+    }
+
+    /// Moves every stored moment `span` towards zero, so that states that differ in the time of day only are equal.
+    pub fn shift_time(&mut self, span: Duration) {
+        self.access.shift_time(span);
+        self.timers.shift(span);
+        for slot in &mut self.slots {
+            slot.timers.shift(span);
+        }
+    }
+
+    pub(super) fn place(&self, slave: MacId) -> Option<usize> {
+        self.slots.binary_search_by_key(&slave, |slot| slot.entry.mac_id).ok()
+    }
+
+    fn slot(&self, slave: MacId) -> Option<&Slot<MESSAGE>> {
+        self.slots.get(self.place(slave)?)
+    }
+
+    pub(super) fn slot_mut(&mut self, slave: MacId) -> Option<&mut Slot<MESSAGE>> {
+        let place = self.place(slave)?;
+        self.slots.get_mut(place)
+    }
+
+    /// The places of the slaves are others: a new scan, and another filter.
+    fn list_changed(&mut self) {
+        self.filter_due = self.on_line;
+        self.cycle.stop();
+        self.timers.clear_all();
+    }
+}
+
+impl<const N: usize> Slot<N> {
+    fn output_changed(&mut self) {
+        if self.output.due.is_some() {
+            self.output.changed = true;
+        } else {
+            self.output.due = Some(0);
+        }
+    }
+}
+
+impl<const N: usize> Output<N> {
+    /// Takes new data; true if they differ.
+    fn set(&mut self, data: &[u8]) -> Result<bool, CommandError> {
+        let expected = self.wanted.len();
+        if data.len() != expected {
+            return Err(CommandError::OutputLength { expected, found: data.len() });
+        }
+        let changed = self.wanted != data;
+        self.wanted.copy_from_slice(data);
+        Ok(changed)
+    }
+}

@@ -1,0 +1,152 @@
+//! The scan: which I/O command comes next.
+//!
+//! ```text
+//! strobe | multicast poll | poll 1, poll 2, ... poll n | responses that are missing, explicit messages | strobe ...
+//!        commands back-to-back                          |<-- interscan delay, at least ------------------->|
+//! ```
+//!
+//! A poll is not held up by the response to the one before: responses carry the slave's MAC ID. Source: Networking with
+//! DeviceNet (Circuit Cellar 99, 1998); 1771-SDN manual (interscan delay, foreground to background poll ratio).
+
+use super::scan_list::{IoInstance, ScanRate};
+use super::slot::Slot;
+use crate::id::MacId;
+
+/// Where the scan is.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub(super) struct Cycle {
+    pub(super) position: Position,
+    number: u32,
+    /// The slaves whose responses are missing, by instance: bit n for MAC ID n.
+    awaited: [u64; 4],
+    /// The interscan delay is over.
+    pub(super) delay_over: bool,
+    /// So is the wait for missing responses.
+    pub(super) wait_over: bool,
+    /// An explicit message was handed out since the scan began.
+    pub(super) explicit_given: bool,
+    commanded: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) enum Position {
+    /// Nobody is to be scanned.
+    Stopped,
+    BitStrobe,
+    Multicast {
+        fragment: usize,
+    },
+    Poll {
+        slot: usize,
+        fragment: usize,
+    },
+    /// All commands are out.
+    Pause,
+}
+
+impl Cycle {
+    pub(super) const fn new() -> Self {
+        Self {
+            position: Position::Stopped,
+            number: 0,
+            awaited: [0; 4],
+            delay_over: false,
+            wait_over: false,
+            explicit_given: false,
+            commanded: false,
+        }
+    }
+
+    pub(super) fn stop(&mut self) {
+        *self = Self { number: self.number, ..Self::new() };
+    }
+
+    /// Begins a scan.
+    pub(super) fn begin<const N: usize>(&mut self, slots: &[Slot<N>], ratio: u16) {
+        self.number = self.number.wrapping_add(1);
+        self.awaited = [0; 4];
+        self.delay_over = false;
+        self.wait_over = false;
+        self.explicit_given = false;
+        self.commanded = false;
+        self.seek(slots, Position::BitStrobe, ratio);
+    }
+
+    /// Goes to the first command at or after `from`.
+    pub(super) fn seek<const N: usize>(&mut self, slots: &[Slot<N>], from: Position, ratio: u16) {
+        let uses = |instance| slots.iter().any(|slot| takes_part(slot, instance));
+        let mut position = from;
+        self.position = loop {
+            position = match position {
+                Position::BitStrobe if !uses(IoInstance::BitStrobe) => Position::Multicast { fragment: 0 },
+                Position::Multicast { .. } if !uses(IoInstance::MulticastPoll) => {
+                    Position::Poll { slot: 0, fragment: 0 }
+                }
+                Position::Poll { slot, fragment: 0 } => {
+                    let next = slots.iter().enumerate().skip(slot).find(|(_, slot)| self.polls(slot, ratio));
+                    break next.map_or(Position::Pause, |(slot, _)| Position::Poll { slot, fragment: 0 });
+                }
+                found => break found,
+            };
+        };
+    }
+
+    /// Whether anybody would be scanned.
+    pub(super) fn is_needed<const N: usize>(slots: &[Slot<N>]) -> bool {
+        let scanned = [IoInstance::BitStrobe, IoInstance::MulticastPoll, IoInstance::Poll];
+        slots.iter().any(|slot| scanned.into_iter().any(|instance| takes_part(slot, instance)))
+    }
+
+    fn polls<const N: usize>(&self, slot: &Slot<N>, ratio: u16) -> bool {
+        let due = match slot.entry.rate {
+            ScanRate::Foreground => true,
+            ScanRate::Background => self.number.checked_rem(ratio.into()).unwrap_or(0) == 0,
+        };
+        due && takes_part(slot, IoInstance::Poll)
+    }
+
+    /// A response is expected from now on.
+    pub(super) fn expect(&mut self, instance: IoInstance, slave: MacId) {
+        self.commanded = true;
+        if let Some(awaited) = self.awaited.get_mut(instance.index()) {
+            *awaited |= bit(slave);
+        }
+    }
+
+    /// It is there, or will never be.
+    pub(super) fn satisfy(&mut self, instance: IoInstance, slave: MacId) {
+        if let Some(awaited) = self.awaited.get_mut(instance.index()) {
+            *awaited &= !bit(slave);
+        }
+    }
+
+    pub(super) fn is_awaited(&self, slave: MacId) -> bool {
+        self.awaited.iter().any(|awaited| awaited & bit(slave) != 0)
+    }
+
+    /// Whether a command was sent since the scan began.
+    pub(super) fn sent_commands(&self) -> bool {
+        self.commanded
+    }
+
+    /// Whether the next scan may begin.
+    pub(super) fn is_over(&self) -> bool {
+        let complete = self.awaited.iter().all(|&awaited| awaited == 0);
+        self.position == Position::Pause && self.delay_over && (complete || self.wait_over)
+    }
+}
+
+/// Whether a slave is scanned over an instance. Change-of-state data of the master are sent outside of the scan.
+pub(super) fn takes_part<const N: usize>(slot: &Slot<N>, instance: IoInstance) -> bool {
+    slot.is_running()
+        && match instance {
+            IoInstance::Poll => slot.entry.poll.is_some(),
+            IoInstance::BitStrobe => slot.entry.bit_strobe.is_some(),
+            IoInstance::MulticastPoll => slot.entry.multicast_poll.is_some(),
+            IoInstance::StateChange => false,
+        }
+}
+
+fn bit(slave: MacId) -> u64 {
+    1_u64.checked_shl(slave.number().into()).unwrap_or(0)
+}

@@ -1,0 +1,353 @@
+//! The master machine: network access, the slaves, the scan.
+
+use core::time::Duration;
+
+use heapless::Vec;
+use link_core::timers::TimerKey;
+use link_core::{Action, Deadline, FilterSet, Input, Instant, LinkCommand, LinkEvent, Machine, Timers};
+
+use super::config::Config;
+use super::cycle::Cycle;
+use super::event::{Counters, MasterEvent, count32};
+use super::output::Lanes;
+use super::scan_list::IoInstance;
+use super::slot::{Output, Slot, SlotTimer};
+use super::state::{Cause, Stage};
+use super::status::ScannerStatus;
+use crate::access::Access;
+use crate::id;
+
+/// A DeviceNet master; see the [module](super) text.
+///
+/// `SLAVES` is the length of the scan list, at most 63; `MESSAGE` the longest explicit body and I/O message, and the
+/// room for each slave's attribute writes.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub struct Master<const SLAVES: usize, const MESSAGE: usize> {
+    pub(super) config: Config,
+    pub(super) access: Access,
+    /// What `access` said the last time that it was looked at.
+    pub(super) on_line: bool,
+    pub(super) run: bool,
+    /// In the order of their MAC IDs.
+    pub(super) slots: Vec<Slot<MESSAGE>, SLAVES>,
+    pub(super) multicast_output: Output<MESSAGE>,
+    pub(super) cycle: Cycle,
+    pub(super) lanes: Lanes,
+    pub(super) timers: Timers<Timer, 2>,
+    pub(super) counters: Counters,
+    /// Missing responses of the scan that was completed.
+    pub(super) scan_done: Option<u8>,
+    pub(super) filter_due: bool,
+}
+
+/// The waits of the scan.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) enum Timer {
+    Interscan,
+    ResponseWait,
+}
+
+impl TimerKey<2> for Timer {
+    const ALL: [Self; 2] = [Self::Interscan, Self::ResponseWait];
+
+    fn index(self) -> usize {
+        match self {
+            Self::Interscan => 0,
+            Self::ResponseWait => 1,
+        }
+    }
+
+    fn why(self) -> &'static str {
+        match self {
+            Self::Interscan => "interscan delay",
+            Self::ResponseWait => "I/O responses",
+        }
+    }
+}
+
+impl<const SLAVES: usize, const MESSAGE: usize> Machine for Master<SLAVES, MESSAGE> {
+    type Event = MasterEvent;
+
+    fn input(&mut self, now: Instant, input: Input) {
+        let now = self.advance(now);
+        // A wait that ended before this moment ended before this input; one that ends now ends after it.
+        self.expire(now.saturating_sub(Duration::from_nanos(1)));
+        match input {
+            Input::Frame(frame) => {
+                self.access.input(now, input);
+                self.follow_access();
+                self.frame(&frame);
+            }
+            Input::TxDone(Access::TOKEN, _) => self.access.input(now, input),
+            Input::TxDone(token, outcome) => self.tx_done(token, outcome),
+            Input::Link(event) => {
+                self.access.input(now, input);
+                self.link(event);
+            }
+            Input::Tick => self.access.input(now, input),
+        }
+        self.expire(now);
+        self.follow_access();
+        self.scan();
+    }
+
+    fn poll(&mut self, now: Instant) -> Option<Action<MasterEvent>> {
+        self.advance(now);
+        let action = self
+            .lanes
+            .withdraw()
+            .or_else(|| self.poll_access(now))
+            .or_else(|| self.set_filter())
+            .or_else(|| self.event().map(Action::Event))
+            .or_else(|| self.transmit());
+        self.scan();
+        action
+    }
+
+    fn deadline(&self) -> Option<Deadline> {
+        if self.has_output() {
+            return Some(Deadline::now(self.timers.now()));
+        }
+        let slots = self.slots.iter().filter_map(|slot| slot.timers.next());
+        slots.chain(self.timers.next()).chain(self.access.deadline()).min_by_key(|deadline| deadline.at)
+    }
+
+    fn max_in_flight(&self) -> usize {
+        self.access.max_in_flight().saturating_add(Lanes::COUNT)
+    }
+}
+
+impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
+    /// A master without power and with an empty scan list: the first [`LinkEvent::Up`] starts it. It is idle until
+    /// [`set_run`](Self::set_run).
+    #[must_use]
+    pub fn new(config: Config) -> Self {
+        Self {
+            access: Access::new(config.access.clone()),
+            on_line: false,
+            run: false,
+            slots: Vec::new(),
+            multicast_output: Output::zeroed(0),
+            cycle: Cycle::new(),
+            lanes: Lanes::default(),
+            timers: Timers::new(),
+            counters: Counters::default(),
+            scan_done: None,
+            filter_due: false,
+            config,
+        }
+    }
+
+    /// What it must hear: its own duplicate MAC ID check and those of its slaves, UCMM responses and heartbeats, and of
+    /// each slave the explicit responses and all I/O.
+    #[must_use]
+    pub fn filter(&self) -> FilterSet {
+        let mut filters = id::master(self.access.mac_id(), self.slots.iter().map(|slot| slot.entry.mac_id));
+        filters.add(id::duplicate_mac_checks());
+        filters
+    }
+
+    /// Every clock of the machine, set to the latest moment.
+    pub(super) fn advance(&mut self, now: Instant) -> Instant {
+        let now = self.timers.advance(now);
+        for slot in &mut self.slots {
+            slot.timers.advance(now);
+        }
+        now
+    }
+
+    /// Serves every wait that is over at `until`.
+    fn expire(&mut self, until: Instant) {
+        while let Some(timer) = self.timers.take_expired(until) {
+            match timer {
+                Timer::Interscan => self.cycle.delay_over = true,
+                Timer::ResponseWait => self.cycle.wait_over = true,
+            }
+        }
+        let own = self.access.mac_id();
+        for slot in &mut self.slots {
+            while let Some(timer) = slot.timers.take_expired(until) {
+                match timer {
+                    SlotTimer::Conversation => slot.conversation_expired(&self.config, own),
+                    SlotTimer::Retry => {
+                        if slot.stage == Stage::Waiting {
+                            slot.begin(&self.config, own);
+                        }
+                    }
+                    SlotTimer::Watchdog(instance) => {
+                        slot.lost(instance);
+                    }
+                    SlotTimer::Trigger => slot.trigger_output(),
+                }
+            }
+        }
+    }
+
+    /// Follows network access on line and off line.
+    fn follow_access(&mut self) {
+        let on_line = self.access.is_online();
+        if on_line == self.on_line {
+            return;
+        }
+        self.on_line = on_line;
+        if on_line {
+            self.filter_due = true;
+            for slot in &mut self.slots {
+                slot.master_on_line();
+            }
+        } else {
+            for slot in &mut self.slots {
+                slot.master_off_line();
+            }
+            self.cycle.stop();
+            self.timers.clear_all();
+            self.lanes.abandon();
+        }
+    }
+
+    fn link(&mut self, event: LinkEvent) {
+        match event {
+            // A port that is up has no filter yet.
+            LinkEvent::Up => self.filter_due = true,
+            LinkEvent::Down
+            | LinkEvent::BusOff
+            | LinkEvent::ErrorWarning
+            | LinkEvent::ErrorPassive
+            | LinkEvent::ErrorActive
+            | LinkEvent::BusError(_)
+            | LinkEvent::Counters { .. }
+            | LinkEvent::Overrun { .. }
+            | LinkEvent::ModeSet(_)
+            | LinkEvent::FilterSet
+            | LinkEvent::Refused(_) => {}
+        }
+    }
+
+    /// What network access wants; its filter is a part of the master's.
+    fn poll_access(&mut self, now: Instant) -> Option<Action<MasterEvent>> {
+        let action = self.access.poll(now)?;
+        if let Action::Link(LinkCommand::SetFilter(_)) = action {
+            self.filter_due = false;
+            return Some(Action::Link(LinkCommand::SetFilter(self.filter())));
+        }
+        Some(action.map_event(MasterEvent::Access))
+    }
+
+    fn set_filter(&mut self) -> Option<Action<MasterEvent>> {
+        if !core::mem::take(&mut self.filter_due) {
+            return None;
+        }
+        Some(Action::Link(LinkCommand::SetFilter(self.filter())))
+    }
+
+    fn event(&mut self) -> Option<MasterEvent> {
+        if let Some(missing) = self.scan_done.take() {
+            return Some(MasterEvent::ScanDone { missing });
+        }
+        for slot in &mut self.slots {
+            let mac_id = slot.entry.mac_id;
+            if !slot.events.is_empty() {
+                return Some(MasterEvent::Slave { mac_id, event: slot.events.remove(0) });
+            }
+            if slot.events_lost != 0 {
+                let count = core::mem::take(&mut slot.events_lost);
+                self.counters.events_lost = self.counters.events_lost.saturating_add(count);
+                return Some(MasterEvent::EventsLost { count });
+            }
+        }
+        None
+    }
+
+    /// Moves the scan on where it waits for nothing.
+    pub(super) fn scan(&mut self) {
+        use super::cycle::Position;
+        if !self.on_line {
+            return;
+        }
+        let ratio = self.config.background_ratio;
+        if self.cycle.position == Position::Stopped {
+            if !Cycle::is_needed(&self.slots) {
+                return;
+            }
+            self.cycle.begin(&self.slots, ratio);
+        } else if self.cycle.is_over() {
+            self.end_scan();
+            if !Cycle::is_needed(&self.slots) {
+                return self.cycle.stop();
+            }
+            self.cycle.begin(&self.slots, ratio);
+        } else {
+            return;
+        }
+        if self.cycle.position == Position::Pause {
+            // Nobody is due in this scan.
+            self.pause();
+        }
+    }
+
+    /// All commands are out.
+    pub(super) fn pause(&mut self) {
+        let delay = self.config.interscan_delay;
+        if delay.is_zero() && self.cycle.sent_commands() {
+            self.cycle.delay_over = true;
+        } else {
+            self.timers.set_after(Timer::Interscan, delay.max(SHORTEST_EMPTY_SCAN));
+        }
+        self.timers.set_after(Timer::ResponseWait, self.config.response_wait);
+    }
+
+    fn end_scan(&mut self) {
+        count32(&mut self.counters.scans);
+        self.timers.clear_all();
+        let mut missing = 0_u8;
+        for slot in &mut self.slots {
+            if self.cycle.is_awaited(slot.entry.mac_id) {
+                count32(&mut slot.counters.missed);
+                missing = missing.saturating_add(1);
+            }
+        }
+        self.scan_done = Some(missing);
+    }
+}
+
+impl<const N: usize> Slot<N> {
+    fn master_on_line(&mut self) {
+        self.enter(Stage::Waiting, Cause::MasterOnLine);
+        self.set_status(ScannerStatus::INITIALISING);
+        // Unless its own check was heard a moment ago.
+        if self.timers.at(SlotTimer::Retry).is_none() {
+            self.timers.set_after(SlotTimer::Retry, Duration::ZERO);
+        }
+    }
+
+    fn master_off_line(&mut self) {
+        self.abandon_talk();
+        self.conversation.cancel();
+        self.timers.clear_all();
+        self.failures = 0;
+        self.enter(Stage::Offline, Cause::MasterOffLine);
+    }
+
+    fn conversation_expired(&mut self, config: &Config, own: crate::MacId) {
+        let failure = self.conversation.timer_expired();
+        self.keep_time();
+        let Some(failure) = failure else { return };
+        if self.is_running() {
+            self.talk_failed(config, own, failure);
+        } else {
+            self.went_unanswered(config, own, failure);
+        }
+    }
+
+    /// Nothing came over an instance for too long.
+    fn lost(&mut self, _instance: IoInstance) {
+        if self.is_running() {
+            super::event::count(&mut self.counters.timeouts);
+            self.abandon_talk();
+            self.wait(Cause::TimedOut, ScannerStatus::STOPPED_COMMUNICATING, Duration::ZERO);
+        }
+    }
+}
+
+/// Between two scans in which nobody is polled.
+const SHORTEST_EMPTY_SCAN: Duration = Duration::from_millis(1);

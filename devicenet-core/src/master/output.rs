@@ -1,0 +1,361 @@
+//! What the master sends: three lanes with one frame in flight each.
+//!
+//! | Lane | Token | Frames |
+//! |---|---|---|
+//! | answers | 1 | acknowledges of change-of-state and cyclic messages, output data outside of the scan |
+//! | scan | 2 | bit-strobe, multicast poll and poll commands |
+//! | explicit | 3 | requests, fragments and acknowledges; every slave in its turn |
+//!
+//! An explicit message waits while a scan sends its commands, but for one in each scan, so that neither starves the
+//! other.
+
+use core::time::Duration;
+
+use cip_core::fragment::{FragmentByte, FragmentKind, IO_FRAGMENT_LEN, IO_UNFRAGMENTED_LEN};
+use link_core::{Action, Frame, Machine, TxOutcome, TxToken};
+
+use super::cycle::{Position, takes_part};
+use super::event::{MasterEvent, count, count32};
+use super::machine::Master;
+use super::scan_list::IoInstance;
+use super::slot::{Output, Slot, SlotTimer};
+use crate::id::{Identifier, MacId};
+use crate::message::{self, BitStrobeCommand, Wire};
+
+/// What is in flight.
+#[derive(Clone, PartialEq, Eq, Hash, Debug, Default)]
+pub(super) struct Lanes {
+    answers: Lane,
+    scan: Lane,
+    explicit: Lane,
+    /// The slave whose turn it is in the explicit lane.
+    turn: usize,
+}
+
+#[derive(Clone, PartialEq, Eq, Hash, Debug, Default)]
+struct Lane {
+    carries: Option<Carried>,
+    withdraw: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+enum Carried {
+    /// What nobody wants to know about any more.
+    Abandoned,
+    Acknowledge,
+    Output {
+        slave: MacId,
+        fragment: usize,
+    },
+    Command,
+    Explicit {
+        slave: MacId,
+    },
+}
+
+impl Lanes {
+    /// The number of frames in flight at most.
+    pub(super) const COUNT: usize = 3;
+
+    /// Nothing that is in flight is wanted any more.
+    pub(super) fn abandon(&mut self) {
+        for lane in [&mut self.answers, &mut self.scan, &mut self.explicit] {
+            if lane.carries.is_some() {
+                *lane = Lane { carries: Some(Carried::Abandoned), withdraw: true };
+            }
+        }
+    }
+
+    pub(super) fn withdraw(&mut self) -> Option<Action<MasterEvent>> {
+        let lanes = [(ANSWERS, &mut self.answers), (SCAN, &mut self.scan), (EXPLICIT, &mut self.explicit)];
+        lanes
+            .into_iter()
+            .find_map(|(token, lane)| core::mem::take(&mut lane.withdraw).then_some(Action::Withdraw(token)))
+    }
+
+    const fn must_withdraw(&self) -> bool {
+        self.answers.withdraw || self.scan.withdraw || self.explicit.withdraw
+    }
+}
+
+impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
+    pub(super) fn has_output(&self) -> bool {
+        self.lanes.must_withdraw()
+            || self.access.deadline().is_some_and(|deadline| deadline.at <= self.timers.now())
+            || self.filter_due
+            || self.scan_done.is_some()
+            || self.slots.iter().any(|slot| !slot.events.is_empty() || slot.events_lost != 0)
+            || (self.on_line
+                && (self.answer_due().is_some() || self.command_due() || self.explicit_due().is_some()))
+    }
+
+    pub(super) fn transmit(&mut self) -> Option<Action<MasterEvent>> {
+        if !self.on_line {
+            return None;
+        }
+        self.answer().or_else(|| self.command()).or_else(|| self.explicit())
+    }
+
+    fn answer_due(&self) -> Option<usize> {
+        if self.lanes.answers.carries.is_some() {
+            return None;
+        }
+        self.slots.iter().position(|slot| slot.acknowledge_due || slot.output.due.is_some())
+    }
+
+    fn answer(&mut self) -> Option<Action<MasterEvent>> {
+        let place = self.answer_due()?;
+        let run = self.run;
+        let slot = self.slots.get_mut(place)?;
+        let slave = slot.entry.mac_id;
+        let (carried, frame) = if core::mem::take(&mut slot.acknowledge_due) {
+            let frame = Identifier::change_of_state_acknowledge(slave).frame(&[])?;
+            (Carried::Acknowledge, frame)
+        } else {
+            let fragment = slot.output.due.take()?;
+            let fragmented = slot.output.is_fragmented();
+            let data = slot.output.message(run, fragment);
+            let frame = io_frame(Identifier::poll_command(slave), data, fragmented, fragment)?;
+            (Carried::Output { slave, fragment }, frame)
+        };
+        self.lanes.answers.carries = Some(carried);
+        Some(Action::Transmit(ANSWERS, frame))
+    }
+
+    const fn command_due(&self) -> bool {
+        self.lanes.scan.carries.is_none()
+            && match self.cycle.position {
+                Position::Stopped | Position::Pause => false,
+                Position::BitStrobe | Position::Multicast { .. } | Position::Poll { .. } => true,
+            }
+    }
+
+    fn command(&mut self) -> Option<Action<MasterEvent>> {
+        if !self.command_due() {
+            return None;
+        }
+        let own = self.access.mac_id();
+        let frame = match self.cycle.position {
+            Position::Stopped | Position::Pause => return None,
+            Position::BitStrobe => self.strobe()?,
+            Position::Multicast { fragment } => {
+                let fragmented = self.multicast_output.is_fragmented();
+                let data = self.multicast_output.message(self.run, fragment);
+                io_frame(Identifier::multicast_poll_command(own), data, fragmented, fragment)?
+            }
+            Position::Poll { slot, fragment } => {
+                let slot = self.slots.get_mut(slot)?;
+                let id = Identifier::poll_command(slot.entry.mac_id);
+                let fragmented = slot.output.is_fragmented();
+                io_frame(id, slot.output.message(self.run, fragment), fragmented, fragment)?
+            }
+        };
+        self.lanes.scan.carries = Some(Carried::Command);
+        Some(Action::Transmit(SCAN, frame))
+    }
+
+    fn strobe(&self) -> Option<Frame> {
+        let id = Identifier::bit_strobe_command(self.access.mac_id());
+        if !self.run {
+            return id.frame(&[]);
+        }
+        let strobe = self.slots.iter().fold(BitStrobeCommand::default(), |strobe, slot| {
+            strobe.with(slot.entry.mac_id, slot.output.strobe_bit && takes_part(slot, IoInstance::BitStrobe))
+        });
+        let mut bytes = [0; Frame::MAX_DATA];
+        let mut out = cip_core::codec::Writer::new(&mut bytes);
+        strobe.emit(&mut out).ok()?;
+        id.frame(out.written())
+    }
+
+    /// The slave whose turn it is.
+    fn explicit_due(&self) -> Option<usize> {
+        if self.lanes.explicit.carries.is_some() {
+            return None;
+        }
+        let free = matches!(self.cycle.position, Position::Stopped | Position::Pause);
+        if !free && self.cycle.explicit_given {
+            return None;
+        }
+        let turn = self.lanes.turn;
+        let due = |&(_, slot): &(usize, &Slot<MESSAGE>)| slot.conversation.has_output();
+        let mut slots = self.slots.iter().enumerate();
+        let after = slots.clone().skip(turn).find(due);
+        after.or_else(|| slots.find(due)).map(|(place, _)| place)
+    }
+
+    fn explicit(&mut self) -> Option<Action<MasterEvent>> {
+        let place = self.explicit_due()?;
+        let slot = self.slots.get_mut(place)?;
+        let frame = slot.conversation.poll()?;
+        self.lanes.explicit.carries = Some(Carried::Explicit { slave: slot.entry.mac_id });
+        self.lanes.turn = place.saturating_add(1);
+        self.cycle.explicit_given = true;
+        Some(Action::Transmit(EXPLICIT, frame))
+    }
+
+    pub(super) fn tx_done(&mut self, token: TxToken, outcome: TxOutcome) {
+        let lane = match token {
+            ANSWERS => &mut self.lanes.answers,
+            SCAN => &mut self.lanes.scan,
+            EXPLICIT => &mut self.lanes.explicit,
+            _ => return count(&mut self.counters.stray_tx_done),
+        };
+        lane.withdraw = false;
+        let Some(carried) = lane.carries.take() else { return count(&mut self.counters.stray_tx_done) };
+        if outcome != TxOutcome::Sent {
+            count32(&mut self.counters.not_sent);
+        }
+        match carried {
+            Carried::Acknowledge => {}
+            Carried::Abandoned => self.forget_explicit(),
+            Carried::Output { slave, fragment } => {
+                if let Some(slot) = self.slot_mut(slave) {
+                    slot.output_sent(fragment);
+                }
+            }
+            Carried::Command => self.command_sent(),
+            Carried::Explicit { slave } => {
+                if let Some(slot) = self.slot_mut(slave) {
+                    slot.conversation.tx_done(outcome);
+                    slot.keep_time();
+                }
+            }
+        }
+    }
+
+    /// A conversation that was cancelled still waits for its frame.
+    fn forget_explicit(&mut self) {
+        if self.lanes.explicit.carries.is_none() {
+            for slot in &mut self.slots {
+                if slot.conversation.is_in_flight() {
+                    slot.conversation.tx_done(TxOutcome::Dropped);
+                    slot.keep_time();
+                }
+            }
+        }
+    }
+
+    /// The next fragment, or the next command. A command that was given back unsent is not repeated: the next scan comes
+    /// soon enough.
+    fn command_sent(&mut self) {
+        let ratio = self.config.background_ratio;
+        match self.cycle.position {
+            Position::Stopped | Position::Pause => {}
+            Position::BitStrobe => {
+                self.expect_all(IoInstance::BitStrobe);
+                self.cycle.seek(&self.slots, Position::Multicast { fragment: 0 }, ratio);
+            }
+            Position::Multicast { fragment } => {
+                if let Some(fragment) = self.multicast_output.next_fragment(fragment) {
+                    self.cycle.position = Position::Multicast { fragment };
+                } else {
+                    self.expect_all(IoInstance::MulticastPoll);
+                    self.cycle.seek(&self.slots, Position::Poll { slot: 0, fragment: 0 }, ratio);
+                }
+            }
+            Position::Poll { slot: place, fragment } => {
+                let Some(slot) = self.slots.get_mut(place) else { return };
+                match slot.output.next_fragment(fragment) {
+                    Some(fragment) if slot.is_running() => {
+                        self.cycle.position = Position::Poll { slot: place, fragment };
+                    }
+                    _ => {
+                        if slot.is_running() {
+                            count32(&mut slot.counters.commands);
+                            self.cycle.expect(IoInstance::Poll, slot.entry.mac_id);
+                        }
+                        let next = Position::Poll { slot: place.saturating_add(1), fragment: 0 };
+                        self.cycle.seek(&self.slots, next, ratio);
+                    }
+                }
+            }
+        }
+        if self.cycle.position == Position::Pause {
+            self.pause();
+        }
+    }
+
+    fn expect_all(&mut self, instance: IoInstance) {
+        for slot in &mut self.slots {
+            if takes_part(slot, instance) {
+                count32(&mut slot.counters.commands);
+                self.cycle.expect(instance, slot.entry.mac_id);
+            }
+        }
+    }
+}
+
+impl<const N: usize> Slot<N> {
+    /// The transmission trigger of the output data is over.
+    pub(super) fn trigger_output(&mut self) {
+        if self.is_running() && self.output.due.is_none() {
+            self.output.due = Some(0);
+        }
+    }
+
+    fn output_sent(&mut self, fragment: usize) {
+        if !self.is_running() {
+            return;
+        }
+        if let Some(next) = self.output.next_fragment(fragment) {
+            self.output.due = Some(next);
+            return;
+        }
+        // The trigger runs from the end of the message on.
+        let rate = self.input(IoInstance::Poll).map_or(0, |input| input.rate);
+        if rate != 0 {
+            self.timers.set_after(SlotTimer::Trigger, Duration::from_millis(rate.into()));
+        }
+        if core::mem::take(&mut self.output.changed) {
+            self.output.due = Some(0);
+        }
+    }
+}
+
+impl<const N: usize> Output<N> {
+    pub(super) fn is_fragmented(&self) -> bool {
+        self.wanted.len() > IO_UNFRAGMENTED_LEN
+    }
+
+    /// The message of which fragment `fragment` is sent next; empty while the master is idle. It does not change from its
+    /// first fragment to its last.
+    fn message(&mut self, run: bool, fragment: usize) -> &[u8] {
+        if fragment == 0 {
+            self.sent.clear();
+            if run {
+                self.sent.clone_from(&self.wanted);
+            }
+        }
+        &self.sent
+    }
+
+    /// The fragment after `fragment`.
+    fn next_fragment(&self, fragment: usize) -> Option<usize> {
+        let next = fragment.saturating_add(1);
+        let more = self.is_fragmented() && next.saturating_mul(IO_FRAGMENT_LEN) < self.sent.len();
+        more.then_some(next)
+    }
+}
+
+/// One frame of an I/O message.
+fn io_frame(id: Identifier, data: &[u8], fragmented: bool, fragment: usize) -> Option<Frame> {
+    if !fragmented || data.is_empty() {
+        return id.frame(data);
+    }
+    let start = fragment.saturating_mul(IO_FRAGMENT_LEN);
+    let rest = data.get(start..)?;
+    let part = rest.get(..IO_FRAGMENT_LEN).unwrap_or(rest);
+    let count = u8::try_from(fragment).ok()?;
+    let byte = match (fragment, rest.len() > IO_FRAGMENT_LEN) {
+        (0, false) => FragmentByte::FIRST_AND_ONLY,
+        (0, true) => FragmentByte::FIRST,
+        (_, true) => FragmentByte::new(FragmentKind::Middle, count),
+        (_, false) => FragmentByte::new(FragmentKind::Last, count),
+    };
+    message::frame(id, &message::IoFragment { fragment: byte, data: part })
+}
+
+const ANSWERS: TxToken = TxToken(1);
+const SCAN: TxToken = TxToken(2);
+const EXPLICIT: TxToken = TxToken(3);

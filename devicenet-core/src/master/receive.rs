@@ -1,0 +1,174 @@
+//! What the master does with the frames of its slaves.
+
+use core::time::Duration;
+
+use cip_core::fragment::{IO_UNFRAGMENTED_LEN, IoOutcome};
+use link_core::Frame;
+
+use super::event::{SlaveEvent, count, count32};
+use super::machine::Master;
+use super::scan_list::IoInstance;
+use super::slot::{Slot, SlotTimer};
+use super::state::{Cause, Stage};
+use super::status::ScannerStatus;
+use crate::client::Progress;
+use crate::id::{Identifier, MacId, Purpose};
+use crate::message::{Heartbeat, Shutdown, Wire};
+
+impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
+    pub(super) fn frame(&mut self, frame: &Frame) {
+        let Some(id) = Identifier::of_frame(frame) else { return count32(&mut self.counters.unrelated) };
+        let Some(slave) = id.mac_id().filter(|&mac| self.slot_mut(mac).is_some()) else {
+            return count32(&mut self.counters.unrelated);
+        };
+        match id.purpose() {
+            Purpose::DuplicateMacCheck => self.check_heard(slave),
+            _ if !self.on_line => {}
+            Purpose::PollResponse => self.io(slave, IoInstance::Poll, frame.data()),
+            Purpose::BitStrobeResponse => self.io(slave, IoInstance::BitStrobe, frame.data()),
+            Purpose::ChangeOfState => self.io(slave, IoInstance::StateChange, frame.data()),
+            Purpose::MulticastPollResponse => self.io(slave, IoInstance::MulticastPoll, frame.data()),
+            Purpose::ExplicitResponse | Purpose::UnconnectedResponse if self.broadcast(slave, frame) => {}
+            _ => self.explicit_frame(slave, frame),
+        }
+    }
+
+    /// A slave that checks its MAC ID is on line one second after its second request.
+    fn check_heard(&mut self, slave: MacId) {
+        let Some(slot) = self.slot_mut(slave) else { return };
+        match slot.stage {
+            Stage::Offline => slot.timers.set_after(SlotTimer::Retry, AFTER_CHECK),
+            Stage::Waiting => {
+                slot.failures = 0;
+                slot.enter(Stage::Waiting, Cause::CheckHeard);
+                slot.timers.set_after(SlotTimer::Retry, AFTER_CHECK);
+            }
+            // Whoever it is: a slave that restarts falls silent, and is noticed by that.
+            Stage::Contacting(_) | Stage::Configuring(_) | Stage::Running => {}
+        }
+    }
+
+    /// Heartbeat and shutdown: the header has the sender's own MAC ID.
+    fn broadcast(&mut self, slave: MacId, frame: &Frame) -> bool {
+        let data = frame.data();
+        if data.first() != Some(&slave.number()) {
+            return false;
+        }
+        let Some(slot) = self.slot_mut(slave) else { return false };
+        if let Ok(heartbeat) = Heartbeat::parse(data) {
+            count32(&mut slot.counters.heartbeats);
+            slot.raise(SlaveEvent::Heartbeat(heartbeat));
+        } else if let Ok(shutdown) = Shutdown::parse(data) {
+            slot.raise(SlaveEvent::Shutdown(shutdown));
+        } else {
+            return false;
+        }
+        true
+    }
+
+    fn explicit_frame(&mut self, slave: MacId, frame: &Frame) {
+        let own = self.access.mac_id();
+        let Some(place) = self.place(slave) else { return };
+        let Some(slot) = self.slots.get_mut(place) else { return };
+        let failure = match slot.conversation.frame(frame) {
+            Progress::NotMine => return count32(&mut self.counters.unrelated),
+            Progress::Ignored(_) => return count(&mut slot.counters.explicit_ignored),
+            Progress::Pending => None,
+            Progress::Failed(failure) => Some(failure),
+            Progress::Response(response) => {
+                // The response may lie in the conversation that its consequences change.
+                let mut buffer = [0; MESSAGE];
+                let mut out = cip_core::codec::Writer::new(&mut buffer);
+                let copied = response.emit(&mut out);
+                debug_assert!(copied.is_ok(), "a response fits where it came from");
+                slot.keep_time();
+                if let Ok(response) = cip_core::message::Response::parse(out.written()) {
+                    if slot.is_running() {
+                        slot.talked(&self.config, own, &response);
+                    } else {
+                        slot.brought_further(&self.config, own, &response);
+                    }
+                }
+                None
+            }
+        };
+        slot.keep_time();
+        let Some(failure) = failure else { return };
+        if slot.is_running() {
+            slot.talk_failed(&self.config, own, failure);
+        } else {
+            slot.went_unanswered(&self.config, own, failure);
+        }
+    }
+
+    fn io(&mut self, slave: MacId, instance: IoInstance, data: &[u8]) {
+        let run = self.run;
+        let Some(place) = self.place(slave) else { return };
+        let Some(slot) = self.slots.get_mut(place) else { return };
+        let agreed = slot.entry.agreed(instance);
+        let Some(agreed) = agreed.filter(|_| slot.is_running()) else {
+            return count32(&mut self.counters.unexpected);
+        };
+        // The acknowledge of output data that are sent without poll.
+        let Some(size) = agreed.produce else { return };
+        if slot.io_message(instance, usize::from(size), data, run) {
+            self.cycle.satisfy(instance, slave);
+        }
+    }
+}
+
+impl<const N: usize> Slot<N> {
+    /// Takes a frame of an I/O message; true if the message is complete, and whatever became of it.
+    fn io_message(&mut self, instance: IoInstance, size: usize, data: &[u8], run: bool) -> bool {
+        let acknowledged = instance == IoInstance::StateChange
+            && self.entry.state_change.is_some_and(|change| change.acknowledged);
+        let Some(input) = self.inputs.get_mut(instance.index()) else { return false };
+        let message = if size > IO_UNFRAGMENTED_LEN {
+            match input.reassembly.frame(data) {
+                IoOutcome::Stored => return false,
+                IoOutcome::Complete(message) => message,
+                IoOutcome::TooLong => return self.wrong_length(),
+                IoOutcome::OutOfSequence { .. }
+                | IoOutcome::IgnoredNoFirst
+                | IoOutcome::InvalidFirst { .. }
+                | IoOutcome::UnexpectedAcknowledge => {
+                    count(&mut self.counters.fragment_errors);
+                    self.set_status(ScannerStatus::FRAGMENT_SEQUENCE);
+                    return true;
+                }
+            }
+        } else {
+            data
+        };
+        let idle = message.is_empty() && size != 0;
+        if !idle && message.len() != size {
+            return self.wrong_length();
+        }
+        let changed = !idle && (!input.received || input.data != message);
+        if changed {
+            input.data.clear();
+            // The scan list was checked: it fits.
+            let kept = input.data.extend_from_slice(message);
+            debug_assert!(kept.is_ok());
+            input.received = true;
+        }
+        count32(&mut self.counters.received);
+        self.feed_watchdog(instance);
+        self.acknowledge_due |= acknowledged;
+        self.set_status(if idle && run { ScannerStatus::SLAVE_IDLE } else { ScannerStatus::NORMAL });
+        if changed {
+            self.raise(SlaveEvent::Input(instance));
+        }
+        true
+    }
+
+    fn wrong_length(&mut self) -> bool {
+        count(&mut self.counters.length_errors);
+        self.set_status(ScannerStatus::WRONG_LENGTH);
+        true
+    }
+}
+
+/// From a duplicate MAC ID check request to the moment at which its sender is on line, if it was its second, and a
+/// little for its reaction.
+const AFTER_CHECK: Duration = Duration::from_millis(1005);

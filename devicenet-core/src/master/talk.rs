@@ -1,0 +1,158 @@
+//! The application's explicit requests to a slave that runs.
+//!
+//! A Group 2 Only slave is asked over the explicit connection of the predefined set. If that has timed out, it is
+//! allocated anew, which the owner may. With a UCMM-capable slave a connection is opened for the request and closed after
+//! it.
+
+use cip_core::code::{GeneralStatus, ServiceCode};
+use cip_core::codec::{Wire, Writer};
+use cip_core::message::{AllocationChoice, AttributeRequest, BodyFormat, Request, Response};
+use heapless::Vec;
+
+use super::config::Config;
+use super::event::{SlaveEvent, count};
+use super::slot::{Slot, TalkStage};
+use crate::client::{Failure, Route, StartError};
+use crate::id::MacId;
+
+impl<const N: usize> Slot<N> {
+    /// Asks what [`Slot::talk`] holds.
+    pub(super) fn begin_talk(&mut self, config: &Config, own: MacId) -> Result<(), StartError> {
+        if self.ucmm {
+            self.connect(config, own);
+            return Ok(());
+        }
+        self.ask_for_application()?;
+        self.talk.stage = TalkStage::Asking { reconnect: true };
+        Ok(())
+    }
+
+    fn ask_for_application(&mut self) -> Result<(), StartError> {
+        let talk = &self.talk;
+        let started = match talk.attribute {
+            Some(attribute) => {
+                let request = AttributeRequest {
+                    service: talk.service,
+                    class: talk.class,
+                    instance: talk.instance,
+                    attribute,
+                    value: &talk.data,
+                };
+                self.conversation.start_attribute(&request, talk.tries)
+            }
+            None => {
+                let request = Request::new(talk.service, talk.class, talk.instance, &talk.data);
+                self.conversation.start(&request, talk.tries)
+            }
+        };
+        self.keep_time();
+        started
+    }
+
+    /// Opens a connection, or allocates the predefined one again.
+    fn connect(&mut self, config: &Config, own: MacId) {
+        self.talk.stage = TalkStage::Connecting;
+        let slave = self.entry.mac_id;
+        let open = [ServiceCode::ALLOCATE.0, config.ucmm_format.code(), super::bring_up::OPEN_GROUP_3];
+        let allocate = [ServiceCode::ALLOCATE.0, 0x03, 0x01, AllocationChoice::EXPLICIT.bits(), own.number()];
+        let (route, body) = if self.ucmm {
+            (Route::ucmm(own, slave), &open[..])
+        } else {
+            (Route::group2_unconnected(own, slave), &allocate[..])
+        };
+        self.conversation.reroute(route, config.unconnected);
+        self.say(body, config.tries);
+    }
+
+    /// A response while the slave runs.
+    pub(super) fn talked(&mut self, config: &Config, own: MacId, response: &Response<'_>) {
+        match self.talk.stage {
+            TalkStage::Idle => {}
+            TalkStage::Connecting => {
+                if !self.reconnected(config, own, response) {
+                    return self.end_talk(Err(Failure::NoResponse));
+                }
+                match self.ask_for_application() {
+                    Ok(()) => self.talk.stage = TalkStage::Asking { reconnect: false },
+                    // The connection has another body format than the one that the request was checked against.
+                    Err(_) => self.end_talk(Err(Failure::RequestTooLong)),
+                }
+            }
+            TalkStage::Asking { .. } => {
+                let mut buffer = [0; N];
+                let mut out = Writer::new(&mut buffer);
+                let kept = response.emit(&mut out).is_ok();
+                self.talk.data = Vec::from_slice(out.written()).unwrap_or_default();
+                self.end_talk(if kept { Ok(()) } else { Err(Failure::ResponseTooLong) });
+                self.close(config, own);
+            }
+            TalkStage::Closing => self.talk.stage = TalkStage::Idle,
+        }
+    }
+
+    fn reconnected(&mut self, config: &Config, own: MacId, response: &Response<'_>) -> bool {
+        let slave = self.entry.mac_id;
+        match (self.ucmm, response) {
+            (true, Response::Success { data, .. }) => {
+                let Some((route, connection)) = self.route_opened(own, data) else { return false };
+                self.opened = Some(connection);
+                self.conversation.reroute(route, config.connected);
+                true
+            }
+            (false, Response::Success { data, .. }) => {
+                let format = data.first().and_then(|&byte| BodyFormat::from_code(byte & 0x0F));
+                let Some(format) = format else { return false };
+                self.conversation.reroute(Route::predefined(own, slave, format), config.connected);
+                true
+            }
+            // It was there all the time: the request itself was lost.
+            (false, Response::Error { status: GeneralStatus::ALREADY_IN_REQUESTED_STATE, .. }) => {
+                let route = Route::predefined(own, slave, BodyFormat::Class8Instance8);
+                self.conversation.reroute(route, config.connected);
+                true
+            }
+            (_, Response::Error { .. }) => false,
+        }
+    }
+
+    /// No response while the slave runs.
+    pub(super) fn talk_failed(&mut self, config: &Config, own: MacId, failure: Failure) {
+        match (self.talk.stage, failure) {
+            (TalkStage::Asking { reconnect: true }, Failure::NoResponse | Failure::NotAcknowledged) => {
+                self.connect(config, own)
+            }
+            (TalkStage::Asking { .. } | TalkStage::Connecting, _) => {
+                self.end_talk(Err(failure));
+                self.close(config, own);
+            }
+            (TalkStage::Closing, _) => self.talk.stage = TalkStage::Idle,
+            (TalkStage::Idle, _) => {}
+        }
+    }
+
+    /// The slave is lost, or the master: so is the request.
+    pub(super) fn abandon_talk(&mut self) {
+        match self.talk.stage {
+            TalkStage::Connecting | TalkStage::Asking { .. } => self.end_talk(Err(Failure::NoResponse)),
+            TalkStage::Idle | TalkStage::Closing => self.talk.stage = TalkStage::Idle,
+        }
+        self.opened = None;
+    }
+
+    fn end_talk(&mut self, result: Result<(), Failure>) {
+        self.talk.stage = TalkStage::Idle;
+        if result.is_err() {
+            self.talk.data.clear();
+            count(&mut self.counters.explicit_failed);
+        }
+        self.raise(result.map_or_else(SlaveEvent::RequestFailed, |()| SlaveEvent::Response));
+    }
+
+    fn close(&mut self, config: &Config, own: MacId) {
+        if self.opened.is_some() {
+            self.let_go(config, own);
+            self.opened = None;
+            self.talk.stage = TalkStage::Closing;
+        }
+    }
+}
