@@ -79,6 +79,7 @@ mod common;
 mod effect;
 mod failure;
 mod identity;
+mod message_router;
 mod rule;
 mod serve;
 mod set;
@@ -92,6 +93,7 @@ pub use common::{
 pub use effect::{Effect, Effects};
 pub use failure::{Failure, FailureOptions, exact};
 pub use identity::{Identity, Resets};
+pub use message_router::{MessageRouter, Router, RouterConnections};
 pub use rule::{AttributeRule, Size};
 pub use serve::serve;
 pub use set::{Chain, ObjectSet, respond};

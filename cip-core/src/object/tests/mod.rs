@@ -4,6 +4,7 @@ mod acknowledge_handler;
 mod assembly;
 mod common;
 mod identity;
+mod message_router;
 mod order;
 mod sets;
 
