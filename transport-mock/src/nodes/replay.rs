@@ -9,8 +9,8 @@ use super::{NextFrame, TOKEN};
 
 /// Sends recorded frames with the gaps of the recording.
 ///
-/// A frame is requested at its time, or when the one before it was sent if that is later. Frames that were dropped
-/// because the link went down are not repeated.
+/// A frame is requested at its time, or when the one before it was sent if that is later. The recording goes on while
+/// the link is down or bus-off: frames whose time comes then are left out, and those that were dropped are not repeated.
 #[derive(Clone, Debug)]
 pub struct Replay<I> {
     frames: I,
@@ -19,6 +19,7 @@ pub struct Replay<I> {
     origin: Option<Instant>,
     /// Power-up.
     started: Option<Duration>,
+    up: bool,
     in_flight: bool,
     timers: Timers<NextFrame, 1>,
 }
@@ -33,6 +34,7 @@ impl<I: Iterator<Item = (Instant, Frame)>> Replay<I> {
             next,
             origin: next.map(|(at, _)| at),
             started: None,
+            up: false,
             in_flight: false,
             timers: Timers::new(),
         }
@@ -65,7 +67,9 @@ impl<I: Iterator<Item = (Instant, Frame)>> Machine for Replay<I> {
     fn input(&mut self, now: Instant, input: Input) {
         let now = self.timers.advance(now);
         match input {
+            Input::Link(LinkEvent::Down | LinkEvent::BusOff) => self.up = false,
             Input::Link(LinkEvent::Up) => {
+                self.up = true;
                 self.started.get_or_insert(now.saturating_since(Instant::ZERO));
                 self.plan();
             }
@@ -78,11 +82,16 @@ impl<I: Iterator<Item = (Instant, Frame)>> Machine for Replay<I> {
     }
 
     fn poll(&mut self, now: Instant) -> Option<Action<Infallible>> {
-        self.timers.take_expired(now)?;
-        let (_, frame) = self.next?;
-        self.next = self.frames.next();
-        self.in_flight = true;
-        Some(Action::Transmit(TOKEN, frame))
+        loop {
+            self.timers.take_expired(now)?;
+            let (_, frame) = self.next?;
+            self.next = self.frames.next();
+            if self.up {
+                self.in_flight = true;
+                return Some(Action::Transmit(TOKEN, frame));
+            }
+            self.plan();
+        }
     }
 
     fn deadline(&self) -> Option<Deadline> {

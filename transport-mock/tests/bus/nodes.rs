@@ -65,6 +65,21 @@ fn replays_of_one_recording_keep_in_step() {
     assert_eq!(heard, [0x100, 0x101, 0x102]);
 }
 
+/// The network is strict: a request without a link would be a violation.
+#[test]
+fn a_replay_goes_on_while_its_link_is_down() {
+    let mut network = network();
+    let recorded = [0, 5, 10, 15, 20].map(|at| (Instant::from_millis(at), data(0x100, &[at as u8])));
+    let replay = network.add_silent(NodeConfig::named("replay"), Replay::new(recorded));
+    let listener = network.add_silent(Listener::config("listener"), Listener::new(8));
+    network.schedule(Instant::from_millis(7), Change::Cut(replay));
+    network.schedule(Instant::from_millis(17), Change::Plug(replay));
+    network.run_until(Instant::from_millis(50), &mut Ignore);
+    let heard: Vec<u8> =
+        (network.machine::<Listener>(listener).unwrap().frames()).map(|(_, frame)| frame.data()[0]).collect();
+    assert_eq!(heard, [0, 5, 20]);
+}
+
 /// It has a deadline in its past, at which nobody may call it.
 #[test]
 fn the_clock_of_a_node_without_power_can_be_set() {
