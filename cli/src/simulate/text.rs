@@ -18,7 +18,7 @@ use crate::trace::{Emphasis, Trace};
 pub(super) struct TextView {
     out: SharedBuffer,
     trace: Trace,
-    /// The attempts that failed since a frame got through.
+    /// The attempts that failed since a frame got through, or something was changed.
     storm: Option<Storm>,
     is_first: bool,
 }
@@ -130,9 +130,11 @@ impl View for TextView {
             Sight::Change { at, node, what, problem } => {
                 let emphasis = if *problem { Emphasis::Problem } else { Emphasis::Normal };
                 self.event(nodes, *at, *node, emphasis, what);
+                self.storm = None;
             }
             Sight::Note { text, .. } => {
                 self.flush();
+                self.storm = None;
                 let blank = if self.is_first { "" } else { "\n" };
                 self.out.write(|out| out.extend_from_slice(format!("{blank}{text}\n").as_bytes()));
             }
@@ -227,5 +229,5 @@ pub(super) const fn field_name(field: Field) -> &'static str {
 
 const WIDEST_PAIR: usize = 20;
 const MOST_COUNTERS: usize = 4;
-/// Failures that are told between two frames that get through.
+/// Failures that are told between two frames that get through, or two changes.
 const MOST_TOLD: usize = 12;
