@@ -71,7 +71,10 @@ impl fmt::Display for ScenarioError {
         writeln!(f, "{}:{}:{}: {}", self.file, self.line, self.column, self.message)?;
         writeln!(f, "{margin} |")?;
         writeln!(f, "{number} | {}", self.excerpt)?;
-        write!(f, "{margin} | {}{}", " ".repeat(self.column - 1), "^".repeat(self.width))
+        // Tabs stay tabs, so that the mark is below what it means.
+        let before = self.excerpt.chars().take(self.column - 1);
+        let indent: String = before.map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
+        write!(f, "{margin} | {indent}{}", "^".repeat(self.width))
     }
 }
 
@@ -90,6 +93,12 @@ mod tests {
         assert_eq!(error.to_string(), "a.toml:2:7: wrong\n  |\n2 | mac = [64,\n  |       ^^^^");
         let accent = text.find("\"\n").unwrap();
         assert_eq!(ScenarioError::at("a.toml", text, &(accent..accent + 1), "x").column, 11);
+    }
+
+    #[test]
+    fn the_mark_stands_below_what_follows_a_tab() {
+        let error = ScenarioError::at("a.toml", "\tmac = 64", &(7..9), "wrong");
+        assert_eq!(error.to_string(), "a.toml:1:8: wrong\n  |\n1 | \tmac = 64\n  | \t      ^^");
     }
 
     #[test]

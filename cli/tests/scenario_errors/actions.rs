@@ -72,3 +72,16 @@ value = 3"#,
         "8:6: `set_mac` cannot be done to `tool`, whose role is `external`; expected a node with the role `access`",
     );
 }
+
+/// A list of many names helps nobody.
+#[test]
+fn a_node_that_is_not_among_many() {
+    let many = format!("{VALVE}count = 63\n");
+    let cut = |node: &str| format!("[[action]]\nat = \"1s\"\nnode = \"{node}\"\ndo = \"cut\"");
+    refused(
+        &many,
+        &cut("valve-7"),
+        "11:8: there is no node `valve-7`; expected `valve-07` perhaps, or another `name` of a [[node]]",
+    );
+    refused(&many, &cut("pump"), "11:8: there is no node `pump`; expected a `name` of a [[node]]");
+}

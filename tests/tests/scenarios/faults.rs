@@ -216,3 +216,33 @@ fn what_a_part_has_learnt_is_not_known_to_the_others() {
     assert_eq!(told.len(), 3, "{trace}");
     assert!(told[0].starts_with("3.") && told[1..].iter().all(|at| at.starts_with("7.")), "{told:?}");
 }
+
+#[test]
+fn the_trace_says_what_a_fault_is_like() {
+    for (fault, words) in [
+        ("kind = \"bit_error\"\nrate = 1e-4", "bit errors on the bus, 0.0001 per bit"),
+        (
+            "kind = \"bit_error\"\nbit = 3\nframe = 7\nnode = \"valve\"",
+            "an error in what valve hears in bit 3 of frame 7 from now",
+        ),
+        ("kind = \"lost_frame\"\nnode = \"valve\"", "the end of frames is wrong in what valve hears"),
+        (
+            "kind = \"lost_frame\"\nnodes = [\"valve\", \"scanner\"]\nid = 0x57\nrate = 0.5\noverrun = true",
+            "valve, scanner are too slow to read frames 057, 0.5 of them",
+        ),
+        (
+            "kind = \"noise\"\ngap = \"1ms\"\nlength = \"200us\"",
+            "noise on the bus, bursts of 200us about every 1.2ms",
+        ),
+        (
+            "kind = \"babble\"\npull = \"1ms\"\nevery = \"1s\"",
+            "a transceiver holds the bus dominant, for 1ms every 1s",
+        ),
+        ("kind = \"babble\"", "a transceiver holds the bus dominant"),
+    ] {
+        let (trace, _) = traced(&format!("[[fault]]\nfrom = \"9.99s\"\nto = \"10s\"\n{fault}\n"));
+        for told in [format!("| fault begins: {words}\n"), format!("| fault ends: {words}\n")] {
+            assert!(trace.contains(&told), "{told}{trace}");
+        }
+    }
+}

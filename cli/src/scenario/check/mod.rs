@@ -204,7 +204,12 @@ impl Checker<'_> {
         }
         let mut known: Vec<&str> = self.names.keys().map(String::as_str).collect();
         known.sort_unstable();
-        self.fail(span, format!("there is no node `{name}`; expected {}", list(&known)))
+        let expected = match (known.len() > MOST_LISTED, unknown::closest(name, &known)) {
+            (false, _) => list(&known),
+            (true, Some(meant)) => format!("`{meant}` perhaps, or another `name` of a [[node]]"),
+            (true, None) => "a `name` of a [[node]]".to_owned(),
+        };
+        self.fail(span, format!("there is no node `{name}`; expected {expected}"))
     }
 
     fn named(&self, name: &Spanned<String>) -> Result<Vec<NodeIndex>, ScenarioError> {
@@ -265,4 +270,6 @@ fn parse_frame(text: &str) -> Option<Frame> {
 
 /// 10 kbit/s to 1 Mbit/s in the steps that CAN networks use; a bit is a whole number of nanoseconds in each.
 const BIT_RATES: [u32; 8] = [10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 1_000_000];
+/// Names that an error lists.
+const MOST_LISTED: usize = 16;
 const LONGEST_RUN: Duration = Duration::from_secs(24 * 3_600);

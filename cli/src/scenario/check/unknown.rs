@@ -72,8 +72,8 @@ fn value_at(
     Some(table.get_ref().get(key)?.as_str()?.to_owned())
 }
 
-/// The known key that differs by a slip of the finger.
-fn closest<'a>(found: &str, known: &[&'a str]) -> Option<&'a str> {
+/// The known name that differs by a slip of the finger.
+pub(super) fn closest<'a>(found: &str, known: &[&'a str]) -> Option<&'a str> {
     let distance = |key: &&&str| strsim::osa_distance(found, key);
     known.iter().min_by_key(distance).filter(|key| distance(key) <= (key.len() / 3).max(1)).copied()
 }

@@ -5,6 +5,7 @@ use core::time::Duration;
 use link_core::Instant;
 
 use super::{NodeIndex, Scenario};
+use crate::scenario::values::Time;
 
 /// `[[fault]]`
 #[derive(Clone, PartialEq, Debug)]
@@ -81,27 +82,43 @@ impl FaultKind {
     /// What is wrong, in words.
     #[must_use]
     pub fn words(&self, scenario: &Scenario) -> String {
+        let names = |nodes: &[NodeIndex]| scenario.names(nodes);
         let heard = |nodes: &[NodeIndex]| match nodes {
             [] => "on the bus".to_owned(),
-            nodes => format!("in what {} hears", scenario.names(nodes)),
+            [_] => format!("in what {} hears", names(nodes)),
+            _ => format!("in what {} hear", names(nodes)),
         };
         match self {
             Self::BitErrors { rate, nodes } => format!("bit errors {}, {rate} per bit", heard(nodes)),
             Self::BitError { frame, bit, nodes } => {
                 format!("an error {} in bit {bit} of frame {frame} from now", heard(nodes))
             }
-            Self::LostFrame { overrun: true, nodes, .. } => {
-                format!("{} is too slow to read its frames", scenario.names(nodes))
+            Self::LostFrame { rate, id, overrun, nodes } => {
+                let which = match id {
+                    Some(id) => format!("frames {id:03X}"),
+                    None => "frames".to_owned(),
+                };
+                let share = if *rate < 1.0 { format!(", {rate} of them") } else { String::new() };
+                match (overrun, nodes.as_slice()) {
+                    (false, nodes) => format!("the end of {which} is wrong {}{share}", heard(nodes)),
+                    (true, [_]) => format!("{} is too slow to read {which}{share}", names(nodes)),
+                    (true, _) => format!("{} are too slow to read {which}{share}", names(nodes)),
+                }
             }
-            Self::LostFrame { nodes, .. } => {
-                format!("the end of frames is wrong {}", heard(nodes))
+            Self::Noise { gap, length, nodes } => {
+                format!(
+                    "noise {}, bursts of {} about every {}",
+                    heard(nodes),
+                    Time(*length),
+                    Time(*gap + *length)
+                )
             }
-            Self::Noise { nodes, .. } => format!("noise {}", heard(nodes)),
+            Self::Babble { pull, every } if pull < every => {
+                format!("a transceiver holds the bus dominant, for {} every {}", Time(*pull), Time(*every))
+            }
             Self::Babble { .. } => "a transceiver holds the bus dominant".to_owned(),
-            Self::Clock { ppm, nodes } => {
-                format!("the clock of {} is off by {ppm} ppm", scenario.names(nodes))
-            }
-            Self::Segment { nodes } => format!("{} apart", scenario.names(nodes)),
+            Self::Clock { ppm, nodes } => format!("the clock of {} is off by {ppm} ppm", names(nodes)),
+            Self::Segment { nodes } => format!("{} apart", names(nodes)),
         }
     }
 }
