@@ -63,6 +63,7 @@ Exit codes:
 Examples:
   devicenet decode recording.log
   devicenet decode --mac 10 --kind explicit_request,explicit_response recording.pcapng
+  devicenet decode --time delta --kind poll_command recording.asc
   devicenet decode --summary --bit-rate 500k recording.log
   devicenet decode --json recording.log | jq -r 'select(.problem) | [.n, .text] | @tsv'
   devicenet decode --mac 10 --record only-10.pcapng recording.log
@@ -82,6 +83,9 @@ pub struct DecodeArgs {
     /// Only frames of this kind, named as in the JSON output; several with commas, or given more than once
     #[arg(long, value_name = "KIND", value_parser = kind_parser(), value_delimiter = ',')]
     pub kind: Vec<Kind>,
+    /// The times of the lines; JSON and copies have those of the recording
+    #[arg(long, value_enum, default_value_t = TimeFormat::Absolute)]
+    pub time: TimeFormat,
     /// Instead of the frames, a summary: each node, each connection, each kind of problem; response times p50 and p99 have
     /// two significant digits, the longest is exact
     #[arg(long)]
@@ -114,6 +118,17 @@ pub enum Protocol {
     Devicenet,
     /// DeviceNeX: not supported yet
     Devicenex,
+}
+
+/// What the times of a trace are counted from.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum TimeFormat {
+    /// As recorded
+    Absolute,
+    /// Since the first frame of the recording
+    Relative,
+    /// Since the line before; of the first line, since the first frame
+    Delta,
 }
 
 /// The names of [`Kind`].

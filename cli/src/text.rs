@@ -1,5 +1,7 @@
 //! Numbers as text, without the machinery of `fmt`.
 
+use std::borrow::Cow;
+
 use link_core::Instant;
 
 /// Two digits a byte.
@@ -31,6 +33,14 @@ pub(crate) fn push_seconds(out: &mut Vec<u8>, at: Instant, decimals: u8) {
 #[inline]
 pub(crate) fn push_number(out: &mut Vec<u8>, number: impl itoa::Integer) {
     out.extend_from_slice(itoa::Buffer::new().format(number).as_bytes());
+}
+
+/// A name that somebody else has given, with a replacement for what would command a terminal.
+pub(crate) fn printable(name: &str) -> Cow<'_, str> {
+    match name.contains(char::is_control) {
+        true => Cow::Owned(name.replace(char::is_control, "\u{FFFD}")),
+        false => Cow::Borrowed(name),
+    }
 }
 
 /// `1 frame`, `2 frames`.

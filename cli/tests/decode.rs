@@ -164,6 +164,22 @@ fn filters_by_node_and_kind() {
 }
 
 #[test]
+fn times_are_counted_from_where_the_reader_wants() {
+    let log = "(1700000000.000500) can0 455#\n(1700000001.000500) can0 45D#\n(1700000001.000750) can0 45D#\n\
+               (1700000001.000700) can0 45D#\n";
+    let times = |format| {
+        let output = run_with_input(&["decode", "--mac", "11", "--time", format, "-"], log);
+        let words = stdout(&output).lines().map(|line| line.split_whitespace().next().unwrap().to_owned());
+        words.collect::<Vec<_>>()
+    };
+    assert_eq!(times("absolute"), ["1700000001.000500", "1700000001.000750", "1700000001.000700"]);
+    assert_eq!(times("relative"), ["1.000000", "1.000250", "1.000200"], "the first is not shown");
+    assert_eq!(times("delta"), ["1.000000", "0.000250", "0.000000"]);
+    let json = |format| run_with_input(&["decode", "--json", "--time", format, "-"], log).stdout;
+    assert_eq!(json("delta"), json("absolute"));
+}
+
+#[test]
 fn findings_are_those_of_the_frames_shown() {
     let file = capture("slave-04-fragmented-response.log");
     assert_exit(&run(&["decode", &file]), 1);
@@ -297,6 +313,35 @@ fn the_summary_names_devices_and_nothing_on_the_bus_commands_the_terminal() {
         "{}",
         stdout(&output)
     );
+}
+
+/// pcapng lets an interface have any name.
+#[test]
+fn the_name_of_an_interface_does_not_command_the_terminal() {
+    use devicenet_cli::recording::{Content, WriteFormat, Writer};
+    use link_core::{Frame, Instant, frame::standard_id};
+    let mut bytes = Vec::new();
+    let mut writer = Writer::new(&mut bytes, WriteFormat::PcapNg).unwrap();
+    for name in ["can0", "\u{1B}[31m"] {
+        let frame = Content::Classic(Frame::new(standard_id(0x455), &[]).unwrap());
+        writer.write(Instant::ZERO, 9, name, &frame).unwrap();
+    }
+    writer.finish().unwrap();
+    let file = temporary("names.pcapng");
+    std::fs::write(&file, bytes).unwrap();
+    for (arguments, expected) in [
+        (&["decode", &file][..], " \u{FFFD}[31m/- "),
+        (&["decode", "--summary", &file], "\n\u{FFFD}[31m: 1 frame in "),
+    ] {
+        let output = run(arguments);
+        assert!(
+            stdout(&output).contains(expected) && !stdout(&output).contains('\u{1B}'),
+            "{}",
+            stdout(&output)
+        );
+    }
+    let objects = json_lines(&run(&["decode", "--json", &file]));
+    assert_eq!(objects[1]["channel"], "\u{1B}[31m", "JSON escapes it");
 }
 
 /// A filter hides frames, not time: the load of those shown is a part of the same whole.
@@ -577,9 +622,17 @@ fn a_recording_is_converted_on_standard_output_and_never_over_itself() {
     assert_eq!(stdout(&output), first);
     let file = temporary("itself.log");
     std::fs::write(&file, &original).unwrap();
-    let output = run(&["decode", "--record", &file, &file]);
-    assert_exit(&output, 2);
-    assert_eq!(std::fs::read_to_string(&file).unwrap(), original);
+    let link = temporary("itself-too.log");
+    let _ = std::fs::remove_file(&link);
+    std::fs::hard_link(&file, &link).unwrap();
+    for name in [&file, &link] {
+        let output = run(&["decode", "--record", name, &file]);
+        assert_exit(&output, 2);
+        let input = std::fs::File::open(&file).unwrap();
+        let redirected = devicenet(&["decode", "--record", name, "-"]).stdin(input).output().unwrap();
+        assert_exit(&redirected, 2);
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), original);
+    }
 }
 
 #[test]

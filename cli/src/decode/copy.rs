@@ -19,9 +19,7 @@ impl Copy {
     pub(super) fn create(path: &Path, original: &Path) -> Result<Self, Failure> {
         let name = shown(path, "<stdout>");
         let failed = |error: io::Error| Failure::Usage(format!("{name}: {error}"));
-        let is_original =
-            path.canonicalize().is_ok_and(|path| original.canonicalize().is_ok_and(|it| it == path));
-        if is_original {
+        if !is_standard(path) && is_original(path, original) {
             return Err(Failure::Usage(format!("{name}: is being read, record into another file")));
         }
         let sink: Box<dyn Write> = match is_standard(path) {
@@ -48,6 +46,27 @@ impl Copy {
         }
         self.writer.finish().map_err(|error| failure(&self.name, error))
     }
+}
+
+/// Whether two paths are the same file, by whatever name.
+#[cfg(unix)]
+fn is_original(path: &Path, original: &Path) -> bool {
+    use std::os::fd::AsFd as _;
+    use std::os::unix::fs::MetadataExt as _;
+    // Standard input may be redirected from a file.
+    let original = match is_standard(original) {
+        true => io::stdin().as_fd().try_clone_to_owned().and_then(|stdin| File::from(stdin).metadata()),
+        false => original.metadata(),
+    };
+    let (Ok(path), Ok(original)) = (path.metadata(), original) else { return false };
+    // Not a device: /dev/null can be both.
+    path.is_file() && (path.dev(), path.ino()) == (original.dev(), original.ino())
+}
+
+/// Whether two paths are the same file.
+#[cfg(not(unix))]
+fn is_original(path: &Path, original: &Path) -> bool {
+    path.canonicalize().is_ok_and(|path| original.canonicalize().is_ok_and(|it| it == path))
 }
 
 fn failure(name: &str, error: io::Error) -> Failure {

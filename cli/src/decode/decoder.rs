@@ -5,12 +5,13 @@ use core::fmt;
 use devicenet_core::MacId;
 use devicenet_core::monitor::{Detail, Kind, Monitor, MonitorConfig, Reading};
 
+use super::clock::Clock;
 use super::json;
 use super::outside::Outside;
 use super::summary::Summary;
 use crate::args::DecodeArgs;
 use crate::recording::{Channels, Content, RecordedFrame};
-use crate::text::push_number;
+use crate::text::{printable, push_number};
 use crate::trace::{Emphasis, Trace};
 
 /// Decodes frame after frame; constant memory.
@@ -24,7 +25,10 @@ pub struct Decoder {
 
 /// What becomes of the frames.
 enum View {
-    Text(Trace),
+    Text {
+        trace: Trace,
+        clock: Clock,
+    },
     Json,
     Summary {
         summary: Box<Summary>,
@@ -65,7 +69,7 @@ impl Decoder {
             _ if args.is_record_on_stdout() => View::Silent,
             (true, json) => View::Summary { summary: Box::new(Summary::new(args.bit_rate)), json },
             (false, true) => View::Json,
-            (false, false) => View::Text(Trace::new(coloured)),
+            (false, false) => View::Text { trace: Trace::new(coloured), clock: Clock::new(args.time) },
         };
         Self { filter: Filter::new(args), monitors: Vec::new(), view, node: Vec::new() }
     }
@@ -81,8 +85,10 @@ impl Decoder {
             Content::Error(error) => Meaning::Outside(Outside::Error(*error)),
             Content::Fd(_) => Meaning::Outside(Outside::Fd),
         };
-        if let View::Summary { summary, .. } = &mut self.view {
-            summary.see_time(bus, frame);
+        match &mut self.view {
+            View::Text { clock, .. } => clock.see(frame.at),
+            View::Summary { summary, .. } => summary.see_time(bus, frame),
+            View::Json | View::Silent => {}
         }
         if !self.filter.accepts(&meaning) {
             return Verdict::Hidden;
@@ -90,10 +96,10 @@ impl Decoder {
         let verdict = if meaning.has_problem() { Verdict::Problem } else { Verdict::Fine };
         let name = frame.channel.map(|channel| channels.name(channel));
         match &mut self.view {
-            View::Text(trace) => {
+            View::Text { trace, clock } => {
                 write_node(&mut self.node, &meaning, name.filter(|_| bus > 0));
                 let emphasis = if meaning.has_problem() { Emphasis::Problem } else { Emphasis::Normal };
-                trace.entry(out, frame.at, &self.node, &frame.content, emphasis, meaning);
+                trace.entry(out, clock.show(frame.at), &self.node, &frame.content, emphasis, meaning);
             }
             View::Json => json::object(out, frame, name, &meaning),
             View::Summary { summary, .. } => summary.observe(bus, frame, &meaning),
@@ -130,7 +136,7 @@ fn monitor(monitors: &mut Vec<Box<Monitor>>, bus: usize) -> &mut Monitor {
 fn write_node(node: &mut Vec<u8>, meaning: &Meaning<'_>, channel: Option<&str>) {
     node.clear();
     if let Some(name) = channel {
-        node.extend_from_slice(name.as_bytes());
+        node.extend_from_slice(printable(name).as_bytes());
         node.push(b'/');
     }
     match meaning.source() {

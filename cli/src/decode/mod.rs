@@ -1,5 +1,6 @@
 //! `devicenet decode`: a recording, frame by frame, in words or as JSON.
 
+mod clock;
 mod copy;
 mod decoder;
 mod json;
@@ -39,7 +40,7 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
     let copy = args.record.as_deref().map(|path| Copy::create(path, &args.file)).transpose()?;
     let mut session = Session {
         decoder: Decoder::new(args, json, output.borrow().is_coloured()),
-        progress: Progress::new(&args.file, &output.borrow()),
+        progress: Progress::new(args, &output.borrow()),
         output: Rc::clone(&output),
         copy,
         file,

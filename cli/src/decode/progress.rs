@@ -1,14 +1,15 @@
 //! The progress bar of a long decode.
 
-use std::path::Path;
+use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::IsTerminal as _;
 
+use super::is_standard;
+use crate::args::DecodeArgs;
 use crate::output::Output;
 
-/// Counts frames on standard error, if that is a terminal, the result goes elsewhere, and it takes over a second.
+/// Counts frames on standard error, if that is a terminal, no frames go to one, and it takes over a second.
 pub(super) struct Progress {
     bar: Option<ProgressBar>,
     start: Instant,
@@ -16,8 +17,9 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    pub(super) fn new(file: &Path, output: &Output) -> Self {
-        let is_wanted = std::io::stderr().is_terminal() && !output.is_terminal() && file.as_os_str() != "-";
+    pub(super) fn new(args: &DecodeArgs, output: &Output) -> Self {
+        let is_quiet = args.summary || !output.is_terminal();
+        let is_wanted = std::io::stderr().is_terminal() && is_quiet && !is_standard(&args.file);
         let bar = is_wanted.then(|| {
             let style = ProgressStyle::with_template("{spinner} {human_pos} frames, {per_sec}, {elapsed}");
             let bar = ProgressBar::hidden();

@@ -7,7 +7,7 @@ use devicenet_core::monitor::NodeRecord;
 use super::histogram;
 use super::table::{Cell, Table};
 use super::{Bus, Connection, Count, Node, Summary};
-use crate::text::count;
+use crate::text::{count, printable};
 
 impl Summary {
     /// As tables for people.
@@ -20,7 +20,7 @@ impl Summary {
             out += &format!(
                 "{}: {} in {:.3} s, {} with a problem\n\
                  bus load {} at {} kbit/s, stuff bits and intermission included\n",
-                channel(index),
+                printable(&channel(index)),
                 count(bus.total.frames, "frame"),
                 bus.seconds(),
                 bus.total.problems,
@@ -99,9 +99,8 @@ fn device(record: &NodeRecord) -> String {
 
 /// The name in the Identity object, with a replacement for what would command a terminal.
 pub(super) fn product_name(record: &NodeRecord) -> Option<String> {
-    let characters = record.product_name.iter().map(|&byte| char::from(byte));
-    let shown = characters.map(|it| if it.is_control() { char::REPLACEMENT_CHARACTER } else { it });
-    Some(shown.collect::<String>().trim().to_owned()).filter(|name| !name.is_empty())
+    let name: String = record.product_name.iter().map(|&byte| char::from(byte)).collect();
+    Some(printable(name.trim()).into_owned()).filter(|name| !name.is_empty())
 }
 
 fn percent(load: Option<f64>) -> String {
