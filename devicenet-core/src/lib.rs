@@ -11,6 +11,7 @@
 //! | [`client`] | the explicit client: requests, fragments, time-outs, responses |
 //! | [`master`] | the scanner: brings slaves up, polls them, brings them back |
 //! | [`monitor`] | the passive decoder: it learns connections from the traffic and says what each frame means |
+//! | [`tool`] | the offline recovery tool: finds faulted nodes and gives them a MAC ID |
 //!
 //! A machine is told what happens as [`Input`](link_core::Input), and hands out what is to be done as
 //! [`Action`](link_core::Action): see [`link_core`]. What drives it is a transport: a simulated bus, SocketCAN, a
@@ -119,6 +120,7 @@ pub mod id;
 pub mod master;
 pub mod message;
 pub mod monitor;
+pub mod tool;
 
 pub use access::Access;
 pub use id::{Identifier, MacId};
