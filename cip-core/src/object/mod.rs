@@ -80,6 +80,7 @@ mod effect;
 mod failure;
 mod identity;
 mod message_router;
+mod parameter;
 mod rule;
 mod serve;
 mod set;
@@ -94,6 +95,10 @@ pub use effect::{Effect, Effects};
 pub use failure::{Failure, FailureOptions, exact};
 pub use identity::{Identity, Resets};
 pub use message_router::{MessageRouter, Router, RouterConnections};
+pub use parameter::{
+    FullParameter, International, Parameter, ParameterClassDescriptor, ParameterDescriptor, ParameterObject,
+    ParameterStorage, Parameters, Scaling, ScalingLinks,
+};
 pub use rule::{AttributeRule, Size};
 pub use serve::serve;
 pub use set::{Chain, ObjectSet, respond};

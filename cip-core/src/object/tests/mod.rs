@@ -6,6 +6,7 @@ mod common;
 mod identity;
 mod message_router;
 mod order;
+mod parameter;
 mod sets;
 
 use std::vec::Vec;
