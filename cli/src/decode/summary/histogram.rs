@@ -34,18 +34,31 @@ impl Histogram {
         self.max
     }
 
-    /// The duration that `percent` of all do not exceed, rounded to two significant digits; never below the shortest or
-    /// above the longest.
+    /// The duration that `percent` of all do not exceed, rounded to two significant digits; exactly, if it is the shortest
+    /// or the longest.
     pub(super) fn percentile(&self, percent: u64) -> Duration {
         let rank = (self.count * percent).div_ceil(100).max(1);
+        if rank >= self.count {
+            return self.max;
+        }
+        if rank == 1 {
+            return self.min;
+        }
         let mut seen = 0;
         for (bucket, count) in self.buckets.iter().enumerate() {
             seen += u64::from(*count);
             if seen >= rank {
-                return Duration::from_nanos(rounded(middle_of(bucket))).clamp(self.min, self.max);
+                return Duration::from_nanos(self.within(rounded(middle_of(bucket))));
             }
         }
         self.max
+    }
+
+    /// The nearest of two digits that is not below the shortest or above the longest; if there is none, one of these.
+    fn within(&self, rounded: u64) -> u64 {
+        let (min, max) = (nanos(self.min), nanos(self.max));
+        let (low, high) = (min.checked_next_multiple_of(unit(min)).unwrap_or(min), max - max % unit(max));
+        if low <= high { rounded.clamp(low, high) } else { rounded.clamp(min, max) }
     }
 }
 
@@ -58,8 +71,13 @@ pub(super) fn decimals_of_milliseconds(span: Duration) -> Option<usize> {
 
 /// To two significant digits.
 fn rounded(nanos: u64) -> u64 {
-    let unit = 10_u64.pow(second_digit(nanos));
+    let unit = unit(nanos);
     nanos.saturating_add(unit / 2) / unit * unit
+}
+
+/// One of the second digit.
+fn unit(nanos: u64) -> u64 {
+    10_u64.pow(second_digit(nanos))
 }
 
 /// The power of ten that the second digit counts.
@@ -102,10 +120,10 @@ mod tests {
                 histogram.record(Duration::from_micros(micros * scale));
             }
             assert_eq!((histogram.count(), histogram.max()), (1_000, Duration::from_micros(1_000 * scale)));
-            for percent in [50, 90, 97, 99, 100] {
+            for percent in [50, 90, 97, 99] {
                 let (found, exact) = (nanos(histogram.percentile(percent)), percent * 10_000 * scale);
                 assert_eq!(rounded(found), found, "p{percent} has more than two digits: {found}");
-                let one = 10_u64.pow(second_digit(exact));
+                let one = unit(exact);
                 assert!(found.abs_diff(exact) <= one, "p{percent}: {found} instead of {exact}");
             }
         }
@@ -155,13 +173,28 @@ mod tests {
         }
     }
 
+    /// A damaged time in a recording must not end the summary.
+    #[test]
+    fn no_duration_is_too_long() {
+        let mut histogram = Histogram::default();
+        (0..3).for_each(|_| histogram.record(Duration::from_nanos(u64::MAX)));
+        assert_eq!(histogram.percentile(50), Duration::from_nanos(u64::MAX));
+        assert_eq!(decimals_of_milliseconds(histogram.max()), None);
+    }
+
     #[test]
     fn a_percentile_is_within_what_was_seen() {
-        let mut histogram = Histogram::default();
-        for micros in [300, 300, 301] {
-            histogram.record(Duration::from_micros(micros));
-        }
-        assert!(histogram.percentile(50) >= Duration::from_micros(300), "{:?}", histogram.percentile(50));
-        assert!(histogram.percentile(99) <= Duration::from_micros(301));
+        let percentile = |micros: &[u64], percent| {
+            let mut histogram = Histogram::default();
+            micros.iter().for_each(|&micros| histogram.record(Duration::from_micros(micros)));
+            histogram.percentile(percent).as_micros()
+        };
+        assert_eq!(percentile(&[300, 300, 301], 50), 300);
+        assert_eq!(percentile(&[300, 300, 301], 99), 301, "the longest, exactly");
+        assert_eq!(percentile(&[301, 310, 400], 1), 301, "the shortest, exactly");
+        // 367 is about 370, but nothing was that long.
+        assert_eq!(percentile(&[100, 200, 367, 369], 75), 360);
+        // No number of two digits is between them.
+        assert!((301..=309).contains(&percentile(&[301, 304, 307, 309], 50)));
     }
 }
