@@ -18,8 +18,8 @@ use crate::trace::{Emphasis, Trace};
 pub(super) struct TextView {
     out: SharedBuffer,
     trace: Trace,
-    /// The attempts that failed since a frame got through, or something was changed.
-    storm: Option<Storm>,
+    /// The attempts that failed since a frame got through, or something was changed, on each segment.
+    storms: Vec<Option<Storm>>,
     is_first: bool,
 }
 
@@ -44,14 +44,17 @@ struct Storm {
 impl TextView {
     pub(super) fn new(out: SharedBuffer, coloured: bool, nodes: &[crate::scenario::Node]) -> Self {
         let widest = node_width(nodes);
-        Self { out, trace: Trace::new(coloured).with_node_width(widest), storm: None, is_first: true }
+        Self { out, trace: Trace::new(coloured).with_node_width(widest), storms: Vec::new(), is_first: true }
     }
 
     fn frame(&mut self, nodes: &Nodes<'_>, record: &FrameRecord<'_>, words: Option<String>) {
+        if self.storms.len() <= record.segment {
+            self.storms.resize_with(record.segment + 1, || None);
+        }
         let problem = match record.outcome {
             Outcome::Ok => {
                 self.flush();
-                self.storm = None;
+                self.storms[record.segment] = None;
                 self.line(nodes, record, Emphasis::Normal, &words.unwrap_or_default());
                 return;
             }
@@ -61,7 +64,7 @@ impl TextView {
         let counters = counters(nodes, record.senders);
         let who = senders(nodes, record.senders);
         let mut told = 0;
-        if let Some(storm) = &mut self.storm {
+        if let Some(storm) = &mut self.storms[record.segment] {
             let again = storm.frame == *record.frame && storm.who == who && storm.words == problem;
             if again || storm.told == MOST_TOLD {
                 storm.alike = again && (storm.alike || storm.silent == 0);
@@ -76,7 +79,7 @@ impl TextView {
         let (frame, last) = (*record.frame, record.end);
         let storm =
             Storm { frame, who, words: problem, told: told + 1, silent: 0, alike: true, last, counters };
-        self.storm = Some(storm);
+        self.storms[record.segment] = Some(storm);
     }
 
     fn line(&mut self, nodes: &Nodes<'_>, record: &FrameRecord<'_>, emphasis: Emphasis, words: &str) {
@@ -87,12 +90,16 @@ impl TextView {
 
     /// Tells how many failures were not told.
     fn flush(&mut self) {
-        let Some(storm) = self.storm.as_mut().filter(|storm| storm.silent > 0) else { return };
-        let times = if storm.silent == 1 { "once".to_owned() } else { format!("{} times", storm.silent) };
-        let what = if storm.alike { "the same" } else { "an error" };
-        let words = format!("{what} {times} more; {}", storm.counters);
-        (storm.silent, storm.alike) = (0, true);
-        self.out.write(|out| self.trace.event(out, storm.last, &storm.who, Emphasis::Problem, &words));
+        let silent = self.storms.iter_mut().flatten().filter(|storm| storm.silent > 0);
+        let mut silent: Vec<&mut Storm> = silent.collect();
+        silent.sort_by_key(|storm| storm.last);
+        for storm in silent {
+            let times = if storm.silent == 1 { "once".to_owned() } else { format!("{} times", storm.silent) };
+            let what = if storm.alike { "the same" } else { "an error" };
+            let words = format!("{what} {times} more; {}", storm.counters);
+            (storm.silent, storm.alike) = (0, true);
+            self.out.write(|out| self.trace.event(out, storm.last, &storm.who, Emphasis::Problem, &words));
+        }
     }
 
     fn event(
@@ -130,11 +137,11 @@ impl View for TextView {
             Sight::Change { at, node, what, problem } => {
                 let emphasis = if *problem { Emphasis::Problem } else { Emphasis::Normal };
                 self.event(nodes, *at, *node, emphasis, what);
-                self.storm = None;
+                self.storms.clear();
             }
             Sight::Note { text, .. } => {
                 self.flush();
-                self.storm = None;
+                self.storms.clear();
                 let blank = if self.is_first { "" } else { "\n" };
                 self.out.write(|out| out.extend_from_slice(format!("{blank}{text}\n").as_bytes()));
             }

@@ -238,3 +238,9 @@ gab = 1"#,
         r#"9:1: there is no key `gab`, did you mean `gap`? expected `from`, `to`, `kind`, `node`, `nodes`, `rate`, `frame`, `bit`, `id`, `overrun`, `gap`, `length`, `pull`, `every` or `ppm`"#,
     );
 }
+
+#[test]
+fn more_faults_than_anybody_can_mean() {
+    let many = "[[fault]]\nkind = \"babble\"\n".repeat(4_097);
+    refused(VALVE, &many, &format!("{}:1: there are too many faults; expected at most 4096", 8 + 2 * 4_096));
+}

@@ -246,3 +246,25 @@ fn the_trace_says_what_a_fault_is_like() {
         }
     }
 }
+
+/// Every ten milliseconds a frame gets through on the other part. That is no news for the valve, which goes on failing.
+#[test]
+fn failures_are_counted_on_each_part_for_itself() {
+    let (trace, _) = traced(
+        r#"
+        [[node]]
+        name = "other"
+        role = "babbler"
+        frame = "3C5#"
+        period = "10ms"
+        [[fault]]
+        kind = "segment"
+        to = "100ms"
+        node = "valve""#,
+    );
+    let apart = trace.split("the bus is whole again").next().expect("the beginning");
+    let told = apart.lines().filter(|line| line.contains("ACK error")).count();
+    assert_eq!(told, 2, "an active flag, then a passive one: {apart}");
+    let times: Vec<&str> = apart.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(times.is_sorted(), "{apart}");
+}

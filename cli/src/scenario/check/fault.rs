@@ -21,6 +21,12 @@ impl Checker<'_> {
     ) -> Result<Vec<Fault>, ScenarioError> {
         let mut faults: Vec<Fault> = Vec::new();
         for table in tables {
+            if faults.len() == MOST_FAULTS {
+                return self.fail(
+                    &table.span(),
+                    format!("there are too many faults; expected at most {MOST_FAULTS}"),
+                );
+            }
             let fault = self.fault(table)?;
             for other in faults.iter().filter(|other| overlap(other, &fault)) {
                 self.bear(&fault.kind, &other.kind, nodes, &table.span())?;
@@ -214,5 +220,6 @@ pub(super) fn fault_keys(kind: &str) -> Option<Vec<&'static str>> {
 
 pub(in crate::scenario) const FAULTS: &[&str] =
     &["bit_error", "lost_frame", "noise", "babble", "clock", "segment"];
+const MOST_FAULTS: usize = 4096;
 const FOR_GOOD: Duration = Duration::from_secs(1);
 const ANY_FAULT: &[&str] = &["from", "to", "kind"];
