@@ -6,6 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use devicenet_core::monitor::Kind;
 
+use crate::scenario::Time;
 use crate::simulate::SimulateArgs;
 
 /// DeviceNet (CIP on CAN) on the command line
@@ -63,6 +64,7 @@ Exit codes:
 Examples:
   devicenet decode recording.log
   devicenet decode --mac 10 --kind explicit_request,explicit_response recording.pcapng
+  devicenet decode --from 5s --to 5.2s recording.log
   devicenet decode --time delta --kind poll_command recording.asc
   devicenet decode --summary --bit-rate 500k recording.log
   devicenet decode --json recording.log | jq -r 'select(.problem) | [.n, .text] | @tsv'
@@ -83,6 +85,13 @@ pub struct DecodeArgs {
     /// Only frames of this kind, named as in the JSON output; several with commas, or given more than once
     #[arg(long, value_name = "KIND", value_parser = kind_parser(), value_delimiter = ',')]
     pub kind: Vec<Kind>,
+    /// Only frames from this time on, counted from the first frame of the recording: 300ms, 1.5s; those before are still
+    /// learned from
+    #[arg(long, value_name = "TIME")]
+    pub from: Option<Time>,
+    /// Only frames up to this time, counted from the first frame of the recording
+    #[arg(long, value_name = "TIME")]
+    pub to: Option<Time>,
     /// The times of the lines; JSON and copies have those of the recording
     #[arg(long, value_enum, default_value_t = TimeFormat::Absolute)]
     pub time: TimeFormat,

@@ -179,6 +179,25 @@ fn times_are_counted_from_where_the_reader_wants() {
     assert_eq!(json("delta"), json("absolute"));
 }
 
+/// What comes before is learned from, and the load is that of the part.
+#[test]
+fn a_part_of_a_recording_is_shown() {
+    let file = capture("slave-01-startup-poll.log");
+    let all = json_lines(&run(&["decode", "--json", &file]));
+    let part = json_lines(&run(&["decode", "--json", "--from", "3.5s", "--to", "3600ms", &file]));
+    let first = all[0]["t"].as_f64().unwrap();
+    let is_in = |object: &&Value| (3.4999995..=3.6000005).contains(&(object["t"].as_f64().unwrap() - first));
+    let expected: Vec<_> = all.iter().filter(is_in).collect();
+    assert!(!expected.is_empty() && expected.len() < all.len());
+    assert_eq!(part.iter().collect::<Vec<_>>(), expected);
+    let summary =
+        json_lines(&run(&["decode", "--summary", "--json", "--from", "3.5s", "--to", "3.6s", &file]));
+    assert!(summary[0]["seconds"].as_f64().unwrap() <= 0.1, "{}", summary[0]);
+    for wrong in [&["--from", "2s", "--to", "1s"][..], &["--from", "2"], &["--to", "soon"]] {
+        assert_exit(&run(&[&["decode"], wrong, &[&file[..]]].concat()), 2);
+    }
+}
+
 #[test]
 fn findings_are_those_of_the_frames_shown() {
     let file = capture("slave-04-fragmented-response.log");

@@ -1,9 +1,11 @@
 //! From a recorded frame to a line of text, a JSON object, or an entry in the summary.
 
 use core::fmt;
+use core::time::Duration;
 
 use devicenet_core::MacId;
 use devicenet_core::monitor::{Detail, Kind, Monitor, MonitorConfig, Reading};
+use link_core::Instant;
 
 use super::clock::Clock;
 use super::json;
@@ -11,6 +13,7 @@ use super::outside::Outside;
 use super::summary::Summary;
 use crate::args::DecodeArgs;
 use crate::recording::{Channels, Content, RecordedFrame};
+use crate::scenario::Time;
 use crate::text::{printable, push_number};
 use crate::trace::{Emphasis, Trace};
 
@@ -85,10 +88,14 @@ impl Decoder {
             Content::Error(error) => Meaning::Outside(Outside::Error(*error)),
             Content::Fd(_) => Meaning::Outside(Outside::Fd),
         };
-        match &mut self.view {
-            View::Text { clock, .. } => clock.see(frame.at),
-            View::Summary { summary, .. } => summary.see_time(bus, frame),
-            View::Json | View::Silent => {}
+        if let View::Text { clock, .. } = &mut self.view {
+            clock.see(frame.at);
+        }
+        if !self.filter.is_within(frame.at) {
+            return Verdict::Hidden;
+        }
+        if let View::Summary { summary, .. } = &mut self.view {
+            summary.see_time(bus, frame);
         }
         if !self.filter.accepts(&meaning) {
             return Verdict::Hidden;
@@ -188,13 +195,26 @@ impl fmt::Display for Meaning<'_> {
 
 /// Which frames are shown.
 struct Filter {
+    /// Since the first frame.
+    from: Duration,
+    to: Duration,
+    first: Option<Instant>,
     mac: Option<u8>,
     kinds: Vec<Kind>,
 }
 
 impl Filter {
     fn new(args: &DecodeArgs) -> Self {
-        Self { mac: args.mac, kinds: args.kind.clone() }
+        let from = args.from.map_or(Duration::ZERO, |Time(from)| from);
+        let to = args.to.map_or(Duration::MAX, |Time(to)| to);
+        Self { from, to, first: None, mac: args.mac, kinds: args.kind.clone() }
+    }
+
+    /// Whether the time is right; a frame that is earlier than the first is at 0.
+    #[inline]
+    fn is_within(&mut self, at: Instant) -> bool {
+        let since = at.saturating_since(*self.first.get_or_insert(at));
+        (self.from..=self.to).contains(&since)
     }
 
     #[inline]

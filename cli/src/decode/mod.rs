@@ -95,6 +95,11 @@ fn check(args: &DecodeArgs, json: bool) -> Result<(), Failure> {
                 .to_owned(),
         ));
     }
+    if let (Some(from), Some(to)) = (args.from, args.to)
+        && from > to
+    {
+        return Err(Failure::Usage(format!("--from {from} is after --to {to}: no frame can be shown")));
+    }
     if args.is_record_on_stdout() && (json || args.summary) {
         let other = if json { "--json" } else { "--summary" };
         return Err(Failure::Usage(format!(
