@@ -26,9 +26,11 @@
 //! | repetition | the response is complete | one second | its last fragment is no longer acknowledged again |
 
 mod conversation;
+mod outcome;
 mod route;
 #[cfg(test)]
 mod tests;
 
-pub use conversation::{Conversation, Failure, Ignored, Progress, StartError, TimerChange, Waits};
+pub use conversation::Conversation;
+pub use outcome::{Failure, Ignored, Progress, StartError, TimerChange, Waits};
 pub use route::Route;

@@ -290,6 +290,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         for slot in &mut self.slots {
             slot.timers.shift(span);
         }
+        self.candidate.timers.shift(span);
     }
 
     pub(super) fn place(&self, slave: MacId) -> Option<usize> {

@@ -4,6 +4,7 @@ use core::time::Duration;
 
 use cip_core::message::BodyFormat;
 
+use super::replacement::ReplacementMode;
 use crate::access;
 use crate::client::Waits;
 
@@ -38,6 +39,10 @@ pub struct Config {
     /// Whether the slave's explicit connection is asked to stay as long as its I/O (watchdog action 3). Default true; a
     /// slave that refuses is left as it is.
     pub deferred_delete: bool,
+    /// Automatic device replacement. Default off.
+    pub replacement: ReplacementMode,
+    /// How often MAC ID 63 is looked at while a slave is missing. Default 5 s.
+    pub replacement_retry: Duration,
 }
 
 /// Which of its two doors is knocked at first.
@@ -70,6 +75,8 @@ impl Config {
             retry_after: Duration::from_secs(1),
             retry_at_most: Duration::from_secs(16),
             deferred_delete: true,
+            replacement: ReplacementMode::Off,
+            replacement_retry: Duration::from_secs(5),
         }
     }
 }

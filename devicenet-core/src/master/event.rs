@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::replacement::Replacement;
 use super::scan_list::IoInstance;
 use super::state::{Cause, SlaveState};
 use super::status::ScannerStatus;
@@ -28,6 +29,8 @@ pub enum MasterEvent {
         /// Responses that were missing.
         missing: u8,
     },
+    /// A look at MAC ID 63 for a replacement of a missing slave.
+    Replacement(Replacement),
     /// Events were lost, because they were not fetched between inputs.
     EventsLost {
         /// How many.
@@ -119,7 +122,21 @@ impl fmt::Display for MasterEvent {
             Self::Slave { mac_id, event } => write!(f, "slave {mac_id}: {event}"),
             Self::ScanDone { missing: 0 } => f.write_str("scan done"),
             Self::ScanDone { missing } => write!(f, "scan done, {missing} missing"),
+            Self::Replacement(replacement) => write!(f, "replacement: {replacement}"),
             Self::EventsLost { count } => write!(f, "{count} events lost"),
+        }
+    }
+}
+
+impl fmt::Display for Replacement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::WouldAssign(slave) => write!(f, "the device at MAC ID 63 would become slave {slave}"),
+            Self::Assigned(slave) => write!(f, "the device at MAC ID 63 becomes slave {slave}"),
+            Self::NoMatch => f.write_str("the device at MAC ID 63 is none that is missing"),
+            Self::SeveralMissing => f.write_str("several slaves of its kind are missing"),
+            Self::SeveralCandidates => f.write_str("several devices were heard at MAC ID 63"),
+            Self::Refused => f.write_str("the device at MAC ID 63 does not let its MAC ID be set"),
         }
     }
 }

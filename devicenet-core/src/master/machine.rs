@@ -10,6 +10,7 @@ use super::config::Config;
 use super::cycle::Cycle;
 use super::event::{Counters, MasterEvent, count32};
 use super::output::Lanes;
+use super::replacement::Candidate;
 use super::scan_list::IoInstance;
 use super::slot::{Output, Slot, SlotTimer};
 use super::state::{Cause, Stage};
@@ -31,6 +32,7 @@ pub struct Master<const SLAVES: usize, const MESSAGE: usize> {
     /// In the order of their MAC IDs.
     pub(super) slots: Vec<Slot<MESSAGE>, SLAVES>,
     pub(super) multicast_output: Output<MESSAGE>,
+    pub(super) candidate: Candidate<MESSAGE>,
     pub(super) cycle: Cycle,
     pub(super) lanes: Lanes,
     pub(super) timers: Timers<Timer, 2>,
@@ -88,6 +90,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Machine for Master<SLAVES, MESSA
         }
         self.expire(now);
         self.follow_access();
+        self.follow_missing();
         self.scan();
     }
 
@@ -109,6 +112,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Machine for Master<SLAVES, MESSA
             return Some(Deadline::now(self.timers.now()));
         }
         let slots = self.slots.iter().filter_map(|slot| slot.timers.next());
+        let slots = slots.chain(self.candidate.timers.next());
         slots.chain(self.timers.next()).chain(self.access.deadline()).min_by_key(|deadline| deadline.at)
     }
 
@@ -128,6 +132,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             run: false,
             slots: Vec::new(),
             multicast_output: Output::zeroed(0),
+            candidate: Candidate::new(config.access.mac_id),
             cycle: Cycle::new(),
             lanes: Lanes::default(),
             timers: Timers::new(),
@@ -153,6 +158,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         for slot in &mut self.slots {
             slot.timers.advance(now);
         }
+        self.candidate.timers.advance(now);
         now
     }
 
@@ -181,6 +187,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
                 }
             }
         }
+        self.expire_candidate(until);
     }
 
     /// Follows network access on line and off line.
@@ -199,6 +206,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             for slot in &mut self.slots {
                 slot.master_off_line();
             }
+            self.candidate.stop();
             self.cycle.stop();
             self.timers.clear_all();
             self.lanes.abandon();
@@ -241,6 +249,9 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     }
 
     fn event(&mut self) -> Option<MasterEvent> {
+        if let Some(event) = self.candidate_event() {
+            return Some(event);
+        }
         if let Some(missing) = self.scan_done.take() {
             return Some(MasterEvent::ScanDone { missing });
         }

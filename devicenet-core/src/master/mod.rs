@@ -6,9 +6,10 @@
 //!
 //! | File | Subject |
 //! |---|---|
-//! | `bring_up` | from the first contact to established connections |
+//! | `contact`, `bring_up` | from the first contact to established connections |
 //! | `cycle`, `output` | the scan, and the order in which frames leave |
 //! | `receive` | I/O data, responses, heartbeats |
+//! | `replacement` | automatic device replacement |
 //! | `talk` | explicit requests of the application |
 //!
 //! # Decisions where the literature is silent
@@ -26,11 +27,13 @@
 mod bring_up;
 mod command;
 mod config;
+mod contact;
 mod cycle;
 mod event;
 mod machine;
 mod output;
 mod receive;
+mod replacement;
 mod scan_list;
 mod slot;
 mod state;
@@ -44,6 +47,7 @@ pub use command::CommandError;
 pub use config::{Config, FirstContact};
 pub use event::{Counters, MasterEvent, SlaveCounters, SlaveEvent};
 pub use machine::Master;
+pub use replacement::{Replacement, ReplacementMode};
 pub use scan_list::{
     BitStrobeConnection, ElectronicKey, IoInstance, PollConnection, ScanEntry, ScanListError, ScanRate,
     StateChangeConnection,

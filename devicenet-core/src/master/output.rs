@@ -84,6 +84,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             || self.access.deadline().is_some_and(|deadline| deadline.at <= self.timers.now())
             || self.filter_due
             || self.scan_done.is_some()
+            || self.candidate.event.is_some()
             || self.slots.iter().any(|slot| !slot.events.is_empty() || slot.events_lost != 0)
             || (self.on_line
                 && (self.answer_due().is_some() || self.command_due() || self.explicit_due().is_some()))
@@ -178,18 +179,26 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             return None;
         }
         let turn = self.lanes.turn;
+        // The place after the last slave is that of the device at MAC ID 63.
+        if turn >= self.slots.len() && self.candidate.conversation.has_output() {
+            return Some(self.slots.len());
+        }
         let due = |&(_, slot): &(usize, &Slot<MESSAGE>)| slot.conversation.has_output();
         let mut slots = self.slots.iter().enumerate();
         let after = slots.clone().skip(turn).find(due);
-        after.or_else(|| slots.find(due)).map(|(place, _)| place)
+        let candidate = || self.candidate.conversation.has_output().then_some(self.slots.len());
+        after.or_else(|| slots.find(due)).map(|(place, _)| place).or_else(candidate)
     }
 
     fn explicit(&mut self) -> Option<Action<MasterEvent>> {
         let place = self.explicit_due()?;
-        let slot = self.slots.get_mut(place)?;
-        let frame = slot.conversation.poll()?;
-        self.lanes.explicit.carries = Some(Carried::Explicit { slave: slot.entry.mac_id });
-        self.lanes.turn = place.saturating_add(1);
+        let (slave, conversation) = match self.slots.get_mut(place) {
+            Some(slot) => (slot.entry.mac_id, &mut slot.conversation),
+            None => (MacId::MAX, &mut self.candidate.conversation),
+        };
+        let frame = conversation.poll()?;
+        self.lanes.explicit.carries = Some(Carried::Explicit { slave });
+        self.lanes.turn = if place < self.slots.len() { place.saturating_add(1) } else { 0 };
         self.cycle.explicit_given = true;
         Some(Action::Transmit(EXPLICIT, frame))
     }
@@ -219,6 +228,9 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
                 if let Some(slot) = self.slot_mut(slave) {
                     slot.conversation.tx_done(outcome);
                     slot.keep_time();
+                } else {
+                    self.candidate.conversation.tx_done(outcome);
+                    self.candidate.keep_time();
                 }
             }
         }
@@ -232,6 +244,10 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
                     slot.conversation.tx_done(TxOutcome::Dropped);
                     slot.keep_time();
                 }
+            }
+            if self.candidate.conversation.is_in_flight() {
+                self.candidate.conversation.tx_done(TxOutcome::Dropped);
+                self.candidate.keep_time();
             }
         }
     }

@@ -18,9 +18,10 @@ use crate::message::{Heartbeat, Shutdown, Wire};
 impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     pub(super) fn frame(&mut self, frame: &Frame) {
         let Some(id) = Identifier::of_frame(frame) else { return count32(&mut self.counters.unrelated) };
-        let Some(slave) = id.mac_id().filter(|&mac| self.slot_mut(mac).is_some()) else {
-            return count32(&mut self.counters.unrelated);
-        };
+        let Some(slave) = id.mac_id() else { return count32(&mut self.counters.unrelated) };
+        if self.place(slave).is_none() {
+            return self.frame_of_stranger(id, slave, frame);
+        }
         match id.purpose() {
             Purpose::DuplicateMacCheck => self.check_heard(slave),
             _ if !self.on_line => {}
@@ -30,6 +31,16 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             Purpose::MulticastPollResponse => self.io(slave, IoInstance::MulticastPoll, frame.data()),
             Purpose::ExplicitResponse | Purpose::UnconnectedResponse if self.broadcast(slave, frame) => {}
             _ => self.explicit_frame(slave, frame),
+        }
+    }
+
+    /// A node outside of the scan list: of interest only as a replacement.
+    fn frame_of_stranger(&mut self, id: Identifier, node: MacId, frame: &Frame) {
+        let replaces = node == MacId::MAX && node != self.access.mac_id();
+        if replaces && id.purpose() == Purpose::DuplicateMacCheck {
+            self.candidate_heard(frame);
+        } else if !(replaces && self.on_line && self.candidate_frame(frame)) {
+            count32(&mut self.counters.unrelated);
         }
     }
 
@@ -171,4 +182,4 @@ impl<const N: usize> Slot<N> {
 
 /// From a duplicate MAC ID check request to the moment at which its sender is on line, if it was its second, and a
 /// little for its reaction.
-const AFTER_CHECK: Duration = Duration::from_millis(1005);
+pub(super) const AFTER_CHECK: Duration = Duration::from_millis(1005);

@@ -28,6 +28,8 @@ pub struct ScanEntry {
     pub multicast_poll: Option<PollConnection>,
     /// Whether its polls are sent in every scan.
     pub rate: ScanRate,
+    /// Whether a new device may take its place by itself, if its key names at least vendor and product code.
+    pub replaceable: bool,
 }
 
 /// What must be equal in the Identity object. Fields that are `None` are not looked at.
@@ -220,6 +222,7 @@ impl ScanEntry {
             state_change: None,
             multicast_poll: None,
             rate: ScanRate::Foreground,
+            replaceable: false,
         }
     }
 

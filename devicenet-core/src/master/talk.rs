@@ -53,7 +53,7 @@ impl<const N: usize> Slot<N> {
     fn connect(&mut self, config: &Config, own: MacId) {
         self.talk.stage = TalkStage::Connecting;
         let slave = self.entry.mac_id;
-        let open = [ServiceCode::ALLOCATE.0, config.ucmm_format.code(), super::bring_up::OPEN_GROUP_3];
+        let open = [ServiceCode::ALLOCATE.0, config.ucmm_format.code(), super::contact::OPEN_GROUP_3];
         let allocate = [ServiceCode::ALLOCATE.0, 0x03, 0x01, AllocationChoice::EXPLICIT.bits(), own.number()];
         let (route, body) = if self.ucmm {
             (Route::ucmm(own, slave), &open[..])

@@ -5,3 +5,4 @@ mod bus;
 mod cycle;
 mod explicit;
 mod io;
+mod replacement;
