@@ -256,6 +256,31 @@ fn json_has_the_fields_of_decode_and_the_states() {
     assert!(lines.iter().all(|line| line["t"].is_f64() && line["event"].is_string()));
 }
 
+/// The only node loses its power in the middle of a frame, which nobody is there to call an error.
+#[test]
+fn every_view_counts_error_frames_alike() {
+    let action =
+        |at: &str, what: &str| format!("[[action]]\nat = \"{at}\"\nnode = \"valve\"\ndo = \"{what}\"\n");
+    let node = VALVE.split("[[node]]\nname = \"can0\"").next().expect("the first node").replace("3s", "50ms");
+    let text = node + &action("500us", "power_off") + &action("10ms", "power_on");
+    let scenario = Scratch::new("broken-off.toml", &text);
+    let recording = Scratch::new("broken-off.log", "");
+    let lines =
+        lines_of_json(&devicenet(&["simulate", "--json", "--record", recording.path(), scenario.path()]));
+    let count = |event: &str| lines.iter().filter(|line| line["event"] == event).count();
+    let number = |value: &Value| value.as_u64().and_then(|number| usize::try_from(number).ok());
+    let summary = lines.last().expect("the summary");
+    assert_eq!(count("abandoned"), 1);
+    assert_eq!(number(&summary["bus"]["abandoned"]), Some(1));
+    assert!(count("error_frame") > 10);
+    assert_eq!(number(&summary["bus"]["errors"]), Some(count("error_frame")));
+    assert_eq!(number(&summary["nodes"][0]["failed"]), Some(count("error_frame")));
+    let recorded = String::from_utf8(recording.read()).expect("ASCII").lines().count();
+    assert_eq!(recorded, count("error_frame"));
+    let table = devicenet(&["simulate", "--summary", scenario.path()]);
+    assert!(stdout(&table).contains(" error frames, 1 broken off, load "), "{}", stdout(&table));
+}
+
 #[test]
 fn a_recording_is_read_by_decode() {
     for name in ["plant.log", "plant.pcapng"] {

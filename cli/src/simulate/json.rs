@@ -5,7 +5,8 @@
 //! | `event` | other fields |
 //! |---|---|
 //! | `frame` | `nodes` (who sent it), `segment` (1 on the part of a cut bus that is apart, else absent) and the fields of `devicenet decode --json`: `n`, `id`, `ext`, `rtr`, `dlc`, `data`, `protocol`, `kind` and so on |
-//! | `error_frame` | `nodes` (who tried to send), `segment`, `id`, `ext`, `rtr`, `dlc`, `data`, `error` (`bit`, `stuff`, `crc`, `form`, `ack`), `bit`, `field`, `by` (who saw it first), `flag` (`active`, `passive`, `none`); `error` is absent when the sender left the bus |
+//! | `error_frame` | `nodes` (who tried to send), `segment`, `id`, `ext`, `rtr`, `dlc`, `data`, `error` (`bit`, `stuff`, `crc`, `form`, `ack`), `bit`, `field`, `by` (who saw it first), `flag` (`active`, `passive`, `none`) |
+//! | `abandoned` | `nodes`, `segment`, `id`, `ext`, `rtr`, `dlc`, `data`: an attempt was broken off without an error frame, because all that sent went off the bus |
 //! | `state` | `node`, `from`, `to`, `cause`: network access changed its state |
 //! | `node` | `node`, `text`: something else that a node tells |
 //! | `error_state` | `node`, `state` (`error-active`, `error warning`, `error-passive`, `bus-off`), `tec`, `rec` |
@@ -20,7 +21,7 @@ use devicenet_core::monitor::Reading;
 use link_core::{BusErrorKind, Frame, Instant};
 use serde::Serialize;
 use transport_mock::Flag;
-use transport_mock::bus::SenderOutcome;
+use transport_mock::bus::{BusError, Sender, SenderOutcome};
 use transport_mock::record::{FrameRecord, Outcome};
 
 use super::expectations::Verdict;
@@ -38,25 +39,20 @@ pub(super) struct JsonView {
 #[serde(tag = "event", rename_all = "snake_case")]
 enum Line<'a> {
     Frame {
-        t: f64,
-        n: u64,
-        nodes: Vec<&'a str>,
-        #[serde(skip_serializing_if = "Option::is_none")]
-        segment: Option<usize>,
         #[serde(flatten)]
-        wire: Wire,
+        attempt: Attempt<'a>,
         #[serde(flatten)]
-        reading: &'a Reading<'a>,
+        reading: Option<&'a Reading<'a>>,
     },
     ErrorFrame {
-        t: f64,
-        nodes: Vec<&'a str>,
-        #[serde(skip_serializing_if = "Option::is_none")]
-        segment: Option<usize>,
         #[serde(flatten)]
-        wire: Wire,
+        attempt: Attempt<'a>,
         #[serde(flatten)]
-        error: Option<ErrorFields<'a>>,
+        error: ErrorFields<'a>,
+    },
+    Abandoned {
+        #[serde(flatten)]
+        attempt: Attempt<'a>,
     },
     State {
         t: f64,
@@ -109,6 +105,19 @@ enum Line<'a> {
     },
 }
 
+/// The fields of every attempt to send.
+#[derive(Serialize)]
+struct Attempt<'a> {
+    t: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    n: Option<u64>,
+    nodes: Vec<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    segment: Option<usize>,
+    #[serde(flatten)]
+    wire: Wire,
+}
+
 /// The fields of every frame, as `decode` names them.
 #[derive(Serialize)]
 struct Wire {
@@ -139,21 +148,14 @@ impl JsonView {
 impl View for JsonView {
     fn see(&mut self, nodes: &Nodes<'_>, sight: &Sight<'_>) {
         let line = match sight {
-            Sight::Frame { record, reading: Some(reading) } => Line::Frame {
-                t: seconds(record.end),
-                n: reading.n,
-                nodes: senders(nodes, record),
-                segment: segment(record),
-                wire: Wire::of(record.frame),
-                reading,
-            },
-            Sight::Frame { record, reading: None } => Line::ErrorFrame {
-                t: seconds(record.end),
-                nodes: senders(nodes, record),
-                segment: segment(record),
-                wire: Wire::of(record.frame),
-                error: error(nodes, record),
-            },
+            Sight::Frame { record, reading } => {
+                let attempt = attempt(nodes, record, reading.as_ref().map(|reading| reading.n));
+                match record.outcome {
+                    Outcome::Ok => Line::Frame { attempt, reading: reading.as_ref() },
+                    Outcome::Error(error) => Line::ErrorFrame { attempt, error: error_fields(nodes, &error) },
+                    Outcome::Abandoned => Line::Abandoned { attempt },
+                }
+            }
             Sight::Event { at, node, event } => node_event(seconds(*at), nodes.name(*node), event),
             Sight::Level { at, node, level, counters } => Line::ErrorState {
                 t: seconds(*at),
@@ -204,21 +206,21 @@ fn node_event<'a>(t: f64, node: &'a str, event: &AccessEvent) -> Line<'a> {
     }
 }
 
-fn senders<'a>(nodes: &'a Nodes<'_>, record: &FrameRecord<'_>) -> Vec<&'a str> {
-    (record.senders.iter())
-        .filter(|sender| !matches!(sender.outcome, SenderOutcome::LostArbitration { .. }))
-        .map(|sender| nodes.name(index(sender.node)))
-        .collect()
+fn attempt<'a>(nodes: &'a Nodes<'_>, record: &FrameRecord<'_>, n: Option<u64>) -> Attempt<'a> {
+    let has_lost = |sender: &&Sender| matches!(sender.outcome, SenderOutcome::LostArbitration { .. });
+    let senders = record.senders.iter().filter(|sender| !has_lost(sender));
+    Attempt {
+        t: seconds(record.end),
+        n,
+        nodes: senders.map(|sender| nodes.name(index(sender.node))).collect(),
+        // The bus, or the others when some are apart, have no number.
+        segment: Some(record.segment).filter(|segment| *segment > 0),
+        wire: Wire::of(record.frame),
+    }
 }
 
-/// `None` for the bus, or for the others when some are apart.
-fn segment(record: &FrameRecord<'_>) -> Option<usize> {
-    Some(record.segment).filter(|segment| *segment > 0)
-}
-
-fn error<'a>(nodes: &'a Nodes<'_>, record: &FrameRecord<'_>) -> Option<ErrorFields<'a>> {
-    let Outcome::Error(error) = record.outcome else { return None };
-    Some(ErrorFields {
+fn error_fields<'a>(nodes: &'a Nodes<'_>, error: &BusError) -> ErrorFields<'a> {
+    ErrorFields {
         error: error.kind,
         bit: error.place.map(|(bit, _)| bit),
         field: error.place.map(|(_, field)| field_name(field)),
@@ -228,7 +230,7 @@ fn error<'a>(nodes: &'a Nodes<'_>, record: &FrameRecord<'_>) -> Option<ErrorFiel
             Flag::Passive => "passive",
             Flag::None => "none",
         },
-    })
+    }
 }
 
 impl Wire {

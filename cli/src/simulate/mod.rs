@@ -7,6 +7,8 @@ mod doors;
 mod event;
 mod expectations;
 mod json;
+mod load;
+mod picture;
 mod record;
 mod run;
 mod shared;
@@ -23,8 +25,6 @@ use std::fs;
 use std::io::{self, Write as _};
 use std::net::{SocketAddr, ToSocketAddrs as _};
 use std::path::Path;
-
-use link_core::Instant;
 
 pub use args::SimulateArgs;
 pub use build::Settings;
@@ -116,9 +116,8 @@ pub fn run(args: &SimulateArgs, json: bool) -> Result<Exit, Failure> {
         let view = RecordView::create(path, first_error.clone());
         views.push(Box::new(view.map_err(|error| unwritable(path, &error))?));
     }
-    let end = Instant::ZERO + settings.until.unwrap_or(scenario.bus.duration);
     let picture = args.svg.as_ref().map(|path| {
-        let (view, picture) = TimelineView::new(&scenario, end);
+        let (view, picture) = TimelineView::new(&scenario);
         views.push(Box::new(view));
         (path, picture)
     });
@@ -142,7 +141,6 @@ pub fn run(args: &SimulateArgs, json: bool) -> Result<Exit, Failure> {
     }
     if let Some((path, picture)) = picture {
         let mut picture = picture.borrow_mut();
-        // It may have been interrupted.
         picture.end = outcome.end;
         fs::write(path, svg::draw(&picture)).map_err(|error| unwritable(path, &error))?;
     }

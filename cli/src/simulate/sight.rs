@@ -102,6 +102,10 @@ impl Nodes<'_> {
         self.judge.status(node)
     }
 
+    pub(super) fn has_power(&self, node: NodeIndex) -> bool {
+        self.attached[node.0].power
+    }
+
     /// Whether it has power and is on the cable.
     pub(super) fn is_attached(&self, node: NodeIndex) -> bool {
         let Attached { power, cable } = self.attached[node.0];

@@ -58,8 +58,10 @@ pub struct BusSummary {
     pub frames: u64,
     /// Attempts that ended in an error frame.
     pub errors: u64,
-    /// The share of the time, in percent, in which a frame or an error frame was on the bus: exact, from start of frame to
-    /// end of frame or error delimiter, without the intermission.
+    /// Attempts that were broken off without one, because all that sent went off the bus.
+    pub abandoned: u64,
+    /// The share of the time, in percent, in which a frame, an error frame or an attempt that was broken off was on the bus:
+    /// exact, from start of frame to end of frame or error delimiter, without the intermission.
     pub load: f64,
     /// The part of the load that ended in error frames, in percent of the time.
     pub error_load: f64,
@@ -76,6 +78,7 @@ pub(super) struct Figures {
     nodes: Vec<NodeSummary>,
     frames: u64,
     errors: u64,
+    abandoned: u64,
     busy: u64,
     destroyed: u64,
 }
@@ -102,7 +105,8 @@ impl Counting {
             max_tec: 0,
             bus_offs: 0,
         });
-        let figures = Figures { nodes: nodes.collect(), frames: 0, errors: 0, busy: 0, destroyed: 0 };
+        let nodes = nodes.collect();
+        let figures = Figures { nodes, frames: 0, errors: 0, abandoned: 0, busy: 0, destroyed: 0 };
         let figures = Rc::new(RefCell::new(figures));
         (Self { figures: Rc::clone(&figures) }, figures)
     }
@@ -113,12 +117,14 @@ impl View for Counting {
         let mut figures = self.figures.borrow_mut();
         match sight {
             Sight::Frame { record, .. } => {
-                let through = matches!(record.outcome, Outcome::Ok);
                 figures.busy += length(record);
-                figures.frames += u64::from(through);
-                if !through {
-                    figures.errors += 1;
-                    figures.destroyed += length(record);
+                match record.outcome {
+                    Outcome::Ok => figures.frames += 1,
+                    Outcome::Error(_) => {
+                        figures.errors += 1;
+                        figures.destroyed += length(record);
+                    }
+                    Outcome::Abandoned => figures.abandoned += 1,
                 }
                 for sender in record.senders {
                     let node = &mut figures.nodes[index(sender.node).0];
@@ -153,6 +159,7 @@ impl Figures {
                 duration: end.as_nanos() as f64 / 1e9,
                 frames: self.frames,
                 errors: self.errors,
+                abandoned: self.abandoned,
                 load: percent(self.busy),
                 error_load: percent(self.destroyed),
             },
@@ -164,7 +171,7 @@ impl Summary {
     /// As a table.
     pub(super) fn table(&self, bit_rate: BitRate) -> String {
         use core::fmt::Write as _;
-        let width = self.nodes.iter().map(|node| node.node.len()).max().unwrap_or(0).max(4);
+        let width = self.nodes.iter().map(|node| node.node.chars().count()).max().unwrap_or(0).max(4);
         let mut text = format!(
             "{:<width$}  {:<8}  {:>3}  {:<15}  {:>7}  {:>7}  {:>4}  {:>4}  {:>7}  {:>7}\n",
             "node", "role", "MAC", "state", "sent", "failed", "TEC", "REC", "max TEC", "bus-off"
@@ -186,9 +193,13 @@ impl Summary {
             );
         }
         let bus = &self.bus;
-        let _ = write!(
+        let broken_off = match bus.abandoned {
+            0 => String::new(),
+            more => format!(", {more} broken off"),
+        };
+        let _ = writeln!(
             text,
-            "\n{} at {bit_rate}: {} and {}, load {:.3} %, of which {:.3} % were destroyed by errors\n",
+            "\n{} at {bit_rate}: {} and {}{broken_off}, load {:.3} %, of which {:.3} % were destroyed by errors",
             crate::scenario::Time(core::time::Duration::from_nanos((bus.duration * 1e9).round() as u64)),
             count(bus.frames, "frame"),
             count(bus.errors, "error frame"),

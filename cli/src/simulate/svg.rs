@@ -1,76 +1,16 @@
 //! The time line as a picture: a row for each node, coloured by its state, and the bus load beneath.
 
+mod headings;
+mod legend;
+
 use core::fmt::Write as _;
 
 use link_core::Instant;
 
-/// What a picture shows.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Picture {
-    pub(super) title: String,
-    pub(super) end: Instant,
-    pub(super) rows: Vec<Row>,
-    /// Headings at their times.
-    pub(super) notes: Vec<(Instant, String)>,
-    /// What the bus was busy with.
-    pub(super) busy: Vec<Busy>,
-}
-
-/// A node.
-#[derive(Clone, Debug)]
-pub(super) struct Row {
-    pub(super) name: String,
-    /// A few words under or beside the name, such as `MAC 10`.
-    pub(super) detail: String,
-    /// From when on it was what; each lasts until the next.
-    pub(super) states: Vec<(Instant, Shade)>,
-}
-
-/// What a node is, as far as a colour tells it.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Shade {
-    Off,
-    Sending,
-    Waiting,
-    OnLine,
-    Fault,
-    BusOff,
-    /// It has no state of network access, and is there.
-    Present,
-}
-
-/// A time in which the bus was not idle.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Busy {
-    pub(super) from: Instant,
-    pub(super) to: Instant,
-    /// It ended in an error frame.
-    pub(super) error: bool,
-}
-
-impl Shade {
-    const LEGEND: [(Self, &'static str); 7] = [
-        (Self::Off, "no power"),
-        (Self::Sending, "sending the check"),
-        (Self::Waiting, "waiting 1 s"),
-        (Self::OnLine, "on line"),
-        (Self::Fault, "communication fault"),
-        (Self::BusOff, "bus-off"),
-        (Self::Present, "attached"),
-    ];
-
-    const fn colour(self) -> &'static str {
-        match self {
-            Self::Off => "#e9ecef",
-            Self::Sending => "#f4a259",
-            Self::Waiting => "#f6d55c",
-            Self::OnLine => "#4caf7a",
-            Self::Fault => "#d64545",
-            Self::BusOff => "#5b1a2b",
-            Self::Present => "#7b9acc",
-        }
-    }
-}
+use super::load::Busy;
+use super::picture::{Picture, Row};
+use headings::{Heading, LANE, headings, lanes};
+use legend::{LEGEND_TOP, LegendItem, legend, legend_items};
 
 /// Draws it.
 pub(super) fn draw(picture: &Picture) -> String {
@@ -86,13 +26,13 @@ pub(super) fn draw(picture: &Picture) -> String {
         layout.height,
         escape(&picture.title)
     );
-    legend(&mut svg, picture);
+    legend(&mut svg, &layout.legend);
     axis(&mut svg, &layout);
     for (index, row) in picture.rows.iter().enumerate() {
         node(&mut svg, &layout, index, row);
     }
     load(&mut svg, &layout, picture);
-    notes(&mut svg, &layout, picture);
+    headings(&mut svg, &layout, picture);
     svg.push_str("</svg>\n");
     svg
 }
@@ -101,6 +41,8 @@ pub(super) fn draw(picture: &Picture) -> String {
 struct Layout {
     left: f64,
     end: Instant,
+    legend: Vec<LegendItem>,
+    notes_top: f64,
     rows_top: f64,
     row: f64,
     load_top: f64,
@@ -112,14 +54,17 @@ struct Layout {
 impl Layout {
     fn of(picture: &Picture) -> Self {
         let row = if picture.rows.len() > CROWD { 13.0 } else { 26.0 };
-        let longest = picture.rows.iter().map(|row| row.name.len() + row.detail.len() + 2).max().unwrap_or(0);
-        let left = (longest as f64 * 6.9 + 2.0 * MARGIN).max(110.0);
-        let x = |at: Instant| place(at, left, picture.end);
-        let lanes = lanes(&picture.notes, x);
+        let longest = picture.rows.iter().map(label_length).max().unwrap_or(0);
+        let left = (longest as f64 * LABEL_LETTER + 2.0 * MARGIN).max(110.0);
+        let end = picture.end;
+        let legend = legend_items(picture);
+        let notes_top = legend.last().map_or(LEGEND_TOP, |item| item.y) + 32.0;
+        let lanes = lanes(&picture.notes, |at, text| Heading::of(place(at, left, end), text));
         let count = lanes.iter().max().map_or(0, |last| last + 1);
-        let rows_top = NOTES_TOP + count as f64 * LANE;
+        let rows_top = notes_top + count as f64 * LANE;
         let load_top = rows_top + picture.rows.len() as f64 * row + 34.0;
-        Self { left, end: picture.end, rows_top, row, load_top, height: load_top + LOAD_HEIGHT + 52.0, lanes }
+        let height = load_top + LOAD_HEIGHT + 52.0;
+        Self { left, end, legend, notes_top, rows_top, row, load_top, height, lanes }
     }
 
     /// Where a moment is.
@@ -131,30 +76,6 @@ impl Layout {
 fn place(at: Instant, left: f64, end: Instant) -> f64 {
     let share = at.min(end).as_nanos() as f64 / end.as_nanos().max(1) as f64;
     left + share * (WIDTH - MARGIN - left)
-}
-
-fn legend(svg: &mut String, picture: &Picture) {
-    let shown = |shade: Shade| picture.rows.iter().any(|row| row.states.iter().any(|(_, own)| *own == shade));
-    let mut x = MARGIN;
-    for (shade, words) in Shade::LEGEND.iter().filter(|(shade, _)| shown(*shade)) {
-        let _ = writeln!(
-            svg,
-            "<rect x=\"{x:.1}\" y=\"46\" width=\"14\" height=\"14\" rx=\"3\" fill=\"{}\"/>\
-             <text x=\"{:.1}\" y=\"57.5\">{words}</text>",
-            shade.colour(),
-            x + 20.0
-        );
-        x += 20.0 + words.len() as f64 * 6.6 + 22.0;
-    }
-    for (colour, words) in [(LOAD_COLOUR, "bus load"), (ERROR_COLOUR, "of it destroyed by errors")] {
-        let _ = writeln!(
-            svg,
-            "<rect x=\"{x:.1}\" y=\"50\" width=\"14\" height=\"6\" fill=\"{colour}\"/>\
-             <text x=\"{:.1}\" y=\"57.5\">{words}</text>",
-            x + 20.0
-        );
-        x += 20.0 + words.len() as f64 * 6.6 + 22.0;
-    }
 }
 
 /// Time below, with a grid through everything.
@@ -182,6 +103,19 @@ fn axis(svg: &mut String, layout: &Layout) {
     );
 }
 
+/// Letters of the label of a row.
+fn label_length(row: &Row) -> usize {
+    name(row).chars().count() + row.detail.chars().count() + 2
+}
+
+/// The name of a node, cut where it would leave no room for the time line.
+fn name(row: &Row) -> String {
+    if row.name.chars().count() <= LONGEST_NAME {
+        return row.name.clone();
+    }
+    row.name.chars().take(LONGEST_NAME - 1).chain(['…']).collect()
+}
+
 fn node(svg: &mut String, layout: &Layout, index: usize, row: &Row) {
     let y = layout.rows_top + index as f64 * layout.row;
     let height = layout.row * 0.72;
@@ -192,11 +126,11 @@ fn node(svg: &mut String, layout: &Layout, index: usize, row: &Row) {
          <tspan fill=\"#868e96\">{}</tspan></text>",
         layout.left - 10.0,
         y + layout.row / 2.0 + size * 0.36,
-        escape(&row.name),
+        escape(&name(row)),
         escape(&row.detail)
     );
-    for (place, (from, shade)) in row.states.iter().enumerate() {
-        let to = row.states.get(place + 1).map_or(layout.end, |(at, _)| *at);
+    for (place, (from, shade)) in row.states().iter().enumerate() {
+        let to = row.states().get(place + 1).map_or(layout.end, |(at, _)| *at);
         let (x, end) = (layout.x(*from), layout.x(to));
         if to <= *from {
             continue;
@@ -214,7 +148,6 @@ fn node(svg: &mut String, layout: &Layout, index: usize, row: &Row) {
 /// The share of each slice of time in which the bus was busy, exact.
 fn load(svg: &mut String, layout: &Layout, picture: &Picture) {
     let bottom = layout.load_top + LOAD_HEIGHT;
-    let (all, errors) = (shares(picture, false), shares(picture, true));
     for (percent, words) in [(0, "0 %"), (50, "50 %"), (100, "100 %")] {
         let y = bottom - LOAD_HEIGHT * f64::from(percent) / 100.0;
         let _ = writeln!(
@@ -227,84 +160,28 @@ fn load(svg: &mut String, layout: &Layout, picture: &Picture) {
             y + 4.0
         );
     }
+    let (length, slices) = picture.load.slices(layout.end, SLICES);
     let _ = writeln!(
         svg,
         "<text x=\"{:.1}\" y=\"{:.1}\" font-weight=\"600\">bus load, by slices of {}</text>",
         layout.left,
         layout.load_top - 8.0,
-        crate::scenario::Time(core::time::Duration::from_nanos(slice(picture.end)))
+        crate::scenario::Time(core::time::Duration::from_nanos(length))
     );
-    for (shares, colour) in [(all, LOAD_COLOUR), (errors, ERROR_COLOUR)] {
+    let (all, errors) = (|busy: &Busy| busy.all, |busy: &Busy| busy.errors);
+    for (part, colour) in [(all as fn(&Busy) -> u64, LOAD_COLOUR), (errors, ERROR_COLOUR)] {
         let mut path = format!("M{:.1} {bottom:.1}", layout.left);
-        for (index, share) in shares.iter().enumerate() {
-            let from = Instant::from_nanos(index as u64 * slice(picture.end));
-            let to = Instant::from_nanos((index as u64 + 1) * slice(picture.end));
+        for (index, busy) in slices.iter().enumerate() {
+            let from = Instant::from_nanos(index as u64 * length);
+            let to = Instant::from_nanos((index as u64 + 1) * length).min(layout.end);
+            // The last slice may be shorter, and both parts of a bus that is cut may be busy.
+            let share = part(busy) as f64 / to.saturating_since(from).as_nanos().max(1) as f64;
             let y = bottom - LOAD_HEIGHT * share.min(1.0);
             let _ = write!(path, "L{:.1} {y:.1}L{:.1} {y:.1}", layout.x(from), layout.x(to));
         }
-        let _ = write!(path, "L{:.1} {bottom:.1}Z", layout.x(picture.end));
+        let _ = write!(path, "L{:.1} {bottom:.1}Z", layout.x(layout.end));
         let _ = writeln!(svg, "<path d=\"{path}\" fill=\"{colour}\" fill-opacity=\"0.85\"/>");
     }
-}
-
-/// The length of a slice of the load, in nanoseconds.
-fn slice(end: Instant) -> u64 {
-    end.as_nanos().div_ceil(SLICES).max(1)
-}
-
-fn shares(picture: &Picture, errors_only: bool) -> Vec<f64> {
-    let slice = slice(picture.end);
-    let mut busy = vec![0_u64; SLICES as usize];
-    for span in picture.busy.iter().filter(|span| span.error || !errors_only) {
-        let (mut from, to) = (span.from.as_nanos(), span.to.as_nanos().min(picture.end.as_nanos()));
-        while from < to {
-            let index = from / slice;
-            let until = to.min((index + 1) * slice);
-            if let Some(sum) = busy.get_mut(index as usize) {
-                *sum += until - from;
-            }
-            from = until;
-        }
-    }
-    busy.into_iter().map(|busy| busy as f64 / slice as f64).collect()
-}
-
-/// The headings, each with a line through everything. Of a heading the picture has what stands before the colon.
-fn notes(svg: &mut String, layout: &Layout, picture: &Picture) {
-    for ((at, text), lane) in picture.notes.iter().zip(&layout.lanes) {
-        let (x, y) = (layout.x(*at), NOTES_TOP + *lane as f64 * LANE);
-        let _ = writeln!(
-            svg,
-            "<line x1=\"{x:.1}\" y1=\"{:.1}\" x2=\"{x:.1}\" y2=\"{:.1}\" stroke=\"#343a40\" \
-             stroke-dasharray=\"3 3\" stroke-opacity=\"0.55\"/>\
-             <text x=\"{:.1}\" y=\"{:.1}\" font-size=\"11\" fill=\"#343a40\">{}</text>",
-            y - 4.0,
-            layout.load_top + LOAD_HEIGHT,
-            x + 4.0,
-            y + 5.0,
-            escape(short(text))
-        );
-    }
-}
-
-fn short(heading: &str) -> &str {
-    heading.split_once(':').map_or(heading, |(short, _)| short)
-}
-
-/// For each heading the first lane that is free at its place.
-fn lanes(notes: &[(Instant, String)], x: impl Fn(Instant) -> f64) -> Vec<usize> {
-    let mut ends: Vec<f64> = Vec::new();
-    let place = |(at, text): &(Instant, String)| {
-        let from = x(*at);
-        let to = from + short(text).chars().count() as f64 * NOTE_LETTER + 12.0;
-        let lane = ends.iter().position(|end| *end <= from).unwrap_or(ends.len());
-        match ends.get_mut(lane) {
-            Some(end) => *end = to,
-            None => ends.push(to),
-        }
-        lane
-    };
-    notes.iter().map(place).collect()
 }
 
 /// 1, 2 or 5 times a power of ten, in nanoseconds, so that there are at most twelve.
@@ -320,15 +197,16 @@ fn tick_step(end: Instant) -> u64 {
     }
 }
 
+/// XML has no characters for most of the control codes, whichever way they are written.
 fn escape(text: &str) -> String {
+    let text = text.replace(|c: char| c.is_control(), "\u{fffd}");
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 const WIDTH: f64 = 1200.0;
 const MARGIN: f64 = 20.0;
-const LANE: f64 = 16.0;
-const NOTES_TOP: f64 = 78.0;
-const NOTE_LETTER: f64 = 6.2;
+const LABEL_LETTER: f64 = 6.9;
+const LONGEST_NAME: usize = 60;
 const LOAD_HEIGHT: f64 = 110.0;
 const LOAD_COLOUR: &str = "#4a6fa5";
 const ERROR_COLOUR: &str = "#d64545";
@@ -339,20 +217,14 @@ const CROWD: usize = 24;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulate::picture::Shade;
 
-    #[test]
-    fn the_load_of_a_slice_is_exact() {
-        let ms = Instant::from_millis;
-        let picture = Picture {
-            end: ms(400),
-            busy: vec![
-                Busy { from: ms(0), to: Instant::from_micros(500), error: false },
-                Busy { from: Instant::from_micros(1_500), to: Instant::from_micros(2_250), error: true },
-            ],
-            ..Picture::default()
-        };
-        assert_eq!(shares(&picture, false)[..4], [0.5, 0.5, 0.25, 0.0]);
-        assert_eq!(shares(&picture, true)[..4], [0.0, 0.5, 0.25, 0.0]);
+    fn picture(rows: Vec<Row>) -> Picture {
+        Picture { end: Instant::from_millis(1_000), rows, ..Picture::default() }
+    }
+
+    fn row(name: &str) -> Row {
+        Row::new(name.to_owned(), "MAC 1".to_owned())
     }
 
     #[test]
@@ -365,9 +237,42 @@ mod tests {
     }
 
     #[test]
-    fn names_cannot_break_the_picture() {
-        let row = Row { name: "a<b".to_owned(), detail: String::new(), states: Vec::new() };
-        let svg = draw(&Picture { end: Instant::from_millis(1), rows: vec![row], ..Picture::default() });
+    fn words_cannot_break_the_picture() {
+        let mut picture = picture(vec![row("a<b")]);
+        picture.title = "bell \u{7} & escape \u{1b}".to_owned();
+        let svg = draw(&picture);
         assert!(svg.contains("a&lt;b") && !svg.contains("a<b"));
+        assert!(svg.contains("bell \u{fffd} &amp; escape \u{fffd}"));
+    }
+
+    #[test]
+    fn a_cable_that_is_unplugged_is_not_a_lack_of_power() {
+        let mut cut = row("a");
+        cut.enter(Instant::from_millis(10), Shade::OnLine);
+        cut.enter(Instant::from_millis(500), Shade::Cut);
+        let svg = draw(&picture(vec![cut]));
+        assert!(svg.contains(">no power<") && svg.contains(">cable unplugged<"));
+        let bars = svg.matches(Shade::Cut.colour()).count();
+        assert_eq!(bars, 2, "one in the legend, one in the row");
+    }
+
+    #[test]
+    fn a_long_name_leaves_room_for_the_time_line() {
+        let layout = Layout::of(&picture(vec![row(&"n".repeat(500))]));
+        assert!(layout.left < WIDTH / 2.0, "{}", layout.left);
+    }
+
+    #[test]
+    fn the_last_slice_is_measured_by_its_own_length() {
+        let mut picture = picture(vec![row("a")]);
+        // 400 slices of 3 ms would be 1.2 s.
+        picture.end = Instant::from_millis(1_001);
+        picture.load.add(Instant::ZERO, picture.end, false);
+        let svg = draw(&picture);
+        let top = svg.lines().find(|line| line.contains(LOAD_COLOUR) && line.contains("<path")).unwrap();
+        let heights: std::collections::BTreeSet<&str> =
+            top.split('L').skip(1).filter_map(|point| point.split(' ').nth(1)).collect();
+        // And the bottom, where the path ends.
+        assert_eq!(heights.len(), 2, "100 % from the beginning to the end: {heights:?}");
     }
 }

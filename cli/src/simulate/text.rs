@@ -159,7 +159,7 @@ impl Drop for TextView {
 /// The width of the node column: room for every name, and for two that send together unless their names are long. It is
 /// known before the run, so that the column does not move in the middle of it.
 fn node_width(nodes: &[crate::scenario::Node]) -> usize {
-    let mut lengths: Vec<usize> = nodes.iter().map(|node| node.name.len()).collect();
+    let mut lengths: Vec<usize> = nodes.iter().map(|node| node.name.chars().count()).collect();
     lengths.sort_unstable_by(|one, other| other.cmp(one));
     match lengths.as_slice() {
         [] => 0,

@@ -6,8 +6,8 @@ use std::rc::Rc;
 use link_core::Instant;
 use transport_mock::record::Outcome;
 
-use super::sight::{Level, Nodes, Sight, View};
-use super::svg::{Busy, Picture, Row, Shade};
+use super::picture::{Picture, Row, Shade};
+use super::sight::{Nodes, Sight, View};
 use crate::scenario::{NodeIndex, Role, Scenario, StateName};
 
 /// Follows the states of the nodes and the load of the bus.
@@ -17,23 +17,20 @@ pub(super) struct TimelineView {
 
 impl TimelineView {
     /// A view, and the picture that it makes.
-    pub(super) fn new(scenario: &Scenario, end: Instant) -> (Self, Rc<RefCell<Picture>>) {
-        let rows = scenario.nodes.iter().map(|node| Row {
-            name: node.name.clone(),
-            detail: match &node.role {
+    pub(super) fn new(scenario: &Scenario) -> (Self, Rc<RefCell<Picture>>) {
+        let row = |node: &crate::scenario::Node| {
+            let detail = match &node.role {
                 Role::Access(access) => format!("MAC {}", access.mac),
                 Role::Replay(_) | Role::Listener | Role::Babbler { .. } | Role::External => {
                     node.role.name().to_owned()
                 }
-            },
-            states: vec![(Instant::ZERO, Shade::Off)],
-        });
+            };
+            Row::new(node.name.clone(), detail)
+        };
         let picture = Picture {
             title: scenario.title.clone().unwrap_or_else(|| scenario.file.clone()),
-            end,
-            rows: rows.collect(),
-            notes: Vec::new(),
-            busy: Vec::new(),
+            rows: scenario.nodes.iter().map(row).collect(),
+            ..Picture::default()
         };
         let picture = Rc::new(RefCell::new(picture));
         (Self { picture: Rc::clone(&picture) }, picture)
@@ -43,50 +40,43 @@ impl TimelineView {
 impl View for TimelineView {
     fn see(&mut self, nodes: &Nodes<'_>, sight: &Sight<'_>) {
         let mut picture = self.picture.borrow_mut();
+        let mut shade = |at: Instant, node: NodeIndex| picture.rows[node.0].enter(at, shade_of(nodes, node));
         match sight {
-            Sight::Frame { record, .. } => picture.busy(Busy {
-                from: record.start,
-                to: record.end,
-                error: !matches!(record.outcome, Outcome::Ok),
-            }),
-            Sight::Event { at, node, .. } => picture.shade(*at, *node, nodes),
-            Sight::Level { at, node, level: Level::BusOff, .. } => picture.enter(*at, *node, Shade::BusOff),
-            Sight::Level { at, node, .. } => picture.shade(*at, *node, nodes),
-            Sight::Change { at, node: Some(node), .. } => picture.shade(*at, *node, nodes),
+            Sight::Frame { record, .. } => {
+                let is_error = match record.outcome {
+                    Outcome::Error(_) => true,
+                    Outcome::Ok | Outcome::Abandoned => false,
+                };
+                picture.load.add(record.start, record.end, is_error);
+            }
+            Sight::Event { at, node, .. }
+            | Sight::Level { at, node, .. }
+            | Sight::Change { at, node: Some(node), .. } => shade(*at, *node),
             Sight::Change { node: None, .. } | Sight::Broken { .. } => {}
             Sight::Note { at, text } => picture.notes.push((*at, (*text).to_owned())),
         }
     }
 }
 
-impl Picture {
-    /// The row of a node takes the colour of what it is now.
-    fn shade(&mut self, at: Instant, node: NodeIndex, nodes: &Nodes<'_>) {
-        let status = nodes.status(node);
-        let shade = match (status.bus_off, nodes.is_attached(node), status.state) {
-            (true, _, _) => Shade::BusOff,
-            (false, false, _) | (false, true, Some(StateName::Nonexistent)) => Shade::Off,
-            (false, true, None) => Shade::Present,
-            (false, true, Some(StateName::SendingDupMac)) => Shade::Sending,
-            (false, true, Some(StateName::WaitingDupMac)) => Shade::Waiting,
-            (false, true, Some(StateName::OnLine)) => Shade::OnLine,
-            (false, true, Some(StateName::CommFault)) => Shade::Fault,
-        };
-        self.enter(at, node, shade);
+/// What a node is now.
+fn shade_of(nodes: &Nodes<'_>, node: NodeIndex) -> Shade {
+    let status = nodes.status(node);
+    if !nodes.has_power(node) {
+        return Shade::Off;
     }
-
-    fn enter(&mut self, at: Instant, node: NodeIndex, shade: Shade) {
-        let states = &mut self.rows[node.0].states;
-        if states.last().is_none_or(|(_, last)| *last != shade) {
-            states.push((at, shade));
-        }
+    if !nodes.is_attached(node) {
+        return Shade::Cut;
     }
-
-    /// What follows closely is one with what was before, so that a lone node, which tries for ever, costs no memory.
-    fn busy(&mut self, busy: Busy) {
-        match self.busy.last_mut() {
-            Some(last) if last.error == busy.error && last.to == busy.from => last.to = busy.to,
-            _ => self.busy.push(busy),
-        }
+    if status.bus_off {
+        return Shade::BusOff;
+    }
+    match status.state {
+        None => Shade::Present,
+        // It starts at this moment.
+        Some(StateName::Nonexistent) => Shade::Off,
+        Some(StateName::SendingDupMac) => Shade::Sending,
+        Some(StateName::WaitingDupMac) => Shade::Waiting,
+        Some(StateName::OnLine) => Shade::OnLine,
+        Some(StateName::CommFault) => Shade::Fault,
     }
 }
