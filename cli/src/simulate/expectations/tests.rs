@@ -148,4 +148,5 @@ fn events() {
     fails("by = \"4s\"\nevent = \"bus_off\"", "bus_off by 4s; found no bus_off; it came at 5s");
     fails("never = true\nevent = \"bus_off\"", "never bus_off; found it at 5s");
     assert_eq!(judge("never = true\nto = \"6s\"\nevent = \"defended\""), Ok(()));
+    assert_eq!(judge("from = \"5s\"\nto = \"6s\"\nevent = \"bus_off\""), Ok(()), "at the first moment too");
 }
