@@ -187,6 +187,12 @@ pub fn attribute_info(
     attributes(class, instance).iter().chain(common).find(|info| info.id == attribute)
 }
 
+/// The number of bytes that the value of an attribute takes which `data` begin with; `None` if the attribute is not
+/// known or they do not tell it. For [`AttributeReplies::iter`](crate::message::AttributeReplies::iter) and the like.
+pub fn value_len(class: ClassId, instance: InstanceId, attribute: AttributeId, data: &[u8]) -> Option<usize> {
+    attribute_info(class, instance, attribute)?.shape.value_len(data)
+}
+
 /// The name of an attribute.
 pub fn attribute_name(class: ClassId, instance: InstanceId, attribute: AttributeId) -> Option<&'static str> {
     attribute_info(class, instance, attribute).map(|info| info.name)

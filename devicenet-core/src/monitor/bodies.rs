@@ -16,7 +16,7 @@ use crate::message::ExplicitHeader;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Parsed {
     pub(super) kind: Kind,
-    pub(super) fields: Fields,
+    pub(super) fields: Fields<'static>,
     pub(super) request: Option<Answered>,
     pub(super) problem: Option<Problem>,
     pub(super) note: Option<Note>,

@@ -142,6 +142,25 @@ impl Connection {
         }
     }
 
+    /// All attributes were set at once. No layout is known of that: what they are is to be learned again.
+    pub(super) fn forget(&mut self) {
+        self.epr = None;
+        self.watchdog_action = None;
+        self.multiplier = 0;
+        self.inhibit = None;
+        for side in [&mut self.consumed, &mut self.produced] {
+            side.size = None;
+            side.path = None;
+        }
+    }
+
+    /// Its watchdog was started anew: Reset.
+    pub(super) fn reset(&mut self, at: Instant) {
+        if matches!(self.state, ConnectionState::Established | ConnectionState::TimedOut) {
+            self.enter(ConnectionState::Established, at);
+        }
+    }
+
     /// The connection is gone.
     pub(super) fn end(&mut self, at: Instant) {
         self.waiting = None;

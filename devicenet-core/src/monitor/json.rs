@@ -89,7 +89,7 @@ impl Serialize for ConnectionName {
 fn fields<M: SerializeMap>(
     map: &mut M,
     kind: Kind,
-    fields: &Fields,
+    fields: &Fields<'_>,
     value: Option<&[u8]>,
 ) -> Result<(), M::Error> {
     optional(map, "service", fields.service)?;

@@ -5,7 +5,7 @@ use cip_core::codec::Wire;
 use cip_core::epath::Epath;
 use cip_core::identity::{DeviceIdentity, IdentityAttributes, OptionalAttributes};
 use cip_core::message::{AllocationChoice, AttributeReplies, BodyFormat};
-use cip_core::names::attribute_info;
+use cip_core::names::value_len;
 use link_core::Instant;
 
 use super::connection::{Connection, EXPLICIT_EPR};
@@ -48,7 +48,7 @@ fn several<const N: usize>(
     at: Instant,
 ) -> Option<Problem> {
     let (class, instance) = (request.class?, request.instance?);
-    let len = |attribute, data: &[u8]| attribute_info(class, instance, attribute)?.shape.value_len(data);
+    let len = |attribute, data: &[u8]| value_len(class, instance, attribute, data);
     let mut problem = None;
     for reply in AttributeReplies::parse(data).ok()?.iter(len).flatten() {
         let Ok(value) = reply.value else { continue };
@@ -244,6 +244,10 @@ fn connection<const N: usize>(
     if predefined.is_none() {
         created::learn(state, server, instance, request, data, at);
     }
+    if request.service == ServiceCode::RESET && instance.is_class() {
+        state.reset_connections(server, at);
+        return None;
+    }
     let held = state.instance(server, instance)?;
     match request.service {
         ServiceCode::GET_ATTRIBUTE_SINGLE => {
@@ -254,6 +258,7 @@ fn connection<const N: usize>(
         ServiceCode::SET_ATTRIBUTE_SINGLE => {
             set(held, request.attribute?.0, request.argument, data, at, predefined.is_some());
         }
+        ServiceCode::SET_ATTRIBUTES_ALL => held.forget(),
         ServiceCode::APPLY_ATTRIBUTES | ServiceCode::RESET => held.enter(ConnectionState::Established, at),
         _ => {}
     }
@@ -308,6 +313,7 @@ fn got(held: &mut Connection, attribute: u16, data: &[u8], at: Instant) {
 /// `applies`: the expected packet rate establishes a connection of the predefined set; others wait for Apply_Attributes.
 fn set(held: &mut Connection, attribute: u16, argument: u16, data: &[u8], at: Instant, applies: bool) {
     let [low, _] = argument.to_le_bytes();
+    let path = Some(InstanceId(argument)).filter(|instance| !instance.is_class());
     match attribute {
         EXPECTED_PACKET_RATE => {
             // A response without data means that the value sent is used.
@@ -332,11 +338,11 @@ fn set(held: &mut Connection, attribute: u16, argument: u16, data: &[u8], at: In
         // Another assembly: the sizes follow it and are to be learned again.
         PRODUCED_PATH => {
             held.produced.size = None;
-            held.produced.path = None;
+            held.produced.path = path;
         }
         CONSUMED_PATH => {
             held.consumed.size = None;
-            held.consumed.path = None;
+            held.consumed.path = path;
         }
         _ => {}
     }
@@ -370,7 +376,7 @@ fn wrong_identifier(
 }
 
 /// The instance that a connection path names.
-fn instance_of(path: &[u8]) -> Option<InstanceId> {
+pub(super) fn instance_of(path: &[u8]) -> Option<InstanceId> {
     Epath::packed(path).logical().ok()?.instance
 }
 
@@ -391,7 +397,7 @@ const PRODUCED_SIZE: u16 = 7;
 const CONSUMED_SIZE: u16 = 8;
 pub(super) const EXPECTED_PACKET_RATE: u16 = 9;
 const WATCHDOG_ACTION: u16 = 12;
-const PRODUCED_PATH: u16 = 14;
-const CONSUMED_PATH: u16 = 16;
+pub(super) const PRODUCED_PATH: u16 = 14;
+pub(super) const CONSUMED_PATH: u16 = 16;
 const INHIBIT_TIME: u16 = 17;
 const TIMEOUT_MULTIPLIER: u16 = 18;

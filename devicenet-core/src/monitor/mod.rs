@@ -41,7 +41,7 @@
 //! | offline connection set | `offline Who  all nodes, delay by byte 2` |
 //!
 //! Services for several attributes, or for a member of one, stand with what they name: `Get_Attribute_List: Vendor 4660,
-//! Product name "ab"`. A MAC ID that is not known is `?`. After the words stand, if there are any, a note and `assumed`
+//! Product name "ab"`; requests and responses inside of a Multiple_Service_Packet as they would alone, with `; ` between. A MAC ID that is not known is `?`. After the words stand, if there are any, a note and `assumed`
 //! in parentheses, and after ` ! ` the problem.
 //!
 //! # Example
@@ -79,6 +79,7 @@ mod kind;
 mod learn;
 mod nodes;
 mod offline;
+mod packet;
 mod pairing;
 mod problem;
 mod reading;
@@ -101,6 +102,7 @@ pub use reading::{Answered, Detail, Fields, Frag, Message, Note, Reading};
 pub use state::Lost;
 pub use text::{ValueText, Words};
 
+use cip_core::code::ServiceCode;
 use link_core::{Frame, Instant};
 
 use connection::Flow;
@@ -111,7 +113,7 @@ use state::State;
 use crate::id::{Identifier, MacId, Purpose};
 use crate::message::ExplicitHeader;
 
-/// A monitor for a whole network: 32 messages in progress of up to 512 bytes, 32 connections opened by UCMM. About 95
+/// A monitor for a whole network: 32 messages in progress of up to 512 bytes, 32 connections opened by UCMM. About 98
 /// kilobytes.
 pub type Monitor = SizedMonitor<32, 512>;
 
@@ -186,6 +188,17 @@ impl<const N: usize, const B: usize> SizedMonitor<N, B> {
         let message = dispatch(state, slots, &mut reading, identifier, *config);
         reading.message = message;
         state.count(&reading);
+        // Words of a response that answers several requests in one.
+        if let Some(request) = reading.request {
+            let parts = state.packets.of(request.n);
+            let fields =
+                [Some(&mut reading.fields), reading.message.as_mut().map(|message| &mut message.fields)];
+            for fields in fields.into_iter().flatten() {
+                if fields.requested == Some(ServiceCode::MULTIPLE_SERVICE_PACKET) {
+                    fields.parts = parts;
+                }
+            }
+        }
         reading
     }
 

@@ -6,11 +6,12 @@ use cip_core::code::{
     AdditionalCode, AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode, VendorId,
 };
 use cip_core::fragment::{FragmentByte, FragmentKind};
-use cip_core::message::AllocationChoice;
+use cip_core::message::{AllocationChoice, BodyFormat};
 use link_core::{Frame, Instant};
 
 use super::connections::{ConnectionState, DynamicConnection};
 use super::kind::Kind;
+use super::pairing::Transaction;
 use super::problem::Problem;
 use crate::id::{Identifier, MacId};
 
@@ -40,7 +41,7 @@ pub struct Reading<'a> {
     /// What it is.
     pub kind: Kind,
     /// What it says.
-    pub fields: Fields,
+    pub fields: Fields<'a>,
     /// The fragmentation byte, in a fragment or its acknowledge.
     pub frag: Option<Frag>,
     /// The whole message, in the frame that completes a fragmented one.
@@ -59,7 +60,7 @@ pub struct Reading<'a> {
 /// What a complete message says. A field that the message does not have, and that the request it answers does not
 /// give either, is `None`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub struct Fields {
+pub struct Fields<'a> {
     /// The service code without the response bit: [`ServiceCode::ERROR_RESPONSE`] in an error response.
     pub service: Option<ServiceCode>,
     /// In a response, the service of the request that it answers.
@@ -86,6 +87,10 @@ pub struct Fields {
     pub(super) is_ucmm: bool,
     /// Where the attribute value, service data or I/O data stand.
     pub(super) value: Option<Span>,
+    /// The body format of a request.
+    pub(super) format: BodyFormat,
+    /// Of a response to Multiple_Service_Packet: the requests that it answers.
+    pub(super) parts: &'a [Option<Transaction>],
     /// What only some messages have.
     pub detail: Detail,
 }
@@ -188,7 +193,7 @@ pub struct Message<'a> {
     /// The kind that the message would have in one frame.
     pub kind: Kind,
     /// What it says.
-    pub fields: Fields,
+    pub fields: Fields<'a>,
     /// The whole of it: an explicit message from the service byte on, or the I/O data.
     pub data: &'a [u8],
 }

@@ -1,15 +1,18 @@
 //! What requests say, from the service byte on.
 
-use cip_core::code::{ClassId, ServiceCode};
+use cip_core::code::{AttributeId, ClassId, InstanceId, ServiceCode};
 use cip_core::codec::Wire;
 use cip_core::message::{AllocateRequest, AllocationChoice, BodyFormat, ReleaseRequest, Request};
+use link_core::Instant;
 
 use super::bodies::{Parsed, problem_of};
 use super::explicit::{Knowledge, Route};
 use super::kind::Kind;
+use super::learn::{self, CONSUMED_PATH, PRODUCED_PATH};
+use super::packet;
 use super::pairing::{Seen, Transaction};
 use super::problem::Problem;
-use super::reading::{Detail, Span};
+use super::reading::{Detail, Fields, Span};
 use super::state::State;
 use crate::id::MacId;
 use crate::message::ExplicitHeader;
@@ -34,15 +37,36 @@ pub(super) fn connected<const N: usize>(
         request(Kind::ExplicitRequest, channel.format, seen, route.client, header, body, before);
     parsed.assumed = assumed;
     channel.asked = true;
+    let format = channel.format;
     // The server ignores a client that does not own the connection: the request of the one that does waits on.
     let waits = channel.pending.is_some_and(|held| held.requester != route.client);
-    if !(route.intrudes && waits) {
-        channel.pending = transaction.map(|transaction| Transaction { assumed, ..transaction });
+    if route.intrudes && waits {
+        return parsed;
+    }
+    let Some(transaction) = transaction else { return parsed };
+    channel.pending = Some(Transaction { assumed, ..transaction });
+    if packet::has_parts(transaction.service) {
+        let problem = packet::asked(state, &Transaction { assumed, ..transaction }, format, body);
+        parsed.problem = parsed.problem.or(problem.filter(|_| !assumed));
     }
     parsed
 }
 
-/// Reads a request in a body format.
+/// Reads a request inside of another.
+pub(super) fn part(whole: &Transaction, format: BodyFormat, body: &[u8]) -> (Parsed, Option<Transaction>) {
+    let header = ExplicitHeader { fragmented: false, xid: whole.xid, mac: whole.requester };
+    let (parsed, part) = request(Kind::ExplicitRequest, format, whole.seen, whole.requester, header, body, 0);
+    (parsed, part.map(|part| Transaction { assumed: whole.assumed, ..part }))
+}
+
+/// What a request inside of another says.
+pub(super) fn part_fields(format: BodyFormat, body: &[u8]) -> Fields<'static> {
+    let header = ExplicitHeader::from(0);
+    let seen = Seen { n: 0, at: Instant::ZERO };
+    request(Kind::ExplicitRequest, format, seen, header.mac, header, body, 0).0.fields
+}
+
+/// Reads a request in a body format. Some servers answer even to a message with the response bit set.
 pub(super) fn request(
     kind: Kind,
     format: BodyFormat,
@@ -53,6 +77,7 @@ pub(super) fn request(
     before: usize,
 ) -> (Parsed, Option<Transaction>) {
     let mut parsed = Parsed::new(kind);
+    parsed.fields.format = format;
     let Some((&byte, rest)) = body.split_first() else {
         parsed.flag(Problem::TooShort { at_least: 2, found: 1 });
         return (parsed, None);
@@ -103,7 +128,7 @@ pub(super) fn request(
             Ok(access) => {
                 parsed.fields.attribute = Some(access.attribute);
                 transaction.attribute = Some(access.attribute);
-                transaction.argument = le16(access.value);
+                transaction.argument = argument(class, access.attribute, access.value);
                 value = access.value;
             }
             Err(error) => parsed.flag(problem_of(error, request.data.len())),
@@ -179,6 +204,15 @@ fn likely_format(body: &[u8]) -> Option<BodyFormat> {
         [0x0E, _, high, _, 0 | 1, _] if high <= 4 => Some(BodyFormat::Class16Instance16),
         _ => None,
     }
+}
+
+/// What the response to a Set does not repeat: the first two bytes of the value, of a connection path the instance that
+/// it names (0: none).
+pub(super) fn argument(class: Option<ClassId>, attribute: AttributeId, value: &[u8]) -> u16 {
+    if class == Some(ClassId::CONNECTION) && matches!(attribute.0, PRODUCED_PATH | CONSUMED_PATH) {
+        return learn::instance_of(value).unwrap_or(InstanceId::CLASS).0;
+    }
+    le16(value)
 }
 
 fn le16(value: &[u8]) -> u16 {

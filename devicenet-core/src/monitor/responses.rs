@@ -9,6 +9,7 @@ use super::connections::ConnectionState;
 use super::explicit::{Knowledge, Route};
 use super::kind::Kind;
 use super::learn;
+use super::packet;
 use super::pairing::{Seen, Transaction};
 use super::problem::Problem;
 use super::reading::{Detail, Span};
@@ -25,10 +26,10 @@ pub(super) fn connected<const N: usize>(
     before: usize,
 ) -> Parsed {
     let (server, client) = (route.link.server, route.client);
-    let mut parsed = match read(Kind::ExplicitResponse, body, before) {
-        Ok(parsed) => parsed,
-        Err(parsed) => return parsed,
-    };
+    let (mut parsed, is_response) = read(Kind::ExplicitResponse, body, before);
+    if !is_response {
+        return parsed;
+    }
     let service = parsed.fields.service.unwrap_or(ServiceCode::ERROR_RESPONSE);
     let channel = state.channel(route.link);
     let (pending, asked) = (channel.pending, channel.asked);
@@ -64,25 +65,29 @@ pub(super) fn connected<const N: usize>(
     parsed.assumed = transaction.assumed;
     fill(&mut parsed, &transaction, body);
     if let Ok(Response::Success { data, .. }) = Response::parse(body) {
-        parsed.problem = parsed.problem.or(learn::success(state, server, &transaction, data, seen.at));
+        let learned = match packet::has_parts(transaction.service) {
+            true => packet::answered(state, server, &transaction, data, seen.at),
+            false => learn::success(state, server, &transaction, data, seen.at),
+        };
+        parsed.problem = parsed.problem.or(learned.filter(|_| !transaction.assumed));
     }
     parsed
 }
 
-/// Reads the service byte and what follows it of a response; `Err` is a message that is none.
-pub(super) fn read(kind: Kind, body: &[u8], before: usize) -> Result<Parsed, Parsed> {
+/// Reads the service byte and what follows it of a response; false is a message that is none.
+pub(super) fn read(kind: Kind, body: &[u8], before: usize) -> (Parsed, bool) {
     let mut parsed = Parsed::new(kind);
     let total = body.len().saturating_add(before);
     let Some((&byte, rest)) = body.split_first() else {
         parsed.flag(Problem::TooShort { at_least: 2, found: 1 });
-        return Err(parsed);
+        return (parsed, false);
     };
     let (service, is_response) = ServiceCode::split(byte);
     parsed.fields.service = Some(service);
     parsed.fields.value = Span::tail(total, rest.len());
     if !is_response {
         parsed.flag(Problem::RequestBitOnResponse);
-        return Err(parsed);
+        return (parsed, false);
     }
     match Response::parse(body) {
         Ok(Response::Success { .. }) => {}
@@ -93,7 +98,16 @@ pub(super) fn read(kind: Kind, body: &[u8], before: usize) -> Result<Parsed, Par
         }
         Err(error) => parsed.flag(problem_of(error, body.len())),
     }
-    Ok(parsed)
+    (parsed, true)
+}
+
+/// Reads a response inside of another, to `request` if that is known.
+pub(super) fn part(request: Option<&Transaction>, body: &[u8]) -> Parsed {
+    let (mut parsed, _) = read(Kind::ExplicitResponse, body, 0);
+    if let Some(request) = request {
+        fill(&mut parsed, request, body);
+    }
+    parsed
 }
 
 /// Gives a response what only its request has said.

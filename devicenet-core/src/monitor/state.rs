@@ -7,6 +7,7 @@ use super::connection::{Connection, Flow};
 use super::connections::{ConnectionState, DynamicConnection, Predefined};
 use super::explicit::Channel;
 use super::nodes::{Node, Roles};
+use super::packet::Packets;
 use super::pairing::Seen;
 use super::reading::{Note, Reading};
 use crate::id::{Identifier, MacId};
@@ -21,6 +22,7 @@ pub(super) struct State<const N: usize> {
     /// How many of them were made by Create.
     pub(super) created: usize,
     pub(super) offline: Offline,
+    pub(super) packets: Packets,
     pub(super) now: Instant,
     pub(super) lost: Lost,
 }
@@ -95,6 +97,7 @@ impl<const N: usize> State<N> {
             group2_dynamics: 0,
             created: 0,
             offline: Offline { ownership: None, who: None, identify: None },
+            packets: Packets::new(),
             now: Instant::ZERO,
             lost: Lost { evicted_messages: 0, long_messages: 0, connections: 0, requests: 0 },
         }
@@ -193,6 +196,14 @@ impl<const N: usize> State<N> {
             }
         }
         self.count_dynamics();
+    }
+
+    /// The watchdogs of all connections of a node were started anew.
+    pub(super) fn reset_connections(&mut self, mac: MacId, at: Instant) {
+        self.node(mac).connections.iter_mut().for_each(|connection| connection.reset(at));
+        for dynamic in self.dynamics.iter_mut().flatten().filter(|dynamic| dynamic.server == mac) {
+            dynamic.connection.reset(at);
+        }
     }
 
     /// A node has restarted or left the network.

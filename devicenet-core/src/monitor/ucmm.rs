@@ -101,12 +101,10 @@ pub(super) fn response<const N: usize>(
     let frame = reading.frame;
     let data = frame.data();
     let body = data.get(1..).unwrap_or_default();
-    match responses::read(reading.kind, body, 1) {
-        Ok(parsed) => parsed.apply(reading),
-        Err(parsed) => {
-            parsed.apply(reading);
-            return;
-        }
+    let (parsed, is_response) = responses::read(reading.kind, body, 1);
+    parsed.apply(reading);
+    if !is_response {
+        return;
     }
     let service = reading.fields.service.unwrap_or(ServiceCode::ERROR_RESPONSE);
     let waiting = &mut state.node(server).ucmm;

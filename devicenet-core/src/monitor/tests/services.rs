@@ -1,6 +1,7 @@
 //! Services for more than one attribute, or for less.
 
 use super::*;
+use cip_core::code::{InstanceId, ServiceCode};
 
 impl Bus {
     /// A message of master 1 to a slave or of the slave, in as many fragments as it takes; the reading of the last frame.
@@ -60,10 +61,19 @@ fn services_with_a_layout_in_words() {
             "Set_Attribute_List: expected_packet_rate ok, watchdog_timeout_action error 0x09 Invalid attribute value",
         ),
         (
-            &[0x0A, 2, 1, 2, 0, 6, 0, 10, 0, 0x0E, 1, 1, 1, 0x05, 1, 1],
-            "Multiple_Service_Packet Message Router 1 Get_Attribute_Single  01 01 01; Reset  01 01",
-            &[0x8A, 3, 0, 8, 0, 12, 0, 13, 0, 0x8E, 0x34, 0x12, 0x00, 0x85, 0x94, 0x08, 0xFF],
-            "Multiple_Service_Packet: Get_Attribute_Single  34 12 00; Reset ok; error 0x08 Service not supported",
+            &[
+                0x0A, 2, 1, 4, 0, 10, 0, 14, 0, 20, 0, 23, 0, 0x0E, 1, 1, 1, 0x10, 5, 2, 9, 75, 0, 0x05, 1,
+                1, 0x0A, 2, 1, 0, 0,
+            ],
+            "Multiple_Service_Packet Message Router 1 Get_Attribute_Single Identity 1 Vendor ID; \
+             Set_Attribute_Single Connection 2 EPR 75 ms; Reset Identity 1; Multiple_Service_Packet  00 00",
+            &[
+                0x8A, 4, 0, 10, 0, 13, 0, 16, 0, 19, 0, 0x8E, 0x34, 0x12, 0x90, 80, 0, 0x94, 0x08, 0xFF,
+                0x8A, 0, 0,
+            ],
+            "Multiple_Service_Packet: Get_Attribute_Single: Vendor 4660; \
+             Set_Attribute_Single: EPR 80 ms (75 ms requested); \
+             Reset: error 0x08 Service not supported; Multiple_Service_Packet: 00 00",
         ),
         (
             &[0x18, 4, 101, 3, 2, 0],
@@ -101,4 +111,92 @@ fn a_list_of_attributes_teaches_like_the_single_ones() {
     );
     let record = bus.connection(10, Predefined::Poll);
     assert_eq!((record.produced_size, record.consumed_size, record.epr), (Some(3), Some(1), Some(75)));
+}
+
+/// The values of what was set stand in the request, which the response does not repeat.
+#[test]
+fn what_a_list_has_set_is_learned() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.exchange(
+        &[0x04, 5, 2, 5, 0, 9, 0, 75, 0, 12, 0, 1, 17, 0, 10, 0, 14, 0, 0x20, 4, 0x24, 101, 0x30, 3],
+        &[0x84, 3, 0, 9, 0, 0, 0, 12, 0, 0, 0, 17, 0, 9, 0],
+    );
+    let record = bus.connection(10, Predefined::Poll);
+    assert_eq!((record.state, record.epr), (ConnectionState::Established, Some(75)));
+    assert_eq!((record.watchdog_action, record.inhibit), (Some(1), None), "attribute 17 was refused");
+}
+
+/// A status of two bytes whose low one is zero is not a success.
+#[test]
+fn a_status_that_does_not_exist_is_no_success() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    let (_, answer) = bus.exchange(&[0x04, 5, 2, 1, 0, 9, 0, 75, 0], &[0x84, 1, 0, 9, 0, 0, 1]);
+    assert_eq!(answer, "Set_Attribute_List: expected_packet_rate error 0x0100");
+    assert_eq!(bus.connection(10, Predefined::Poll).epr, Some(0));
+}
+
+#[test]
+fn a_path_that_was_set_is_known() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.monitor.set_io_sizes(mac(10), Predefined::Poll, Some(1), Some(2));
+    bus.exchange(&[0x10, 5, 2, 14, 0x20, 4, 0x24, 101, 0x30, 3], &[0x90]);
+    let record = bus.connection(10, Predefined::Poll);
+    assert_eq!((record.produced_path, record.produced_size), (Some(InstanceId(101)), None));
+    assert_eq!((record.consumed_path, record.consumed_size), (None, Some(1)));
+}
+
+/// Nobody says in which order the attributes stand: what was known of them is not known any more.
+#[test]
+fn all_attributes_set_at_once_are_learned_again() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.monitor.set_io_sizes(mac(10), Predefined::Poll, Some(1), Some(2));
+    bus.establish(10, 2, 75);
+    bus.exchange(&[0x02, 5, 2, 1, 2, 3], &[0x82]);
+    let record = bus.connection(10, Predefined::Poll);
+    assert_eq!((record.consumed_size, record.produced_size, record.epr), (None, None, None));
+    bus.wait(60_000).frame(0x7C0, &[]);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::Established, "no watchdog");
+}
+
+#[test]
+fn requests_in_a_packet_teach_like_single_ones() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.exchange(
+        &[0x0A, 2, 1, 3, 0, 8, 0, 14, 0, 18, 0, 0x10, 5, 2, 9, 75, 0, 0x0E, 1, 1, 3, 0x10, 5, 2, 12, 1],
+        &[0x8A, 3, 0, 8, 0, 11, 0, 14, 0, 0x90, 80, 0, 0x8E, 0x6C, 0x05, 0x94, 0x09, 0xFF],
+    );
+    let record = bus.connection(10, Predefined::Poll);
+    assert_eq!((record.state, record.epr), (ConnectionState::Established, Some(80)));
+    assert_eq!(record.watchdog_action, Some(0), "refused");
+    assert_eq!(bus.node(10).product, Some(1388));
+}
+
+#[test]
+fn what_is_wrong_inside_of_a_packet() {
+    let mut bus = Bus::with_slave(10, 0x01);
+    let short = bus.message(10, 4, &[0x0A, 2, 1, 1, 0, 4, 0, 0x0E, 1]);
+    assert_eq!(short.problem, Some(Problem::TooShort { at_least: 3, found: 2 }), "{}", short.text);
+    let beyond = bus.message(10, 4, &[0x0A, 2, 1, 1, 0, 9, 0, 0x05, 1, 1]);
+    assert_eq!(beyond.problem, Some(Problem::ReservedValue { field: "offset", found: 9 }));
+    bus.message(10, 4, &[0x0A, 2, 1, 1, 0, 4, 0, 0x0E, 1, 1, 1]);
+    let other = bus.message(10, 3, &[0x8A, 1, 0, 4, 0, 0x85]);
+    assert_eq!(other.problem, Some(Problem::ServiceMismatch { expected: ServiceCode::GET_ATTRIBUTE_SINGLE }));
+    bus.message(10, 4, &[0x0A, 2, 1, 1, 0, 4, 0, 0x05, 1, 1]);
+    let more = bus.message(10, 3, &[0x8A, 2, 0, 6, 0, 7, 0, 0x85, 0x85]);
+    assert_eq!(more.problem, Some(Problem::UnexpectedResponse));
+}
+
+/// Reset of the class resets every connection.
+#[test]
+fn a_reset_of_the_class_brings_back_what_has_timed_out() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.establish(10, 2, 1000);
+    bus.group2(10, 4, &[0x01, 0x10, 5, 1, 9, 0, 0]);
+    bus.group2(10, 3, &[0x01, 0x90, 0, 0]);
+    bus.wait(20_000).group2(10, 5, &[]);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::TimedOut);
+    bus.exchange(&[0x05, 5, 0], &[0x85]);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::Established);
+    let strobe = ConnectionName::Predefined(Predefined::BitStrobe);
+    assert!(bus.monitor.connections().all(|held| held.name != strobe), "it does not exist");
 }

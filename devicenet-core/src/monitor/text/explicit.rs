@@ -13,7 +13,12 @@ use crate::monitor::reading::{Detail, Fields, Reading};
 use crate::monitor::ucmm;
 
 /// An explicit or UCMM message.
-pub(super) fn write_message(f: &mut Formatter<'_>, kind: Kind, fields: &Fields, value: &[u8]) -> fmt::Result {
+pub(super) fn write_message(
+    f: &mut Formatter<'_>,
+    kind: Kind,
+    fields: &Fields<'_>,
+    value: &[u8],
+) -> fmt::Result {
     let is_response = matches!(kind, Kind::ExplicitResponse | Kind::UnconnectedResponse);
     let Some(service) = fields.service else {
         return f.write_str(if is_response { "response" } else { "request" });
@@ -48,7 +53,7 @@ pub(super) fn write_message(f: &mut Formatter<'_>, kind: Kind, fields: &Fields, 
 }
 
 /// `: ok`, `: Vendor 12`, `: error 0x16 Object does not exist`
-fn write_response(f: &mut Formatter<'_>, fields: &Fields, value: &[u8]) -> fmt::Result {
+fn write_response(f: &mut Formatter<'_>, fields: &Fields<'_>, value: &[u8]) -> fmt::Result {
     f.write_str(": ")?;
     if let Some(status) = fields.status {
         f.write_str("error ")?;
@@ -63,7 +68,7 @@ fn write_response(f: &mut Formatter<'_>, fields: &Fields, value: &[u8]) -> fmt::
 }
 
 /// The short words of the services that everybody knows by them, else the name, else the number.
-fn write_service(f: &mut Formatter<'_>, fields: &Fields, service: ServiceCode) -> fmt::Result {
+fn write_service(f: &mut Formatter<'_>, fields: &Fields<'_>, service: ServiceCode) -> fmt::Result {
     let of_set =
         fields.class == Some(ClassId::DEVICENET) || matches!(fields.detail, Detail::Allocated { .. });
     let name = match service {
@@ -81,7 +86,7 @@ fn write_service(f: &mut Formatter<'_>, fields: &Fields, service: ServiceCode) -
 }
 
 /// ` Identity 1`, ` Connection class`
-fn write_target(f: &mut Formatter<'_>, fields: &Fields) -> fmt::Result {
+fn write_target(f: &mut Formatter<'_>, fields: &Fields<'_>) -> fmt::Result {
     let Some(class) = fields.class else { return Ok(()) };
     f.write_str(" ")?;
     fmt::Display::fmt(&class, f)?;

@@ -165,7 +165,7 @@ fn write_check(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fmt::Result {
 }
 
 /// `  vendor 4660 serial 0x00002345`, and the port if it is not the first.
-fn write_device(f: &mut Formatter<'_>, fields: &Fields) -> fmt::Result {
+fn write_device(f: &mut Formatter<'_>, fields: &Fields<'_>) -> fmt::Result {
     let (Some(vendor), Some(serial)) = (fields.vendor, fields.serial) else { return Ok(()) };
     f.write_str("  vendor ")?;
     write_decimal(f, vendor.0.into())?;

@@ -6,15 +6,17 @@ use cip_core::code::{AdditionalCode, AttributeId, ClassId, InstanceId, ServiceCo
 use cip_core::codec::Wire;
 use cip_core::message::{
     AttributeReplies, AttributeReply, AttributeSettings, AttributeStatusList, CreateResponse,
-    FindNextRequest, InstanceList, MemberId, MultipleServicePacket, ResetRequest, Response, UintList,
+    FindNextRequest, InstanceList, MemberId, MultipleServicePacket, ResetRequest, UintList,
 };
-use cip_core::names::{attribute_info, attribute_name};
-use cip_core::text::{Hex, write_decimal};
+use cip_core::names::{attribute_name, value_len};
+use cip_core::text::{Hex, write_decimal, write_prefixed_hex};
 
-use super::explicit::write_status;
+use super::explicit::{write_message, write_status};
 use super::value::write_attribute;
 use super::write_bytes;
+use crate::monitor::kind::Kind;
 use crate::monitor::reading::Fields;
+use crate::monitor::{requests, responses};
 
 /// Service data with a known layout.
 #[derive(Debug, Clone, Copy)]
@@ -47,7 +49,7 @@ pub(super) enum ServiceText<'a> {
 
 impl<'a> ServiceText<'a> {
     /// The layout of `data`; `None` if there is none, or the data do not have it.
-    pub(super) fn of(fields: &Fields, data: &'a [u8]) -> Option<Self> {
+    pub(super) fn of(fields: &Fields<'_>, data: &'a [u8]) -> Option<Self> {
         let is_response = fields.requested.is_some();
         let service = fields.requested.or(fields.service)?;
         let is_addressed = fields.class.is_some() && fields.instance.is_some();
@@ -95,7 +97,7 @@ impl<'a> ServiceText<'a> {
         }
     }
 
-    pub(super) fn write(&self, f: &mut Formatter<'_>, fields: &Fields) -> fmt::Result {
+    pub(super) fn write(&self, f: &mut Formatter<'_>, fields: &Fields<'_>) -> fmt::Result {
         let Some((class, instance)) = fields.class.zip(fields.instance) else { return Ok(()) };
         match self {
             Self::Names(list) => separated(f, ", ", list.attributes(), |f, attribute| {
@@ -120,11 +122,15 @@ impl<'a> ServiceText<'a> {
             }
             Self::Statuses(list) => separated(f, ", ", list.iter(), |f, (attribute, status)| {
                 write_name(f, class, instance, attribute)?;
-                match status.to_le_bytes() {
-                    [0, _] => f.write_str(" ok"),
-                    [status, _] => {
+                match u8::try_from(status) {
+                    Ok(0) => f.write_str(" ok"),
+                    Ok(status) => {
                         f.write_str(" error ")?;
                         write_status(f, status.into(), AdditionalCode::NONE, false)
+                    }
+                    Err(_) => {
+                        f.write_str(" error ")?;
+                        write_prefixed_hex(f, status.into())
                     }
                 }
             }),
@@ -138,24 +144,14 @@ impl<'a> ServiceText<'a> {
                 write_attribute_of(f, fields)?;
                 fmt::Display::fmt(&Hex(value), f)
             }
-            Self::Requests(packet) => separated(f, "; ", packet.services(), |f, body| match body {
-                [service, rest @ ..] => {
-                    fmt::Display::fmt(&ServiceCode::split(*service).0, f)?;
-                    write_bytes(f, rest)
-                }
-                [] => f.write_str("nothing"),
+            Self::Requests(packet) => separated(f, "; ", packet.services(), |f, body| {
+                write_part(f, Kind::ExplicitRequest, &requests::part_fields(fields.format, body), body)
             }),
             Self::Responses(packet) => {
-                separated(f, "; ", packet.services(), |f, body| match Response::parse(body) {
-                    Ok(Response::Success { service, data }) => {
-                        fmt::Display::fmt(&service, f)?;
-                        if data.is_empty() { f.write_str(" ok") } else { write_bytes(f, data) }
-                    }
-                    Ok(Response::Error { status, additional }) => {
-                        f.write_str("error ")?;
-                        write_status(f, status, additional, false)
-                    }
-                    Err(_) => fmt::Display::fmt(&Hex(body), f),
+                let mut asked = fields.parts.iter();
+                separated(f, "; ", packet.services(), |f, body| {
+                    let request = asked.next().and_then(Option::as_ref);
+                    write_part(f, Kind::ExplicitResponse, &responses::part(request, body).fields, body)
                 })
             }
             Self::Reset(ResetRequest { kind }) => match kind {
@@ -177,6 +173,17 @@ impl<'a> ServiceText<'a> {
     }
 }
 
+/// A request or response inside of another. A packet inside of a packet is not taken apart.
+fn write_part(f: &mut Formatter<'_>, kind: Kind, fields: &Fields<'_>, body: &[u8]) -> fmt::Result {
+    if body.is_empty() {
+        return f.write_str("nothing");
+    }
+    let is_packet = fields.requested.or(fields.service) == Some(ServiceCode::MULTIPLE_SERVICE_PACKET);
+    let class = fields.class.filter(|_| !is_packet);
+    let value = fields.value.map(|span| span.of(body)).unwrap_or_default();
+    write_message(f, kind, &Fields { class, ..*fields }, value)
+}
+
 /// The services for one member of an attribute.
 fn names_member(service: ServiceCode) -> bool {
     matches!(
@@ -189,11 +196,11 @@ fn names_member(service: ServiceCode) -> bool {
 }
 
 /// How many bytes the value of an attribute takes.
-fn lengths(fields: &Fields) -> impl Fn(AttributeId, &[u8]) -> Option<usize> + use<> {
+fn lengths(fields: &Fields<'_>) -> impl Fn(AttributeId, &[u8]) -> Option<usize> + use<> {
     let target = fields.class.zip(fields.instance);
     move |attribute, data| {
         let (class, instance) = target?;
-        attribute_info(class, instance, attribute)?.shape.value_len(data)
+        value_len(class, instance, attribute, data)
     }
 }
 
@@ -215,7 +222,7 @@ fn separated<T>(
 }
 
 /// The name of the attribute that the fields name, and a space.
-fn write_attribute_of(f: &mut Formatter<'_>, fields: &Fields) -> fmt::Result {
+fn write_attribute_of(f: &mut Formatter<'_>, fields: &Fields<'_>) -> fmt::Result {
     let (Some(class), Some(instance), Some(attribute)) = (fields.class, fields.instance, fields.attribute)
     else {
         return Ok(());

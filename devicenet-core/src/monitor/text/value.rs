@@ -19,11 +19,11 @@ use crate::monitor::{broadcast, ucmm};
 /// What a value means. See [`Reading::value_text`](crate::monitor::Reading::value_text).
 #[derive(Debug, Clone, Copy)]
 pub struct ValueText<'a> {
-    fields: &'a Fields,
+    fields: &'a Fields<'a>,
     value: &'a [u8],
 }
 
-impl Fields {
+impl Fields<'_> {
     /// What `value`, the value of these fields, means.
     pub(in crate::monitor) fn text_of<'a>(&'a self, value: &'a [u8]) -> Option<ValueText<'a>> {
         let has_detail = self.detail != Detail::None && self.detail != Detail::WhoAnswer;
@@ -116,7 +116,7 @@ pub(super) fn write_attribute(
     }
 }
 
-pub(super) fn write_detail(f: &mut Formatter<'_>, fields: &Fields) -> fmt::Result {
+pub(super) fn write_detail(f: &mut Formatter<'_>, fields: &Fields<'_>) -> fmt::Result {
     match fields.detail {
         Detail::None | Detail::WhoAnswer => Ok(()),
         Detail::PacketRate { requested, used } => {
