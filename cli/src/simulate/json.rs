@@ -151,7 +151,7 @@ impl View for JsonView {
             Sight::Frame { record, reading } => {
                 let attempt = attempt(nodes, record, reading.as_ref().map(|reading| reading.n));
                 match record.outcome {
-                    Outcome::Ok => Line::Frame { attempt, reading: reading.as_ref() },
+                    Outcome::Ok => Line::Frame { attempt, reading: *reading },
                     Outcome::Error(error) => Line::ErrorFrame { attempt, error: error_fields(nodes, &error) },
                     Outcome::Abandoned => Line::Abandoned { attempt },
                 }

@@ -16,7 +16,7 @@ use crate::scenario::{EventName, NodeIndex, Role, Scenario, StateName};
 #[derive(Debug)]
 pub(super) enum Sight<'a> {
     /// An attempt to send a frame is over. A frame that got through is read.
-    Frame { record: &'a FrameRecord<'a>, reading: Option<Reading<'a>> },
+    Frame { record: &'a FrameRecord<'a>, reading: Option<&'a Reading<'a>> },
     /// A node tells something.
     Event { at: Instant, node: NodeIndex, event: &'a AccessEvent },
     /// The error counters of a node have changed its part in the bus.
@@ -191,7 +191,7 @@ impl<'a> Observer<'a> {
             Outcome::Error(_) | Outcome::Abandoned => None,
         };
         let nodes = Nodes { scenario: self.scenario, judge: &self.judge, attached: &self.attached };
-        let sight = Sight::Frame { record, reading };
+        let sight = Sight::Frame { record, reading: reading.as_ref() };
         self.views.iter_mut().for_each(|view| view.see(&nodes, &sight));
     }
 

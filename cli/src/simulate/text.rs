@@ -123,7 +123,7 @@ impl View for TextView {
                 self.event(nodes, *at, Some(*node), Emphasis::Problem, rule);
             }
             Sight::Frame { record, reading } => {
-                self.frame(nodes, record, reading.as_ref().map(ToString::to_string));
+                self.frame(nodes, record, reading.map(ToString::to_string));
             }
             Sight::Event { at, node, event } => {
                 let emphasis = if is_problem(event) { Emphasis::Problem } else { Emphasis::Normal };

@@ -77,7 +77,8 @@ pub(super) struct Connection {
 }
 
 impl Side {
-    const NEW: Self = Self { size: None, guess: Guess::Plain, path: None, heard: false, known: false };
+    pub(super) const NEW: Self =
+        Self { size: None, guess: Guess::Plain, path: None, heard: false, known: false };
 }
 
 impl Connection {

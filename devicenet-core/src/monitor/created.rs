@@ -7,16 +7,17 @@ use link_core::Instant;
 
 use super::FragmentationGuess;
 use super::connection::{Connection, Flow};
-use super::connections::ConnectionState;
+use super::connections::{ConnectionState, Predefined};
 use super::explicit::Channel;
 use super::io::{self, prove};
 use super::kind::Kind;
 use super::learn::{PRODUCED_ID, connection_id};
+use super::nodes::Node;
 use super::pairing::Transaction;
 use super::reading::{Fields, Message, Reading, Span};
 use super::slots::Slots;
 use super::state::{Dynamic, State};
-use crate::id::{Identifier, MacId};
+use crate::id::{Identifier, MacId, MessageGroup, Purpose};
 
 /// Learns from a successful request to the Connection object of `server`: Create, and the identifiers of what it made.
 pub(super) fn learn<const N: usize>(
@@ -55,6 +56,8 @@ pub(super) fn learn<const N: usize>(
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Ends {
     identifier: Identifier,
+    /// The producer, if it is known.
+    producer: Option<MacId>,
     /// Where the connection stands that tells the size, and the direction of the frame on it.
     held: (usize, Flow),
     /// The consumer, if it is the only one known.
@@ -63,24 +66,62 @@ pub(super) struct Ends {
 
 /// The created connections that produce or consume an identifier.
 pub(super) fn find<const N: usize>(state: &State<N>, identifier: Identifier) -> Option<Ends> {
-    if state.created == 0 {
+    if state.created == 0 || is_predefined(state, identifier) {
         return None;
     }
     let (mut producer, mut first, mut consumers) = (None, None, 0_usize);
+    // Group 1 and 3 have the source in the identifier; in Group 2 it can be the destination.
+    let mut source = identifier.mac_id();
     for (index, slot) in state.dynamics.iter().enumerate() {
         let Some(held) = slot else { continue };
         match held.io_flow(identifier) {
-            Some(Flow::Produced) => producer = Some((index, Flow::Produced)),
+            Some(Flow::Produced) => producer = Some((index, held.server)),
             Some(Flow::Consumed) => {
                 first = first.or(Some((index, held.server)));
                 consumers = consumers.saturating_add(1);
+                source = source.filter(|&source| source != held.server);
             }
             None => {}
         }
     }
-    let held = producer.or(first.map(|(index, _)| (index, Flow::Consumed)))?;
+    let produced = producer.map(|(index, _)| (index, Flow::Produced));
+    let held = produced.or(first.map(|(index, _)| (index, Flow::Consumed)))?;
     let consumer = first.filter(|_| consumers == 1).map(|(_, server)| server);
-    Some(Ends { identifier, held, consumer })
+    let producer = producer.map(|(_, server)| server).or(source);
+    Some(Ends { identifier, producer, held, consumer })
+}
+
+/// True if a connection of the predefined set, of which a message has told, uses the identifier. A server does not give
+/// one of those away.
+fn is_predefined<const N: usize>(state: &State<N>, identifier: Identifier) -> bool {
+    let Some(mac) = identifier.mac_id() else { return false };
+    let uses = |node: &Node, which| {
+        let mut connection = *node.peek(which);
+        connection.settle(state.now, which == Predefined::Explicit, true);
+        let is_there = !matches!(
+            connection.state,
+            ConnectionState::Unknown | ConnectionState::NonExistent | ConnectionState::TimedOut
+        );
+        is_there && !connection.assumed
+    };
+    let mut slaves = state.nodes();
+    match identifier.purpose() {
+        Purpose::ExplicitRequest | Purpose::ExplicitResponse => {
+            slaves.any(|(slave, node)| slave == mac && uses(node, Predefined::Explicit))
+        }
+        Purpose::PollCommand => slaves.any(|(slave, node)| slave == mac && uses(node, Predefined::Poll)),
+        Purpose::ChangeOfStateAcknowledge => {
+            slaves.any(|(slave, node)| slave == mac && uses(node, Predefined::CosCyclic))
+        }
+        Purpose::BitStrobeCommand => {
+            slaves.any(|(_, node)| node.owner() == Some(mac) && uses(node, Predefined::BitStrobe))
+        }
+        Purpose::MulticastPollCommand => slaves
+            .any(|(_, node)| node.multicast_group() == Some(mac) && uses(node, Predefined::MulticastPoll)),
+        // Message ID 6 is never given away, and 7 is no connection's.
+        Purpose::Group2UnconnectedRequest => true,
+        _ => false,
+    }
 }
 
 /// Reads a frame between them.
@@ -91,9 +132,9 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
     ends: Ends,
     guess: FragmentationGuess,
 ) -> Option<Message<'s>> {
-    let Ends { identifier, held: (index, flow), consumer } = ends;
+    let Ends { identifier, producer, held: (index, flow), consumer } = ends;
     reading.kind = Kind::Io;
-    reading.src = identifier.mac_id();
+    reading.src = producer;
     reading.dst = consumer;
     let (at, len) = (reading.at, reading.frame.data().len());
     for held in state.dynamics.iter_mut().flatten() {
@@ -111,7 +152,7 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
         held.connection.touch(at);
     }
     reading.dynamic = Some(held.told());
-    let (_, message) = io::data(slots, reading, &mut held.connection, identifier, flow, guess);
+    let (_, message) = io::data(slots, reading, held.connection.side(flow), identifier, guess);
     message.map(|data| {
         let fields = Fields { value: Span::tail(data.len(), data.len()), ..Fields::default() };
         Message { kind: Kind::Io, fields, data }
@@ -121,11 +162,17 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
 impl Dynamic {
     /// The direction of an I/O frame with this identifier, if the connection has to do with it.
     fn io_flow(&self, identifier: Identifier) -> Option<Flow> {
+        if !self.is_io {
+            return None;
+        }
+        let (produces, consumes) = (self.responses == Some(identifier), self.requests == Some(identifier));
+        // Outside of Group 2 the identifier names the producer.
         let is_own = identifier.mac_id() == Some(self.server);
-        match (self.is_io, is_own) {
-            (true, true) => (self.responses == Some(identifier)).then_some(Flow::Produced),
-            (true, false) => (self.requests == Some(identifier)).then_some(Flow::Consumed),
-            (false, _) => None,
+        let is_open = identifier.group() == MessageGroup::Group2;
+        match (produces && (is_own || is_open), consumes && (!is_own || is_open)) {
+            (true, _) => Some(Flow::Produced),
+            (false, true) => Some(Flow::Consumed),
+            (false, false) => None,
         }
     }
 }

@@ -4,7 +4,7 @@ use cip_core::fragment::{FragmentByte, FragmentKind, IO_UNFRAGMENTED_LEN};
 use cip_core::message::AllocationChoice;
 
 use super::FragmentationGuess;
-use super::connection::{Connection, Flow, Guess};
+use super::connection::{Connection, Flow, Guess, Side};
 use super::connections::{ConnectionState, Predefined};
 use super::kind::Kind;
 use super::nodes::{Node, Roles};
@@ -23,6 +23,8 @@ pub(super) enum Progress {
     Complete,
     /// It is not, or is lost.
     Part,
+    /// It is not, and its first fragment was taken for a message of its own.
+    Begun,
     /// It is complete, and its first fragment was taken for a message of its own.
     Reconsidered,
 }
@@ -67,11 +69,16 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
         // It was answered: a message, not a first fragment.
         opposite.guess = Guess::Plain;
     }
-    let (progress, message) = data(slots, reading, connection, lane.identifier, flow, guess);
-    if progress == Progress::Part {
-        return None;
-    }
-    let reconsidered = progress == Progress::Reconsidered;
+    let (progress, message) = data(slots, reading, connection.side(flow), lane.identifier, guess);
+    let reconsidered = match progress {
+        Progress::Part => return None,
+        Progress::Begun => {
+            connection.waiting = None;
+            return None;
+        }
+        Progress::Complete => false,
+        Progress::Reconsidered => true,
+    };
     match (which, flow) {
         (Predefined::CosCyclic, Flow::Produced) => {
             produced(reading, state.node(slave), acknowledged, reconsidered)
@@ -191,15 +198,13 @@ pub(super) fn prove(reading: &mut Reading<'_>, connection: &mut Connection) {
 pub(super) fn data<'s, const N: usize, const B: usize>(
     slots: &'s mut Slots<N, B>,
     reading: &mut Reading<'_>,
-    connection: &mut Connection,
+    side: &mut Side,
     identifier: Identifier,
-    flow: Flow,
     guess: FragmentationGuess,
 ) -> (Progress, Option<&'s [u8]>) {
     let frame = reading.frame;
     let field = frame.data();
     let stream = Stream::io(identifier.raw());
-    let side = connection.side(flow);
     let size = side.size;
     if let Some(size) = size {
         side.guess = Guess::Plain;
@@ -259,13 +264,8 @@ pub(super) fn data<'s, const N: usize, const B: usize>(
             reading.note = Some(Note::NotStored);
             (Progress::Part, None)
         }
-        Piece::Kept | Piece::Repeated => {
-            if confirmed {
-                // What was taken for a message was its first fragment.
-                connection.waiting = None;
-            }
-            (Progress::Part, None)
-        }
+        Piece::Kept | Piece::Repeated if confirmed => (Progress::Begun, None),
+        Piece::Kept | Piece::Repeated => (Progress::Part, None),
     }
 }
 

@@ -113,7 +113,7 @@ use state::State;
 use crate::id::{Identifier, MacId, Purpose};
 use crate::message::ExplicitHeader;
 
-/// A monitor for a whole network: 32 messages in progress of up to 512 bytes, 32 connections opened by UCMM. About 98
+/// A monitor for a whole network: 32 messages in progress of up to 512 bytes, 32 connections opened by UCMM. About 99
 /// kilobytes.
 pub type Monitor = SizedMonitor<32, 512>;
 
@@ -271,6 +271,13 @@ fn dispatch<'s, const N: usize, const B: usize>(
         take_part(state, reading);
         return message;
     }
+    if reading.group == Some(2)
+        && let Some(ends) = created::find(state, identifier)
+    {
+        let message = created::observe(state, slots, reading, ends, config.fragmentation);
+        take_part(state, reading);
+        return message;
+    }
     let message = match purpose {
         Purpose::Dynamic => dynamic::observe(state, slots, reading, identifier, config.fragmentation),
         Purpose::ExplicitRequest
@@ -279,12 +286,11 @@ fn dispatch<'s, const N: usize, const B: usize>(
         | Purpose::UnconnectedRequest
         | Purpose::UnconnectedResponse => explicit_family(state, slots, reading, identifier, mac, purpose),
         Purpose::BitStrobeCommand => {
-            volley::command(state, reading, Predefined::BitStrobe, mac);
+            volley::strobe(state, reading, mac);
             None
         }
         Purpose::MulticastPollCommand => {
-            volley::command(state, reading, Predefined::MulticastPoll, mac);
-            None
+            volley::poll(state, slots, reading, identifier, mac, config.fragmentation)
         }
         _ => {
             let (which, flow) = io_connection(purpose);

@@ -7,7 +7,7 @@ use cip_core::code::{DeviceType, VendorId};
 use cip_core::message::AllocationChoice;
 use link_core::Instant;
 
-use super::connection::Connection;
+use super::connection::{Connection, Side};
 use super::connections::{ConnectionState, Predefined};
 use super::dup_mac::SECOND_CHECK_WITHIN;
 use super::explicit::Channel;
@@ -154,6 +154,8 @@ pub(super) struct Node {
     pub(super) strobe: Option<Volley>,
     /// As a multicast group: its poll command.
     pub(super) multicast: Option<Volley>,
+    /// As a multicast group: its poll commands as a stream of data.
+    pub(super) multicast_side: Side,
     pub(super) heartbeat: Option<Instant>,
     pub(super) heartbeat_interval: Option<u8>,
     pub(super) counters: Counters,
@@ -181,6 +183,7 @@ impl Node {
         rival: None,
         strobe: None,
         multicast: None,
+        multicast_side: Side::NEW,
         heartbeat: None,
         heartbeat_interval: None,
         counters: Counters { frames: 0, bytes: 0, responses: 0, error_responses: 0, problems: 0 },
@@ -191,6 +194,17 @@ impl Node {
 
     pub(super) fn connection(&mut self, which: Predefined) -> &mut Connection {
         let [explicit, poll, strobe, cos, multicast] = &mut self.connections;
+        match which {
+            Predefined::Explicit => explicit,
+            Predefined::Poll => poll,
+            Predefined::BitStrobe => strobe,
+            Predefined::CosCyclic => cos,
+            Predefined::MulticastPoll => multicast,
+        }
+    }
+
+    pub(super) const fn peek(&self, which: Predefined) -> &Connection {
+        let [explicit, poll, strobe, cos, multicast] = &self.connections;
         match which {
             Predefined::Explicit => explicit,
             Predefined::Poll => poll,

@@ -39,8 +39,8 @@ impl Packets {
     }
 
     /// The parts of the request of frame `n`.
-    pub(super) fn of(&self, n: u64) -> &[Option<Transaction>] {
-        self.held.iter().find(|packet| packet.n == Some(n)).map_or(&[], |packet| &packet.parts)
+    pub(super) fn of(&self, n: u64) -> Option<&Parts> {
+        self.held.iter().find(|packet| packet.n == Some(n)).map(|packet| &packet.parts)
     }
 
     /// Keeps the parts of a request. Returns false if another one was forgotten that still waits.

@@ -11,7 +11,7 @@ use link_core::{Frame, Instant};
 
 use super::connections::{ConnectionState, DynamicConnection};
 use super::kind::Kind;
-use super::pairing::Transaction;
+use super::packet::Parts;
 use super::problem::Problem;
 use crate::id::{Identifier, MacId};
 
@@ -90,7 +90,7 @@ pub struct Fields<'a> {
     /// The body format of a request.
     pub(super) format: BodyFormat,
     /// Of a response to Multiple_Service_Packet: the requests that it answers.
-    pub(super) parts: &'a [Option<Transaction>],
+    pub(super) parts: Option<&'a Parts>,
     /// What only some messages have.
     pub detail: Detail,
 }

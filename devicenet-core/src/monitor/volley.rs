@@ -2,42 +2,85 @@
 
 use cip_core::message::AllocationChoice;
 
-use super::connection::Connection;
+use super::FragmentationGuess;
+use super::connection::{Connection, Guess};
 use super::connections::{ConnectionState, Predefined};
-use super::io::prove;
+use super::io::{self, Progress, prove};
 use super::kind::Kind;
 use super::nodes::{Node, Roles, Volley};
 use super::pairing::Seen;
 use super::problem::Problem;
-use super::reading::{Reading, Span};
+use super::reading::{Fields, Message, Reading, Span};
+use super::slots::Slots;
 use super::state::State;
-use crate::id::MacId;
+use crate::id::{Identifier, MacId};
 
-/// Reads a bit-strobe command of `sender`, or a multicast poll command to the group `sender`.
-pub(super) fn command<const N: usize>(
+/// Reads a bit-strobe command of `master`.
+pub(super) fn strobe<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, master: MacId) {
+    let len = reading.frame.data().len();
+    reading.fields.value = Span::tail(len, len);
+    reading.kind = Kind::BitStrobeCommand;
+    reading.src = Some(master);
+    state.add_role(master, Roles::MASTER);
+    if len != STROBE_LEN && len != 0 {
+        let found = u16::try_from(len).unwrap_or_default();
+        reading.flag(Problem::Length { expected: 8, found });
+    }
+    command(state, reading, Predefined::BitStrobe, master);
+}
+
+/// Reads a frame of a multicast poll command to `group`.
+pub(super) fn poll<'s, const N: usize, const B: usize>(
+    state: &mut State<N>,
+    slots: &'s mut Slots<N, B>,
+    reading: &mut Reading<'_>,
+    identifier: Identifier,
+    group: MacId,
+    guess: FragmentationGuess,
+) -> Option<Message<'s>> {
+    reading.kind = Kind::MulticastPollCommand;
+    // The group need not be the master's own MAC ID.
+    reading.src = members(state, group).find_map(|node| {
+        node.choice().filter(|choice| choice.contains(AllocationChoice::MULTICAST_POLL)).and(node.owner())
+    });
+    // All members consume the same message.
+    let size = members(state, group).find_map(|node| {
+        let connection = node.peek(Predefined::MulticastPoll);
+        connection.consumed.size.filter(|_| connection.state != ConnectionState::NonExistent)
+    });
+    let node = state.node(group);
+    node.multicast_side.size = size;
+    let (progress, data) = io::data(slots, reading, &mut node.multicast_side, identifier, guess);
+    match progress {
+        Progress::Part => return None,
+        // The command that its first fragment was taken for does not exist.
+        Progress::Begun => {
+            node.multicast = None;
+            return None;
+        }
+        Progress::Reconsidered => node.multicast = None,
+        Progress::Complete => {}
+    }
+    command(state, reading, Predefined::MulticastPoll, group);
+    data.map(|data| {
+        let fields = Fields { value: Span::tail(data.len(), data.len()), ..Fields::default() };
+        Message { kind: reading.kind, fields, data }
+    })
+}
+
+/// The slaves whose multicast poll connection belongs to a group, if they have one.
+fn members<const N: usize>(state: &State<N>, group: MacId) -> impl Iterator<Item = &Node> {
+    state.nodes().map(|(_, node)| node).filter(move |node| node.multicast_group() == Some(group))
+}
+
+/// A complete command: who has not answered the one before, and whose watchdogs it restarts.
+fn command<const N: usize>(
     state: &mut State<N>,
     reading: &mut Reading<'_>,
     which: Predefined,
     sender: MacId,
 ) {
-    let (at, len) = (reading.at, reading.frame.data().len());
-    reading.fields.value = Span::tail(len, len);
-    if which == Predefined::BitStrobe {
-        reading.kind = Kind::BitStrobeCommand;
-        reading.src = Some(sender);
-        state.add_role(sender, Roles::MASTER);
-        if len != STROBE_LEN && len != 0 {
-            let found = u16::try_from(len).unwrap_or_default();
-            reading.flag(Problem::Length { expected: 8, found });
-        }
-    } else {
-        reading.kind = Kind::MulticastPollCommand;
-        // The group need not be the master's own MAC ID.
-        let mut members = state.nodes().filter(|(_, node)| node.multicast_group() == Some(sender));
-        reading.src = members.find_map(|(_, node)| {
-            node.choice().filter(|choice| choice.contains(AllocationChoice::MULTICAST_POLL)).and(node.owner())
-        });
-    }
+    let at = reading.at;
     let seen = Seen { n: reading.n, at };
     let before = last(state.node(sender), which).replace(Volley { seen, answered: 0 });
     let mut missing = None;
@@ -96,7 +139,14 @@ pub(super) fn polled<const N: usize>(state: &mut State<N>, reading: &mut Reading
         node.group = latest.or(node.group);
     }
     let group = state.node(slave).multicast_group();
-    let volley = group.and_then(|group| state.node(group).multicast.as_mut());
+    let volley = group.and_then(|group| {
+        let node = state.node(group);
+        if node.multicast_side.guess == Guess::Candidate {
+            // It was answered: a message, not a first fragment.
+            node.multicast_side.guess = Guess::Plain;
+        }
+        node.multicast.as_mut()
+    });
     answer(reading, volley, slave);
     join(reading, state.node(slave).connection(Predefined::MulticastPoll));
 }

@@ -73,6 +73,39 @@ fn a_created_connection_is_configured_before_it_is_applied() {
     assert_eq!(heard.message.as_deref(), Some(&[1, 2, 3, 4, 5, 6, 7, 8, 9][..]));
 }
 
+/// In Group 2 the MAC ID of the identifier is that of the producer, or of the consumer.
+#[test]
+fn io_of_group_2_is_told_from_the_predefined_set() {
+    // Message ID 5 of node 10 is a poll command otherwise, and Message ID 0 of node 20 a bit-strobe command.
+    let (to_10, from_20) = (0x405 | 10 << 3, 0x400 | 20 << 3);
+    let mut bus = Bus::with_slave(10, 0x01);
+    bus.create(10, 0xFFFF, to_10);
+    bus.apply(10);
+    let heard = bus.frame(to_10, &[1, 2]);
+    assert_eq!((heard.kind, heard.text.as_str(), heard.problem), (Kind::Io, "I/O ? -> 10  01 02", None));
+    bus.group2(20, 6, &[0x01, 0x4B, 3, 1, 0x01, 1]);
+    bus.group2(20, 3, &[0x01, 0xCB, 0]);
+    bus.create(20, from_20, 0xFFFF);
+    bus.apply(20);
+    assert_eq!(bus.frame(from_20, &[7]).text, "I/O 20 -> ?  07");
+    assert_eq!((bus.created(10).frames, bus.created(20).frames), (1, 1));
+    assert_eq!(bus.created(10).name.to_string(), "group 2 instance 6");
+}
+
+/// A message has told that the poll connection exists: whatever was created before is gone.
+#[test]
+fn the_predefined_set_has_its_identifiers_back() {
+    let to_10 = 0x405 | 10 << 3;
+    let mut bus = Bus::with_slave(10, 0x01);
+    bus.create(10, 0xFFFF, to_10);
+    bus.apply(10);
+    assert_eq!(bus.frame(to_10, &[1]).kind, Kind::Io);
+    bus.group2(10, 4, &[0x01, 0x4B, 3, 1, 0x02, 1]);
+    bus.group2(10, 3, &[0x01, 0xCB, 0]);
+    assert_eq!(bus.frame(to_10, &[1]).kind, Kind::PollCommand);
+    assert_eq!(bus.group2(10, 4, &[0x01, 0x0E, 1, 1, 1]).kind, Kind::ExplicitRequest);
+}
+
 /// In Group 3 as well, where frames are explicit messages otherwise.
 #[test]
 fn io_of_group_3_has_no_header() {

@@ -239,3 +239,44 @@ fn fragments_beyond_the_connection_size() {
     assert_eq!((heard.problem, heard.message), (Some(Problem::TooLong { limit: 10 }), None));
     assert!(heard.text.ends_with("! longer than the connection size of 10 bytes"), "{}", heard.text);
 }
+
+#[test]
+fn fragments_of_a_multicast_poll_are_put_together() {
+    let mut bus = Bus::with_slave(10, 0x09);
+    bus.monitor.set_io_sizes(mac(10), Predefined::MulticastPoll, Some(10), None);
+    bus.establish(10, 5, 1000);
+    let first = bus.group2(1, 1, &[0x00, 1, 2, 3, 4, 5, 6, 7]);
+    assert_eq!(first.text, "multicast poll * <- 1  first fragment 0  01 02 03 04 05 06 07");
+    let last = bus.group2(1, 1, &[0x81, 8, 9, 10]);
+    assert_eq!(last.message.as_deref(), Some(&[1, 2, 3, 4, 5, 6, 7, 8, 9, 10][..]));
+    let heard = bus.group1(12, 10, &[2]);
+    assert_eq!((heard.answers(), heard.problem), (Some(last.n), None), "the last fragment is the command");
+    bus.group2(1, 1, &[0x00, 1, 2, 3, 4, 5, 6, 7]);
+    assert_eq!(bus.group2(1, 1, &[0x82, 8]).problem, Some(Problem::OutOfSequence { after: 0, found: 2 }));
+    assert_eq!(bus.group2(1, 1, &[]).problem, None, "the one before was answered");
+    let heard = bus.group2(1, 1, &[]);
+    assert_eq!(heard.problem, Some(Problem::MulticastPollUnanswered { mac: mac(10), count: 1 }));
+}
+
+#[test]
+fn fragments_of_a_multicast_poll_of_unknown_size_are_guessed() {
+    let mut bus = Bus::with_slave(10, 0x09);
+    bus.establish(10, 5, 1000);
+    bus.group2(1, 1, &[0x00, 1, 2, 3, 4, 5, 6, 7]);
+    let heard = bus.group2(1, 1, &[0x41, 1, 2, 3, 4, 5, 6, 7]);
+    assert_eq!((heard.problem, heard.message), (None, None), "not two commands, the first unanswered");
+    let last = bus.group2(1, 1, &[0x82, 8]);
+    assert_eq!((last.problem, last.message.map(|data| data.len()), last.assumed), (None, Some(15), true));
+    assert_eq!(bus.group1(12, 10, &[2]).answers(), Some(last.n));
+}
+
+/// Data that look like two fragments, but were answered one by one.
+#[test]
+fn a_multicast_poll_that_was_answered_is_a_message() {
+    let mut bus = Bus::with_slave(10, 0x09);
+    bus.establish(10, 5, 1000);
+    bus.group2(1, 1, &[0x00, 1, 2, 3, 4, 5, 6, 7]);
+    bus.group1(12, 10, &[2]);
+    let heard = bus.group2(1, 1, &[0x81, 1]);
+    assert_eq!((heard.message, heard.assumed), (None, false));
+}

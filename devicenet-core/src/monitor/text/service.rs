@@ -148,7 +148,7 @@ impl<'a> ServiceText<'a> {
                 write_part(f, Kind::ExplicitRequest, &requests::part_fields(fields.format, body), body)
             }),
             Self::Responses(packet) => {
-                let mut asked = fields.parts.iter();
+                let mut asked = fields.parts.into_iter().flatten();
                 separated(f, "; ", packet.services(), |f, body| {
                     let request = asked.next().and_then(Option::as_ref);
                     write_part(f, Kind::ExplicitResponse, &responses::part(request, body).fields, body)
