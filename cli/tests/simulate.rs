@@ -30,6 +30,14 @@ name = "can0"
 role = "external"
 "#;
 
+/// A way onto the bus that has no power while a test runs.
+const DARK: &str = r#"
+[[node]]
+name = "dark"
+role = "external"
+power_up = "10h"
+"#;
+
 /// A file of this test only, removed at its end.
 struct Scratch(PathBuf);
 
@@ -399,7 +407,7 @@ struct Served {
 
 impl Served {
     fn start(name: &str) -> Self {
-        let scenario = Scratch::new(name, VALVE);
+        let scenario = Scratch::new(name, &format!("{VALVE}{DARK}").replace("3s", "24h"));
         let mut child = Command::new(env!("CARGO_BIN_EXE_devicenet"))
             .args(["simulate", "--serve", "127.0.0.1:0", scenario.path()])
             .stdout(Stdio::null())
@@ -410,7 +418,7 @@ impl Served {
         let stderr = child.stderr.take().expect("its standard error");
         BufReader::new(stderr).read_line(&mut line).expect("it tells where it serves");
         let port = line.trim().rsplit(':').next().expect("a port").to_owned();
-        assert!(line.contains("serving can0 at 127.0.0.1:"), "{line}");
+        assert!(line.contains("serving can0, dark at 127.0.0.1:"), "{line}");
         Self { child, port, _scenario: scenario }
     }
 
@@ -458,7 +466,7 @@ fn a_bad_client_does_not_take_the_server_down() {
     let served = Served::start("rubbish.toml");
     let mut bad = served.connect();
     bad.write_all(b"\x00\xff<<<< send zzz >< open nowhere >").expect("it is read");
-    let heard = hear(&mut bad, "no such bus, there is can0 >");
+    let heard = hear(&mut bad, "no such bus, there is can0, dark >");
     assert!(heard.contains("< error zzz is not an identifier >"), "{heard}");
     drop(bad);
     let mut good = served.connect();
@@ -492,8 +500,13 @@ fn python_can_sits_on_the_served_bus() {
         return;
     }
     let served = Served::start("python.toml");
+    let mut witness = served.connect();
+    witness.write_all(b"< open can0 >< rawmode >< echo >").expect("it is read");
+    hear(&mut witness, "< echo >");
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/python/socketcand.py");
     let output =
         Command::new(&python).arg(script).args(["127.0.0.1", &served.port]).output().expect("python runs");
     assert!(output.status.success(), "{}{}", stdout(&output), stderr(&output));
+    hear(&mut witness, "< rtr 321 ");
+    assert!(hear(&mut witness, ">").ends_with(" 2 >"));
 }

@@ -10,7 +10,7 @@
 //! | `state` | `node`, `from`, `to`, `cause`: network access changed its state |
 //! | `node` | `node`, `text`: something else that a node tells |
 //! | `error_state` | `node`, `state` (`error-active`, `error warning`, `error-passive`, `bus-off`), `tec`, `rec` |
-//! | `change` | `node` (absent for the bus), `text`: what was done to it |
+//! | `change` | `node` (absent for the bus), `text`: what was done to it, or what went wrong with a client of the server that sits on it |
 //! | `violation` | `node`, `text`: a rule of the bus was broken |
 //! | `note` | `text`: a heading of the scenario |
 //! | `expectation` | `line`, `node`, `expected`, `found`: it failed |
