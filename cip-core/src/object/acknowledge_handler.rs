@@ -25,10 +25,7 @@ pub struct AcknowledgeSettings {
 /// | 1 | acknowledge timer in ms, UINT, 1-65535 | Get and Set |
 /// | 2 | retry limit, USINT | Get and Set |
 /// | 3 | instance of the producing connection, UINT | Get; Set while the connection is not established |
-/// | 4 | size of the list of attribute 5, BYTE | Get, if there |
-/// | 5 | BYTE count, UINT connection instance each | Get, if there |
-/// | 6 | size of the list of attribute 7, BYTE | Get, if there |
-/// | 7 | BYTE count, [`AcknowledgePath`] each | Get, if there |
+/// | 4-7 | | Get, with [`AcknowledgeLists`] |
 ///
 /// A timer of 0 and a connection that cannot be the producer are 0x09, a Set of attribute 3 in the established state
 /// 0x0C. The timer is rounded up to the resolution of the device. Class attribute 1 (revision) is 1. Add_AckData_Path
@@ -63,10 +60,24 @@ pub struct AcknowledgeHandler<'a> {
     pub established: bool,
     /// The connections that attribute 3 can name. Default: instance 4, of the predefined connection set.
     pub producers: &'a [InstanceId],
-    /// Attributes 4 and 5: the connections that consume acknowledges, if the device tells.
-    pub acknowledges: Option<&'a [InstanceId]>,
-    /// Attributes 6 and 7: where data that come with an acknowledge go, if the device tells. A device with them has
-    /// attributes 4 and 5, too.
+}
+
+/// The same with the lists, which a small device does without.
+///
+/// | Attribute | Value | Access |
+/// |---|---|---|
+/// | 1-3 | as [`AcknowledgeHandler`] | |
+/// | 4 | size of the list of attribute 5, BYTE | Get |
+/// | 5 | BYTE count, UINT connection instance each | Get |
+/// | 6 | size of the list of attribute 7, BYTE | Get, if there |
+/// | 7 | BYTE count, [`AcknowledgePath`] each | Get, if there |
+#[derive(Debug, PartialEq, Eq, Hash)]
+pub struct AcknowledgeLists<'a> {
+    /// Attributes 1-3.
+    pub handler: AcknowledgeHandler<'a>,
+    /// Attributes 4 and 5: the connections that consume acknowledges.
+    pub acknowledges: &'a [InstanceId],
+    /// Attributes 6 and 7, if the device has them: where data that come with an acknowledge go.
     pub data_paths: Option<&'a [AcknowledgePath<'a>]>,
 }
 
@@ -94,7 +105,8 @@ impl Default for AcknowledgeSettings {
 }
 
 impl<'a> AcknowledgeHandler<'a> {
-    /// The object of a device with the predefined connection set, without the optional attributes.
+    /// The object of a device with the predefined connection set, whose timer counts
+    /// milliseconds.
     pub const fn new(settings: &'a mut AcknowledgeSettings) -> Self {
         Self {
             settings,
@@ -102,8 +114,6 @@ impl<'a> AcknowledgeHandler<'a> {
             timer_in_response: true,
             established: false,
             producers: &[PREDEFINED],
-            acknowledges: None,
-            data_paths: None,
         }
     }
 
@@ -136,32 +146,14 @@ impl Object for AcknowledgeHandler<'_> {
     const CLASS: ClassId = ClassId::ACKNOWLEDGE_HANDLER;
 
     fn attributes(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
-        let count = match (self.acknowledges, self.data_paths) {
-            (None, None) => 3,
-            (Some(_), None) => 5,
-            (_, Some(_)) => 7,
-        };
-        if instance.0 == 1 { RULES.get(..count) } else { None }
+        if instance.0 == 1 { RULES.get(..3) } else { None }
     }
 
     fn get(&self, _: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
-        let acknowledges = self.acknowledges.unwrap_or_default();
-        let data_paths = self.data_paths.unwrap_or_default();
         match attribute.0 {
             1 => out.u16(self.settings.timer),
             2 => out.u8(self.settings.retry_limit),
-            3 => out.u16(self.settings.producer.0),
-            4 => emit_count(acknowledges, out),
-            5 => {
-                emit_count(acknowledges, out)?;
-                acknowledges.iter().try_for_each(|connection| out.u16(connection.0))
-            }
-            6 => emit_count(data_paths, out),
-            7 => {
-                emit_count(data_paths, out)?;
-                data_paths.iter().try_for_each(|path| path.emit(out))
-            }
-            _ => return Err(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED.into()),
+            _ => out.u16(self.settings.producer.0),
         }?;
         Ok(())
     }
@@ -182,6 +174,43 @@ impl Object for AcknowledgeHandler<'_> {
     }
 }
 
+impl Object for AcknowledgeLists<'_> {
+    const CLASS: ClassId = ClassId::ACKNOWLEDGE_HANDLER;
+
+    fn attributes(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
+        let count = if self.data_paths.is_some() { 7 } else { 5 };
+        if instance.0 == 1 { RULES.get(..count) } else { None }
+    }
+
+    fn get(&self, instance: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
+        let data_paths = self.data_paths.unwrap_or_default();
+        match attribute.0 {
+            4 => emit_count(self.acknowledges, out),
+            5 => {
+                emit_count(self.acknowledges, out)?;
+                self.acknowledges.iter().try_for_each(|connection| out.u16(connection.0))
+            }
+            6 => emit_count(data_paths, out),
+            7 => {
+                emit_count(data_paths, out)?;
+                data_paths.iter().try_for_each(|path| path.emit(out))
+            }
+            _ => return self.handler.get(instance, attribute, out),
+        }?;
+        Ok(())
+    }
+
+    fn set(
+        &mut self,
+        instance: InstanceId,
+        attribute: AttributeId,
+        value: &[u8],
+        out: &mut Writer<'_>,
+    ) -> Result<Effects, Failure> {
+        self.handler.set(instance, attribute, value, out)
+    }
+}
+
 impl AcknowledgePath<'_> {
     fn emit(&self, out: &mut Writer<'_>) -> Result<(), Full> {
         out.u16(self.connection.0)?;
@@ -192,9 +221,9 @@ impl AcknowledgePath<'_> {
 
 /// The next multiple of `resolution`, or the highest there is.
 fn rounded_up(value: u16, resolution: u16) -> u16 {
-    let resolution = resolution.max(1);
-    let highest = u16::MAX.saturating_sub(u16::MAX.checked_rem(resolution).unwrap_or(0));
-    value.checked_next_multiple_of(resolution).unwrap_or(highest)
+    let Some(over @ 1..) = value.checked_rem(resolution) else { return value };
+    let below = value.saturating_sub(over);
+    below.checked_add(resolution).unwrap_or(below)
 }
 
 fn emit_count<T>(list: &[T], out: &mut Writer<'_>) -> Result<(), Full> {

@@ -1,6 +1,6 @@
 //! The Assembly object (class 0x04).
 
-use super::{AttributeRule, Effect, Effects, Failure, Object, Size, class_attribute};
+use super::{AttributeRule, Effect, Effects, Failure, Object, Size};
 use crate::code::{AttributeId, ClassId, GeneralStatus, InstanceId};
 use crate::codec::{Full, Writer};
 
@@ -55,7 +55,6 @@ pub trait Assemblies {
 
 /// One assembly: its instance, its size, and who writes it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Assembly {
     /// The instance.
@@ -231,7 +230,9 @@ impl<A: Assemblies> Object for AssemblyObject<'_, A> {
 
     fn get(&self, instance: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
         let Some(assembly) = self.assemblies.assembly(instance) else {
-            return class_attribute(self, attribute, out);
+            let count = u16::try_from(A::ASSEMBLIES.len()).unwrap_or(u16::MAX);
+            let highest = const { highest(A::ASSEMBLIES) };
+            return Ok(out.u16(if attribute.0 == 2 { highest } else { count })?);
         };
         match attribute.0 {
             1 => out.u16(u16::try_from(assembly.members.len()).map_err(|_| Full)?),
@@ -256,4 +257,14 @@ impl<A: Assemblies> Object for AssemblyObject<'_, A> {
         self.assemblies.write(instance, value)?;
         Ok(Effect::ASSEMBLY_DATA.into())
     }
+}
+
+/// The highest instance, found when the program is compiled.
+const fn highest(mut assemblies: &[Assembly]) -> u16 {
+    let mut highest = 0;
+    while let [Assembly { instance: InstanceId(instance), .. }, rest @ ..] = assemblies {
+        highest = if *instance > highest { *instance } else { highest };
+        assemblies = rest;
+    }
+    highest
 }

@@ -109,7 +109,7 @@ pub fn attributes_all<O: Object>(
     }
     call.no_data()?;
     for rule in rules {
-        get(object, call.instance, rule.id, out)?;
+        get(object, call.instance, rule.id(), out)?;
     }
     Ok(Effects::NONE)
 }
@@ -209,7 +209,7 @@ pub fn class_attribute<O: Object>(
     attribute: AttributeId,
     out: &mut Writer<'_>,
 ) -> Result<(), Failure> {
-    let highest = |rules: &[AttributeRule]| rules.iter().map(|rule| rule.id.0).max().unwrap_or(0);
+    let highest = |rules: &[AttributeRule]| rules.iter().map(|rule| rule.id().0).max().unwrap_or(0);
     let value = match attribute.0 {
         1 => O::REVISION,
         2 => instances(object).last().map_or(0, |instance| instance.0),
@@ -258,7 +258,7 @@ fn split_setting<'a>(
     let (id, rest) = settings.split_first_chunk::<2>().ok_or(too_short)?;
     let attribute = AttributeId(u16::from_le_bytes(*id));
     let size = match rule_of(rules, attribute) {
-        Ok(rule) => rule.size.of_value(rest)?,
+        Ok(rule) => rule.size().of_value(rest)?,
         Err(_) => 0,
     };
     let (value, rest) = rest.split_at_checked(size).ok_or(too_short)?;
@@ -277,7 +277,7 @@ fn set_one<O: Object>(
     }
     // The list has no room for what a Set answers.
     let mut answer = [0; SET_ANSWER_MAX];
-    let effects = object.set(instance, rule.id, value, &mut Writer::new(&mut answer))?;
+    let effects = object.set(instance, rule.id(), value, &mut Writer::new(&mut answer))?;
     Ok(effects.then(Effect::ATTRIBUTE_SET.into()))
 }
 

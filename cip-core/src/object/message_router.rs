@@ -135,12 +135,7 @@ impl<S: ObjectSet> ObjectSet for Router<'_, S> {
             let mut front = Front { classes: &self.objects, connections: self.connections };
             return Some(serve(&mut front, call, out));
         }
-        let start = out.len();
-        let result = self.packet(call, out);
-        if result.is_err() {
-            out.truncate(start);
-        }
-        Some(result)
+        Some(self.packet(call, out))
     }
 
     fn classes(&self) -> impl Iterator<Item = ClassId> {

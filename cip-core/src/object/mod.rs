@@ -85,7 +85,7 @@ mod rule;
 mod serve;
 mod set;
 
-pub use acknowledge_handler::{AcknowledgeHandler, AcknowledgePath, AcknowledgeSettings};
+pub use acknowledge_handler::{AcknowledgeHandler, AcknowledgeLists, AcknowledgePath, AcknowledgeSettings};
 pub use assembly::{Assemblies, Assembly, AssemblyKind, AssemblyObject, Member};
 pub use call::Call;
 pub use common::{

@@ -5,8 +5,8 @@ use super::{AttributeRule, Call, Effect, Effects, Failure, Object};
 use crate::code::{AttributeId, GeneralStatus, InstanceId, ServiceCode};
 use crate::codec::Writer;
 
-/// Carries out a request for the class of `object`, and writes the service data of the response to `out`. After a
-/// failure nothing of it is left in `out`.
+/// Carries out a request for the class of `object`, and writes the service data of the response to `out`. What a failure
+/// leaves in `out` is no response: [`respond`](super::respond) takes it back.
 ///
 /// The first check that fails gives the answer:
 ///
@@ -28,28 +28,48 @@ use crate::codec::Writer;
 /// Set_Attribute_Single where [`Object::has_set`] says so. All other services are the business of
 /// [`Object::service`]. A Set whose reply does not fit has been carried out.
 pub fn serve<O: Object>(object: &mut O, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
-    let start = out.len();
-    let result = dispatch(object, call, out);
-    if result.is_err() {
-        out.truncate(start);
+    let rules = rules(object, call.instance)?;
+    let has_set = call.service == ServiceCode::SET_ATTRIBUTE_SINGLE && object.has_set(call.instance);
+    match Step::of(call, rules, has_set)? {
+        Step::Get(attribute) => get(object, call.instance, attribute, out).map(|()| Effects::NONE),
+        Step::Set(attribute, value) => {
+            let effects = object.set(call.instance, attribute, value, out)?;
+            Ok(effects.then(Effect::ATTRIBUTE_SET.into()))
+        }
+        Step::Other => object.service(call, out),
     }
-    result
 }
 
-fn dispatch<O: Object>(object: &mut O, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
-    let rules = rules(object, call.instance)?;
-    call.check_path()?;
-    match call.service {
-        ServiceCode::GET_ATTRIBUTE_SINGLE if !(call.instance.is_class() && rules.is_empty()) => {
-            let attribute = check_get(rules, call)?;
-            get(object, call.instance, attribute, out)?;
-            Ok(Effects::NONE)
+/// What is left to do after the checks.
+enum Step<'a> {
+    Get(AttributeId),
+    Set(AttributeId, &'a [u8]),
+    Other,
+}
+
+impl<'a> Step<'a> {
+    /// The checks that need nothing of the object but its table: one copy of the code for all classes.
+    fn of(call: &Call<'a>, rules: &[AttributeRule], has_set: bool) -> Result<Self, Failure> {
+        call.check_path()?;
+        let has_get = call.service == ServiceCode::GET_ATTRIBUTE_SINGLE
+            && !(call.instance.is_class() && rules.is_empty());
+        if !has_get && !has_set {
+            return Ok(Self::Other);
         }
-        ServiceCode::SET_ATTRIBUTE_SINGLE if object.has_set(call.instance) => {
-            let (attribute, value) = check_set(rules, call)?;
-            Ok(object.set(call.instance, attribute, value, out)?.then(Effect::ATTRIBUTE_SET.into()))
+        let (attribute, value) = call.attribute()?;
+        let rule = rule_of(rules, attribute)?;
+        if has_get {
+            return if value.is_empty() {
+                Ok(Self::Get(attribute))
+            } else {
+                Err(GeneralStatus::TOO_MUCH_DATA.into())
+            };
         }
-        _ => object.service(call, out),
+        if !rule.is_settable() {
+            return Err(GeneralStatus::ATTRIBUTE_NOT_SETTABLE.into());
+        }
+        rule.size().check(value)?;
+        Ok(Self::Set(attribute, value))
     }
 }
 
@@ -75,22 +95,6 @@ pub(super) fn get<O: Object>(
         return Ok(out.u16(O::REVISION)?);
     }
     object.get(instance, attribute, out)
-}
-
-fn check_get(rules: &[AttributeRule], call: &Call<'_>) -> Result<AttributeId, Failure> {
-    let (attribute, value) = call.attribute()?;
-    rule_of(rules, attribute)?;
-    if value.is_empty() { Ok(attribute) } else { Err(GeneralStatus::TOO_MUCH_DATA.into()) }
-}
-
-fn check_set<'a>(rules: &[AttributeRule], call: &Call<'a>) -> Result<(AttributeId, &'a [u8]), Failure> {
-    let (attribute, value) = call.attribute()?;
-    let rule = rule_of(rules, attribute)?;
-    if !rule.is_settable() {
-        return Err(GeneralStatus::ATTRIBUTE_NOT_SETTABLE.into());
-    }
-    rule.size.check(value)?;
-    Ok((attribute, value))
 }
 
 /// Class attribute 1.

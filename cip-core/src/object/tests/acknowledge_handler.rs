@@ -2,7 +2,9 @@
 
 use super::{ask, ask_effects};
 use crate::code::InstanceId;
-use crate::object::{AcknowledgeHandler, AcknowledgePath, AcknowledgeSettings, Effect, Effects};
+use crate::object::{
+    AcknowledgeHandler, AcknowledgeLists, AcknowledgePath, AcknowledgeSettings, Effect, Effects,
+};
 use proptest::prelude::*;
 use std::vec;
 
@@ -30,8 +32,9 @@ fn defaults() {
 #[test]
 fn optional_lists() {
     let mut settings = AcknowledgeSettings::default();
-    let mut set = (AcknowledgeHandler::new(&mut settings),);
-    set.0.acknowledges = Some(&ALLOWED);
+    let handler = AcknowledgeHandler::new(&mut settings);
+    super::agrees_with_names(&handler, &[1]);
+    let mut set = (AcknowledgeLists { handler, acknowledges: &ALLOWED, data_paths: None },);
     assert_eq!(ask(&mut set, &[0x0E, 0x2B, 1, 4]), [0x8E, 2]);
     assert_eq!(ask(&mut set, &[0x0E, 0x2B, 1, 5]), [0x8E, 2, 4, 0, 16, 0]);
     assert_eq!(ask(&mut set, &[0x0E, 0x2B, 1, 6]), [0x94, 0x14, 0xFF]);
@@ -43,6 +46,8 @@ fn optional_lists() {
         assert_eq!(ask(&mut set, &[0x10, 0x2B, 1, attribute, 0]), [0x94, 0x0E, 0xFF]);
     }
     super::agrees_with_names(&set.0, &[1]);
+    assert_eq!(ask(&mut set, &[0x10, 0x2B, 1, 1, 20, 0]), [0x90, 20, 0]);
+    assert_eq!(ask(&mut set, &[0x0E, 0x2B, 1, 1]), [0x8E, 20, 0]);
 }
 
 #[test]

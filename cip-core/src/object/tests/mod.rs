@@ -55,10 +55,10 @@ pub(super) fn agrees_with_names<O: Object>(object: &O, instances: &[u16]) {
     let tables = instances.iter().map(|&id| (InstanceId(id), object.attributes(InstanceId(id)).unwrap()));
     for (instance, rules) in tables.chain([(InstanceId::CLASS, object.class_attributes())]) {
         for rule in rules {
-            let at = std::format!("{} {instance} {}", O::CLASS, rule.id);
-            let info = attribute_info(O::CLASS, instance, rule.id).expect(&at);
+            let at = std::format!("{} {instance} {}", O::CLASS, rule.id());
+            let info = attribute_info(O::CLASS, instance, rule.id()).expect(&at);
             assert!(!rule.is_settable() || info.access == Access::GetSet, "{at} cannot be set");
-            match rule.size {
+            match rule.size() {
                 Size::Bytes(size) => {
                     let expected = info.shape.size().or((info.shape == Shape::Bytes).then_some(size.into()));
                     assert_eq!(expected, Some(size.into()), "size of {at}");
@@ -68,10 +68,10 @@ pub(super) fn agrees_with_names<O: Object>(object: &O, instances: &[u16]) {
             }
             let mut buffer = [0; 256];
             let mut out = Writer::new(&mut buffer);
-            super::serve::get(object, instance, rule.id, &mut out).expect(&at);
-            assert!(rule.size.check(out.written()).is_ok(), "what {at} answers has its size");
+            super::serve::get(object, instance, rule.id(), &mut out).expect(&at);
+            assert!(rule.size().check(out.written()).is_ok(), "what {at} answers has its size");
         }
-        let mut ids: Vec<_> = rules.iter().map(|rule| rule.id).collect();
+        let mut ids: Vec<_> = rules.iter().map(|rule| rule.id()).collect();
         ids.sort();
         ids.dedup();
         assert_eq!(ids.len(), rules.len(), "an attribute of {} is listed twice", O::CLASS);
