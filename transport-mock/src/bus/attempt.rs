@@ -70,6 +70,8 @@ pub(crate) struct Attempt {
     /// The first error.
     pub(crate) error: Option<BusError>,
     pub(crate) sent: bool,
+    /// The end of the bit after which nobody was occupied with it any more, where the stations are not in step.
+    pub(crate) over: Option<Instant>,
     /// When the outcome of a sender was known last.
     pub(crate) settled: Instant,
     /// Receivers for which its end is spoilt.
@@ -89,6 +91,7 @@ impl Attempt {
             receivers: NodeSet::default(),
             error: None,
             sent: false,
+            over: None,
             settled: Instant::ZERO,
             spoilt: Vec::new(),
         }
@@ -102,6 +105,7 @@ impl Attempt {
         self.receivers.clear();
         self.error = None;
         self.sent = false;
+        self.over = None;
     }
 
     pub(crate) fn received(&mut self, node: usize) {

@@ -73,9 +73,11 @@ impl Bus {
             }
             clock.sampled = true;
             clock.level = level != inverted;
+            let end = clock.ends_at;
             let effect = station.engine.sample(level != inverted);
-            self.carry_out(index, node, effect, now, now);
-            self.report_counters(node, now);
+            // What is recorded happened in the bit, which is over at its end.
+            self.carry_out(index, node, effect, now, end);
+            self.report_counters(node, end);
         }
         self.struck = struck;
     }
@@ -153,12 +155,26 @@ impl Bus {
         let (busy, quiet) = (phases().any(Phase::is_busy), phases().all(Phase::is_quiet));
         let disturbed = self.faults.next() <= now;
         if self.segments[index].attempt.open && !busy {
-            self.close_attempt(index, now);
+            let over = self.end_of_bits(index, now);
+            let over = *self.segments[index].attempt.over.get_or_insert(over);
+            if over > now {
+                return false;
+            }
+            self.close_attempt(index, over);
+        } else {
+            self.segments[index].attempt.over = None;
         }
         if quiet && !disturbed {
             self.leave_exact(index, now);
         }
         quiet && !disturbed
+    }
+
+    /// The end of the bits that were sampled at `now`.
+    fn end_of_bits(&self, index: usize, now: Instant) -> Instant {
+        let clocks = self.segments[index].members.iter().map(|&node| &self.stations[node].bit_clock);
+        let ends = clocks.filter(|clock| clock.sampled && clock.sample_at == now).map(|clock| clock.ends_at);
+        ends.max().unwrap_or(now)
     }
 
     fn driven(&self, index: usize) -> bool {

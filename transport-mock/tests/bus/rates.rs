@@ -127,3 +127,25 @@ fn an_attempt_that_the_next_one_overtakes_is_recorded_as_itself() {
         assert!(pair[0].start < pair[0].end && pair[0].start < pair[1].start, "{:#?}", bench.lines);
     }
 }
+
+/// A listener at another rate takes the others out of step, and changes nothing about when their frames are over.
+#[test]
+fn a_listener_at_another_rate_does_not_change_the_length_of_a_frame() {
+    let lengths = |other: BitRate, acknowledged: bool| {
+        let mut bench = Bench::new(3);
+        rate(&mut bench, 1, BitRate::K500, !acknowledged);
+        rate(&mut bench, 2, other, true);
+        bench.send(0, data(0x123, &[1, 2, 3]));
+        bench.run_bits(200);
+        let seen = &bench.frames[0];
+        let error = bench.errors.iter().find(|error| error.sender).map(|error| error.at);
+        let since = |at: link_core::Instant| at.as_nanos() - seen.start.as_nanos();
+        (seen.outcome == Outcome::Ok, since(seen.end), error.map(since))
+    };
+    for acknowledged in [true, false] {
+        let in_step = lengths(BitRate::K500, acknowledged);
+        assert_eq!(in_step.0, acknowledged);
+        assert_eq!(lengths(BitRate::K125, acknowledged), in_step);
+        assert_eq!(lengths(BitRate::M1, acknowledged), in_step);
+    }
+}
