@@ -8,6 +8,7 @@ mod message_router;
 mod order;
 mod parameter;
 mod sets;
+mod vectors;
 
 use std::vec::Vec;
 

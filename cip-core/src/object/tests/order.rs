@@ -2,6 +2,9 @@
 //! checks: 1 short body, 2 response bit, 3 class, 4 instance, 5 path, 6 service, 7 attribute missing, 8 attribute
 //! unknown, 9 read-only, 10 short data, 11 long data, 12 value, 13 object state, 14 device state, 15 parameter,
 //! 16 reply too large, 17 storage, 18 general failure of a small server.
+//!
+//! Which comes first of rows 12 to 17 is the object's business, and tested with each: value, state, storage in
+//! `assembly`, value and state in `acknowledge_handler`, length, state, parameter of a Reset in `identity`.
 
 use super::answer;
 use crate::code::{AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode};
@@ -151,6 +154,9 @@ answers! {
     rows_4_5_instance_before_path: CipPath [0x0E, 3, 0x20, 0x64, 0x24, 9, 0xFF, 1] => [0x94, 0x16, 0xFF];
     rows_4_6_instance_before_service: Class8Instance8 [0x32, 0x64, 9] => [0x94, 0x16, 0xFF];
     rows_5_6_path_before_service: CipPath [0x32, 3, 0x20, 0x64, 0x24, 1, 0xFF, 1] => [0x94, 0x04, 0xFF];
+    rows_5_7_path_before_missing_attribute: CipPath [0x0E, 3, 0x20, 0x64, 0x24, 1, 0xFF, 1] => [0x94, 0x04, 0xFF];
+    rows_5_8_path_before_unknown_attribute: CipPath [0x0E, 4, 0x20, 0x64, 0x24, 1, 0x30, 99, 0xFF, 1] => [0x94, 0x04, 0xFF];
+    rows_5_11_path_before_long: CipPath [0x0E, 4, 0x20, 0x64, 0x24, 1, 0x30, 1, 0xFF, 1, 0] => [0x94, 0x04, 0xFF];
     rows_6_7_service_before_missing_attribute: Class8Instance8 [0x10, 0x64, 2] => [0x94, 0x08, 0xFF];
     rows_6_8_service_before_unknown_attribute: Class8Instance8 [0x10, 0x64, 2, 99, 0] => [0x94, 0x08, 0xFF];
     rows_6_9_service_before_read_only: Class8Instance8 [0x10, 0x64, 2, 1, 0, 0] => [0x94, 0x08, 0xFF];
@@ -199,6 +205,11 @@ fn row_1_short_body_is_no_request() {
 #[test]
 fn row_2_response_bit_is_no_request() {
     assert!(Request::parse(BodyFormat::Class8Instance8, &[0x8E, 0x64, 1, 1]).is_err());
+}
+
+#[test]
+fn rows_2_3_response_bit_before_unknown_class() {
+    assert!(Request::parse(BodyFormat::Class8Instance8, &[0x8E, 0x63, 1, 1]).is_err());
 }
 
 #[test]

@@ -1,12 +1,15 @@
 //! Sets of objects, and what is left to do after a service.
 
-use super::{ask, ask_effects};
-use crate::code::{AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode};
+use super::{answer, ask, ask_effects};
+use crate::code::{AttributeId, ClassId, DeviceType, GeneralStatus, InstanceId, ServiceCode, VendorId};
 use crate::codec::Writer;
-use crate::message::ResetType;
+use crate::identity::{DeviceIdentity, ProductName, Revision};
+use crate::message::{BodyFormat, ResetType};
 use crate::object::{
-    AttributeRule, Call, Chain, Effect, Effects, Failure, FailureOptions, Object, ObjectSet, respond,
+    AcknowledgeHandler, AcknowledgeSettings, AttributeRule, Call, Chain, CommonServices, Effect, Effects,
+    Failure, FailureOptions, Identity, Object, ObjectSet, Router, Size, respond,
 };
+use proptest::{collection::vec, prelude::*};
 use std::vec::Vec;
 
 /// A class whose only attribute is its own byte.
@@ -81,5 +84,64 @@ fn a_response_without_room_is_a_failure_and_leaves_nothing_but_the_refusal() {
         let result = respond(&mut (Byte::<0x64>(4),), &call, FailureOptions::default(), &mut out);
         assert_eq!(out.written(), expected);
         assert_eq!(result, if room < 2 { Err(too_large) } else { Ok(Effects::NONE) });
+    }
+}
+
+/// What a small device has most of, and what every service returns.
+#[test]
+fn tables_and_results_are_small() {
+    assert_eq!(size_of::<AttributeRule>(), 4);
+    assert_eq!(size_of::<Result<Effects, Failure>>(), 4);
+    assert_eq!(size_of::<Option<Result<Effects, Failure>>>(), 4);
+}
+
+#[test]
+fn sizes_survive_their_packing() {
+    for size in [Size::Bytes(0), Size::Bytes(34), Size::Bytes(0x7FFD), Size::ShortString, Size::Any] {
+        for rule in [AttributeRule::get(7, 1), AttributeRule::get_set(7, 1)] {
+            let sized = rule.sized(size);
+            assert_eq!((sized.id(), sized.access(), sized.size()), (rule.id(), rule.access(), size));
+        }
+    }
+    assert_eq!(AttributeRule::get(7, 0xFFFF).size(), Size::Bytes(0x7FFD));
+}
+
+proptest! {
+    /// Whatever the bytes and the format, a device with everything answers once: with the service, or with an error.
+    #[test]
+    fn any_request_has_one_answer(
+        format in prop::sample::select(&BodyFormat::ALL),
+        head in (0..0x20_u8, prop::sample::select(&[1_u8, 2, 4, 0x2B, 0x64, 0x66]), 0..3_u8),
+        data in vec(prop_oneof![0..8_u8, any::<u8>()], 0..16),
+    ) {
+        let (service, class, instance) = head;
+        let target = match format {
+            BodyFormat::Class8Instance8 => std::vec![class, instance],
+            BodyFormat::Class8Instance16 => std::vec![class, instance, 0],
+            BodyFormat::Class16Instance16 => std::vec![class, 0, instance, 0],
+            BodyFormat::Class16Instance8 => std::vec![class, 0, instance],
+            BodyFormat::CipPath => std::vec![2, 0x20, class, 0x24, instance],
+        };
+        let device = DeviceIdentity {
+            vendor: VendorId(1),
+            device_type: DeviceType::GENERIC,
+            product_code: 1,
+            revision: Revision { major: 1, minor: 1 },
+            serial: 1,
+            name: ProductName::default(),
+        };
+        let mut acknowledge = AcknowledgeSettings::default();
+        let objects = (
+            CommonServices(Identity { heartbeat_interval: Some(0), ..Identity::new(&device) }),
+            CommonServices(AcknowledgeHandler::new(&mut acknowledge)),
+            CommonServices(Byte::<0x64>(0)),
+        );
+        let body = [&[service][..], &target, &data].concat();
+        let mut router = Router::new(objects, format);
+        let (answer, effects) = answer(&mut router, format, FailureOptions::default(), &body);
+        match answer[..] {
+            [0x94, _, additional] => prop_assert!(additional == 0xFF && effects.is_none()),
+            _ => prop_assert_eq!(answer[0], service | 0x80),
+        }
     }
 }
