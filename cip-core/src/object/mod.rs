@@ -13,10 +13,41 @@
 //! | service byte, error response | [`respond`] |
 //! | effects | the owner of the objects |
 //!
+//! | Object | Class | Made of |
+//! |---|---|---|
+//! | [`Identity`] | 0x01 | a [`DeviceIdentity`](crate::identity::DeviceIdentity) and the status of the moment |
+//! | [`MessageRouter`], [`Router`] | 0x02 | nothing, or the set of the other objects |
+//! | [`AssemblyObject`] | 0x04 | the [`Assemblies`] of the application |
+//! | [`ParameterObject`] | 0x0F | the [`Parameters`] of the application |
+//! | [`AcknowledgeHandler`] | 0x2B | [`AcknowledgeSettings`] |
+//!
+//! # The smallest class
+//!
+//! ```
+//! use cip_core::code::{AttributeId, ClassId, InstanceId};
+//! use cip_core::codec::Writer;
+//! use cip_core::object::{AttributeRule, Failure, Object};
+//!
+//! struct Input(bool);
+//!
+//! impl Object for Input {
+//!     const CLASS: ClassId = ClassId::DISCRETE_INPUT_POINT;
+//!
+//!     fn attributes(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
+//!         (instance.0 == 1).then_some(const { &[AttributeRule::get(3, 1)] })
+//!     }
+//!
+//!     fn get(&self, _: InstanceId, _: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
+//!         Ok(out.u8(self.0.into())?)
+//!     }
+//! }
+//! ```
+//!
 //! # A class of the vendor
 //!
 //! Class IDs 0x64-0xC7 and 0x300-0x4FF, attributes 0x64-0xC7 and services 0x32-0x4A belong to the vendor of a device.
-//! A class is its number, a table of its attributes, a `get`, and if it has them a `set` and a `service`:
+//! Such a class is written as every other: its number, a table of its attributes, a `get`, and if it needs them a `set`
+//! and a `service`. What happens in a `set` is told to the owner by a bit of [`Effect::APPLICATION`], if it must know.
 //!
 //! ```
 //! use cip_core::code::{AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode};
