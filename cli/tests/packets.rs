@@ -158,14 +158,14 @@ fn more_interfaces_than_can_be_told_apart_are_not_mixed() {
     let mut blocks: Vec<_> = (0..256).map(|_| interface(CAN, &[])).collect();
     blocks.extend([packet(255, 0, PACKET), packet(254, 0, PACKET)]);
     let read = read(&blocks);
-    let limit = "at most 255 interfaces, named in at most 255 bytes of UTF-8";
+    let limit = "at most 255 interfaces, with names of at most 255 bytes of text";
     assert_eq!(read.bad(0), (Place::Record { record: 1, byte: 1 }, limit));
     assert_eq!(read.entries[1].as_ref().unwrap().0, "if254");
 }
 
 #[test]
 fn a_name_that_is_too_long_or_no_text_makes_its_packets_bad() {
-    for name in [&[b'x'; 256][..], &[0xFF, 0xFE]] {
+    for name in [&[b'x'; 256][..], &[0xFF, 0xFE], b"\x1B[31mcan0"] {
         let blocks = [
             interface(CAN, &[option(2, name)]),
             interface(CAN, &[]),
@@ -326,6 +326,19 @@ fn a_remote_frame_has_no_more_than_8_bytes() {
     let remote = [0x40, 0, 4, 0x55, 9, 0, 0, 0];
     let read = read(&[interface(CAN, &[]), packet(0, 0, &remote), packet(0, 0, PACKET)]);
     assert_eq!(read.bad(0), (Place::Record { record: 1, byte: 5 }, "a length of at most 8"));
+}
+
+/// Class 4 with the details 00 04.
+#[test]
+fn an_error_frame_has_the_bytes_that_its_length_says() {
+    let error = [0x20, 0, 0, 4, 8, 0, 0, 0, 0, 4, 0, 0, 0, 0, 0, 0];
+    let file = |error: &[u8]| read(&[interface(CAN, &[]), packet(0, 0, error), packet(0, 0, PACKET)]);
+    let place = |byte| Place::Record { record: 1, byte };
+    assert_eq!(file(&error[..12]).bad(0), (place(13), "as many bytes as the length says"));
+    let mut long = [0; 20];
+    long[..16].copy_from_slice(&error);
+    long[4] = 9;
+    assert_eq!(file(&long).bad(0), (place(5), "a length of at most 8"));
 }
 
 #[test]

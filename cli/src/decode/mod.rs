@@ -18,7 +18,7 @@ use std::rc::Rc;
 use crate::args::{DecodeArgs, Protocol};
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Attentive, Output};
-use crate::recording::{Notes, RecordedFrame, Recording, RecordingError};
+use crate::recording::{Format, Notes, RecordedFrame, Recording, RecordingError};
 use crate::text::count;
 use copy::Copy;
 use progress::Progress;
@@ -52,7 +52,11 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
     let closed = session.close(&recording);
     note_the_rest(&file, recording.notes());
     if tally.bad_lines > 0 {
-        output::warn(format_args!("{file}: {} could not be read", count(tally.bad_lines, "line")));
+        let what = match recording.format() {
+            Format::CandumpLog | Format::CandumpScreen | Format::Asc => "line",
+            Format::Pcap | Format::PcapNg => "record",
+        };
+        output::warn(format_args!("{file}: {} could not be read", count(tally.bad_lines, what)));
     }
     match (read, closed) {
         // Standard output that fails once fails twice, and is one failure.

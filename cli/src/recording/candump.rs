@@ -69,7 +69,7 @@ fn remote_frame(scan: &mut Scanner<'_>, id: Id) -> Result<Content, Fault> {
     let start = *scan;
     let _ = scan.eat(b'R') || scan.eat(b'r');
     let mut dlc = scan.hex_digit().unwrap_or(0);
-    if scan.peek() == Some(b'_') {
+    if dlc == 8 && scan.peek() == Some(b'_') {
         dlc = raw_dlc(scan)?;
     }
     Frame::remote(id, dlc).map(Content::Classic).ok_or_else(|| start.fault("a remote frame"))
@@ -186,6 +186,7 @@ mod tests {
         assert_eq!(fault("(1.0) can0 123#00.G1"), (19, "two hexadecimal digits"));
         assert_eq!(fault("(1.0) can0 123#000102030405060708"), (32, "the end of the data"));
         assert_eq!(fault("(1.0) can0 123#00_9"), (18, "the end of the line"));
+        assert_eq!(fault("(1.0) can0 123#R5_E"), (18, "the end of the line"));
         assert_eq!(fault("(1.0) can0 123#0001020304050607_7"), (33, "a data length code, 8 to F"));
         assert_eq!(fault("(1.0) can0 123##"), (17, "the flags of a CAN FD frame, a hexadecimal digit"));
         assert_eq!(

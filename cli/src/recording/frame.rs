@@ -152,7 +152,7 @@ impl Channels {
     /// The most bytes of a name; Linux allows 15, captures from elsewhere have more.
     pub const MAX_NAME: usize = 255;
     /// What [`intern`](Self::intern) wants.
-    pub(super) const LIMIT: &str = "at most 255 interfaces, named in at most 255 bytes of UTF-8";
+    pub(super) const LIMIT: &str = "at most 255 interfaces, with names of at most 255 bytes of text";
 
     /// The name of a channel; empty for one of another recording.
     #[must_use]
@@ -177,7 +177,7 @@ impl Channels {
         self.names.is_empty()
     }
 
-    /// The channel of that name, new or known; `None` when there are too many, or the name is too long or not text.
+    /// The channel of that name, new or known; `None` when there are too many, or the name is too long, or not text: UTF-8 without control characters.
     #[inline]
     pub(super) fn intern(&mut self, name: &[u8]) -> Option<ChannelId> {
         // Nearly always the same as before.
@@ -193,7 +193,12 @@ impl Channels {
         let index = match known {
             Some(index) => index,
             None if self.names.len() < Self::MAX && name.len() <= Self::MAX_NAME => {
-                self.names.push(core::str::from_utf8(name).ok()?.into());
+                let name = core::str::from_utf8(name).ok()?;
+                // It is shown on terminals.
+                if name.chars().any(char::is_control) {
+                    return None;
+                }
+                self.names.push(name.into());
                 self.names.len() - 1
             }
             None => return None,

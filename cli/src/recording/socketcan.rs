@@ -44,16 +44,14 @@ pub(super) fn parse(packet: &[u8]) -> Result<Content, Fault> {
         }
         CanId::Frame { id, remote: false } => id,
         CanId::Error { class } => {
-            let mut details = [0; 8];
-            for (slot, byte) in details.iter_mut().zip(data) {
-                *slot = *byte;
-            }
+            let mut details = [0; Frame::MAX_DATA];
+            let Some(slots) = details.get_mut(..length) else { return fault(4, "a length of at most 8") };
+            let Some(bytes) = data.get(..length) else { return fault(packet.len(), TOO_SHORT) };
+            slots.copy_from_slice(bytes);
             return Ok(Content::Error(ErrorFrame { class, data: details }));
         }
     };
-    let Some(bytes) = data.get(..length) else {
-        return fault(packet.len(), "as many bytes as the length says");
-    };
+    let Some(bytes) = data.get(..length) else { return fault(packet.len(), TOO_SHORT) };
     let frame = if is_fd {
         FdFrame::new(id, bytes, flags & 1 != 0, flags & 2 != 0).map(|frame| Content::Fd(Box::new(frame)))
     } else {
@@ -94,5 +92,6 @@ fn id_bits(id: Id) -> u32 {
 }
 
 const FLAG_FD: u8 = 4;
+const TOO_SHORT: &str = "as many bytes as the length says";
 /// Header and 64 bytes.
 const FD_SIZE: usize = 72;

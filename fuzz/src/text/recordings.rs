@@ -4,8 +4,8 @@ use std::io::{Cursor, Read};
 
 use arbitrary::Unstructured;
 use devicenet_cli::recording::{
-    Content, ErrorFrame, FdFrame, Format, Place, RecordedFrame, Recording, RecordingError, WriteFormat,
-    Writer,
+    Content, ErrorFrame, FdFrame, Format, Notes, Place, RecordedFrame, Recording, RecordingError,
+    WriteFormat, Writer,
 };
 use link_core::Instant;
 
@@ -16,8 +16,8 @@ pub(super) fn check(data: &[u8]) {
     let whole = read(Cursor::new(data.to_vec()));
     if whole.format.is_some() {
         let pieces = read(Pieces { rest: data.to_vec(), at: 0 });
-        // The format is judged by what a pipe gives at first, and so is whether screen output has distances for times.
-        if pieces.format == whole.format && whole.format != Some(Format::CandumpScreen) {
+        // The format is judged by what a pipe gives at first.
+        if pieces.format == whole.format {
             assert_eq!(pieces, whole, "the same, whatever pieces a pipe gives");
         }
     }
@@ -33,6 +33,7 @@ struct Reading {
     frames: Vec<Entry>,
     /// The text of each error and the place in it.
     errors: Vec<(String, Option<Place>)>,
+    notes: Notes,
 }
 
 /// A frame without its number, which follows from the order, and with the name of its channel.
@@ -45,7 +46,8 @@ struct Entry {
 }
 
 fn read(source: impl Read + 'static) -> Reading {
-    let mut reading = Reading { format: None, frames: Vec::new(), errors: Vec::new() };
+    let mut reading =
+        Reading { format: None, frames: Vec::new(), errors: Vec::new(), notes: Notes::default() };
     let mut recording = match Recording::from_reader(source) {
         Ok(recording) => recording,
         Err(error) => {
@@ -71,6 +73,7 @@ fn read(source: impl Read + 'static) -> Reading {
             }
         }
     }
+    reading.notes = recording.notes();
     reading
 }
 
@@ -113,13 +116,17 @@ fn check_written(frames: &[Entry]) {
             writer.write(*at, *digits, channel_of(channel), content).expect("a vector takes everything");
         }
         writer.finish().expect("a vector takes everything");
-        let Reading { frames: read, errors, .. } = read(Cursor::new(bytes));
+        let Reading { frames: read, errors, notes, .. } = read(Cursor::new(bytes));
+        assert_eq!(notes, Notes::default(), "a recording that is written tells only frames");
         assert_eq!(errors, [], "{format:?} of {frames:?}");
         assert_eq!(read.len(), frames.len(), "{format:?}");
         for (read, written) in read.iter().zip(frames) {
             assert_eq!(read.content, written.content, "{format:?}");
             assert_eq!(read.at, written.at, "{format:?}");
-            assert_eq!(read.channel, channel_of(&written.channel), "{format:?}");
+            let name = channel_of(&written.channel);
+            let name =
+                if format == WriteFormat::CandumpLog { name.replace(' ', "_") } else { name.to_owned() };
+            assert_eq!(read.channel, name, "{format:?}");
         }
     }
 }
@@ -190,6 +197,25 @@ mod tests {
         assert_eq!(reading.frames.len(), 1);
         assert_eq!(reading.errors[0].1, Some(Place::Line { line: 2, column: 26 }));
         check(log);
+    }
+
+    /// With distances for times, colours, and a name of two words: pcapng, the first interface described as `CAN 1`.
+    #[test]
+    fn what_only_some_formats_have() {
+        check(b" (000.000000)  \x1B[34mcan0\x1B[0m  456   [1]  01\n (000.5)  can0  456   [1]\n (000.25)  can0  456   [0]\n");
+        check(b"(1.0) can0 456#\nDROPCOUNT: dropped 2 CAN frames on 'can0' socket (total drops 2)\n \n");
+        let block = |kind: u32, body: &[u8]| {
+            let length = (12 + body.len() as u32).to_le_bytes();
+            [&kind.to_le_bytes(), &length, body, &length].concat()
+        };
+        let section =
+            block(0x0A0D_0D0A, &[0x4D, 0x3C, 0x2B, 0x1A, 1, 0, 0, 0, 255, 255, 255, 255, 255, 255, 255, 255]);
+        let interface = block(1, b"\xE3\0\0\0\0\0\0\0\x02\0\x05\0CAN 1\0\0\0");
+        let packet =
+            block(6, &[&[0; 12][..], &[8, 0, 0, 0, 8, 0, 0, 0], &[0, 0, 4, 0x56, 0, 0, 0, 0]].concat());
+        let file = [section, interface, packet].concat();
+        assert_eq!(read(Cursor::new(file.clone())).frames[0].channel, "CAN 1");
+        check(&file);
     }
 
     #[test]
