@@ -429,6 +429,42 @@ fn what_a_recording_tells_besides_its_frames_is_a_note() {
     assert!(stderr(&output).ends_with(&note), "{}", stderr(&output));
 }
 
+/// A pcapng file by hand: an interface for Ethernet, one for CAN by the name of `CAN 1`, a packet of each, and a packet of an
+/// interface that is not described.
+#[test]
+fn a_capture_of_more_than_can_is_recorded_with_names_of_one_word() {
+    let block = |kind: u32, body: &[u8]| {
+        let length = (12 + body.len() as u32).to_le_bytes();
+        [&kind.to_le_bytes(), &length, body, &length].concat()
+    };
+    let packet = |interface: u8| {
+        let fields = [interface, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 8, 0, 0, 0, 8, 0, 0, 0];
+        block(6, &[&fields[..], &[0, 0, 4, 0x55, 0, 0, 0, 0]].concat())
+    };
+    let bytes = [
+        block(0x0A0D_0D0A, &[0x4D, 0x3C, 0x2B, 0x1A, 1, 0, 0, 0, 255, 255, 255, 255, 255, 255, 255, 255]),
+        block(1, &[1, 0, 0, 0, 0, 0, 0, 0]),
+        block(1, b"\xE3\0\0\0\0\0\0\0\x02\0\x05\0CAN 1\0\0\0"),
+        packet(0),
+        packet(1),
+        packet(2),
+    ];
+    let (file, copy) = (temporary("two-networks.pcapng"), temporary("two-networks.log"));
+    std::fs::write(&file, bytes.concat()).unwrap();
+    let output = run(&["decode", "--record", &copy, &file]);
+    assert_exit(&output, 1);
+    assert_eq!(
+        stderr(&output),
+        format!(
+            "warning: {file}:record 3, byte 1: an interface that was described before expected, \"02 00 00 00\" found\n\
+             note: {copy}: a name in a candump log is one word, so \"CAN 1\" is written as \"CAN_1\"\n\
+             note: {file}: 1 packet is of other interfaces than CAN, and left out\n\
+             warning: {file}: 1 record could not be read\n"
+        )
+    );
+    assert_eq!(std::fs::read_to_string(copy).unwrap(), "(0.000000) CAN_1 455#\n");
+}
+
 #[test]
 fn strict_stops_at_a_bad_line() {
     let log = "(1.000000) can0 456#014B03010301\nnonsense\n(1.000400) can0 455#\n";

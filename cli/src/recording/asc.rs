@@ -13,19 +13,19 @@
 //! each counts from the line before. Other events (bus statistics, triggers, other buses, comments) are skipped, and the
 //! date is not used, because it comes in the language of the program that wrote it.
 
-use link_core::{ExtendedId, Frame, Id, Instant, StandardId};
+use link_core::{ExtendedId, Frame, Id, StandardId};
 
 use super::Parsed;
 use super::error::Fault;
 use super::frame::{Channels, Content, ErrorFrame, FdFrame};
-use super::scan::Scanner;
+use super::scan::{Scanner, Sum};
 
 /// Reads line after line; the header changes how the others are read.
 #[derive(Clone, Debug)]
 pub(super) struct Asc {
     radix: u32,
     /// With relative times, the sum of those so far.
-    distances: Option<Instant>,
+    distances: Option<Sum>,
 }
 
 impl Default for Asc {
@@ -48,11 +48,10 @@ impl Asc {
         if !scan.peek().is_some_and(|byte| byte.is_ascii_digit()) {
             return self.header(scan);
         }
-        let (mut at, digits) = scan.seconds()?;
-        if let Some(sum) = &mut self.distances {
-            *sum += at.saturating_since(Instant::ZERO);
-            at = *sum;
-        }
+        let start = scan;
+        let time = scan.seconds()?;
+        let moment = self.distances.as_mut().map_or(Some(time), |sum| sum.add(time));
+        let (at, digits) = moment.ok_or_else(|| start.fault(Sum::LIMIT))?;
         scan.skip_blanks();
         let channel = scan;
         let (name, content) = match scan.word() {
@@ -85,7 +84,7 @@ impl Asc {
                 scan.word();
                 scan.skip_blanks();
                 if scan.word() == b"timestamps" {
-                    self.distances = (scan.peek_word() == b"relative").then_some(Instant::ZERO);
+                    self.distances = (scan.peek_word() == b"relative").then(Sum::default);
                 }
                 Ok(None)
             }
@@ -247,6 +246,7 @@ const FLAG_FD: u32 = 0x1000;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use link_core::Instant;
     use link_core::frame::{extended_id, standard_id};
 
     fn all(text: &str) -> Vec<Parsed> {
@@ -347,6 +347,16 @@ base hex timestamps absolute
    0.250000 1  456             Rx   d 0
 ");
         assert_eq!(frames[1].at, Instant::from_millis(250));
+    }
+
+    #[test]
+    fn a_sum_of_times_must_be_a_time() {
+        let (mut asc, mut channels) = (Asc::default(), Channels::default());
+        let mut parse = |line: &str| asc.parse(line.as_bytes(), &mut channels);
+        assert_eq!(parse("base hex timestamps relative"), Ok(None));
+        assert!(parse("10000000000.0 1  456 Rx d 0").is_ok_and(|parsed| parsed.is_some()));
+        assert_eq!(parse(" 10000000000.0 1  456 Rx d 0"), Err(Fault { at: 1, expected: Sum::LIMIT }));
+        assert!(parse(" 1.0 1  456 Rx d 0").is_ok_and(|parsed| parsed.is_some()), "the sum stays as it was");
     }
 
     #[test]

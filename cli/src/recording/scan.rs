@@ -148,6 +148,31 @@ impl<'a> Scanner<'a> {
     }
 }
 
+/// The sum of times that are distances from line to line.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(super) struct Sum {
+    at: Instant,
+    /// The most decimals of any of them, which are what the sum has.
+    digits: u8,
+}
+
+impl Sum {
+    /// Adds a distance, and gives the moment with its decimals; `None` when that is more than 584 years away.
+    pub(super) fn add(&mut self, (distance, digits): (Instant, u8)) -> Option<(Instant, u8)> {
+        self.at = Instant::from_nanos(self.at.as_nanos().checked_add(distance.as_nanos())?);
+        self.digits = self.digits.max(digits);
+        Some((self.at, self.digits))
+    }
+
+    /// What [`add`](Self::add) wants.
+    pub(super) const LIMIT: &str = "a distance that ends within 584 years";
+
+    /// The sum so far.
+    pub(super) fn at(self) -> Instant {
+        self.at
+    }
+}
+
 /// What the identifier field of SocketCAN says.
 #[derive(Clone, Copy)]
 pub(super) enum CanId {

@@ -21,7 +21,7 @@ use memchr::memchr;
 use super::Parsed;
 use super::error::Fault;
 use super::frame::{Channels, Content, ErrorFrame, FdFrame};
-use super::scan::{CanId, Scanner};
+use super::scan::{CanId, Scanner, Sum};
 use super::window::Window;
 use times::Times;
 
@@ -63,11 +63,12 @@ impl Screen {
         scan.skip_blanks();
         let (mut at, mut digits) = (Instant::ZERO, 0);
         if scan.eat(b'(') {
-            let is_relative = times::is_relative(scan);
-            (at, digits) = times::read(&mut scan)?;
+            let start = scan;
+            let time = times::read(&mut scan)?;
             scan.expect(b')', "\")\" after the time")?;
             // Even if the rest of the line is bad: the next distance is from this line.
-            at = self.times.moment(at, is_relative);
+            let moment = self.times.moment(time, times::is_relative(start));
+            (at, digits) = moment.ok_or_else(|| start.fault(Sum::LIMIT))?;
             scan.skip_blanks();
         }
         let interface = scan;
@@ -209,6 +210,7 @@ fn is_hex_byte(word: &[u8]) -> bool {
 }
 
 const ESCAPE: u8 = 0x1B;
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -15,7 +15,7 @@ use std::io::{self, Read};
 use link_core::Instant;
 
 use super::super::error::Fault;
-use super::super::scan::Scanner;
+use super::super::scan::{Scanner, Sum};
 use super::super::window::Window;
 use super::visible;
 
@@ -23,16 +23,16 @@ use super::visible;
 #[derive(Clone, Debug)]
 pub(super) enum Times {
     /// Not known yet, after so many times and with this sum of them.
-    Unknown { read: u8, sum: Instant },
+    Unknown { read: u8, sum: Sum },
     /// The moment itself.
     Moments,
     /// Distances with this sum.
-    Distances { sum: Instant },
+    Distances { sum: Sum },
 }
 
 impl Default for Times {
     fn default() -> Self {
-        Self::Unknown { read: 0, sum: Instant::ZERO }
+        Self::Unknown { read: 0, sum: Sum::default() }
     }
 }
 
@@ -41,37 +41,34 @@ impl Times {
     /// the third time on. Distances fall at every other line or so; times since the start fall only where candump
     /// changes from one interface to another. For a verdict so many lines are waited for, or the end.
     pub(super) fn learn<R: Read>(&mut self, window: &mut Window<R>) -> io::Result<()> {
-        let last = match *self {
+        let sum = match *self {
             // The first is 0 with either option, and so the second means the same.
-            Self::Unknown { read: 1, sum } if sum > Instant::ZERO => sum,
+            Self::Unknown { read: 1, sum } if sum.at() > Instant::ZERO => sum,
             Self::Unknown { read: 2.., sum } => sum,
             Self::Unknown { .. } | Self::Moments | Self::Distances { .. } => return Ok(()),
         };
         let are_distances = loop {
-            if let Some(verdict) = are_distances(last, window.ahead(), !window.can_fill()) {
+            if let Some(verdict) = are_distances(sum.at(), window.ahead(), !window.can_fill()) {
                 break verdict;
             }
             window.fill()?;
         };
-        *self = if are_distances { Self::Distances { sum: last } } else { Self::Moments };
+        *self = if are_distances { Self::Distances { sum } } else { Self::Moments };
         Ok(())
     }
 
-    /// The moment of the next line, which gives this time.
-    pub(super) fn moment(&mut self, at: Instant, is_relative: bool) -> Instant {
+    /// The moment of the next line, which gives this time; both with their decimals. `None` when a sum is too large.
+    pub(super) fn moment(&mut self, time: (Instant, u8), is_relative: bool) -> Option<(Instant, u8)> {
         match self {
-            Self::Unknown { .. } if !is_relative => *self = Self::Moments,
+            Self::Unknown { .. } | Self::Distances { .. } if !is_relative => *self = Self::Moments,
             Self::Unknown { read, sum } => {
                 *read = read.saturating_add(1);
-                *sum += at.saturating_since(Instant::ZERO);
+                sum.add(time)?;
             }
-            Self::Distances { sum } => {
-                *sum += at.saturating_since(Instant::ZERO);
-                return *sum;
-            }
+            Self::Distances { sum } => return sum.add(time),
             Self::Moments => {}
         }
-        at
+        Some(time)
     }
 }
 
@@ -84,28 +81,32 @@ fn are_distances(last: Instant, ahead: &[u8], is_all: bool) -> Option<bool> {
         _ => ahead,
     };
     let (mut last, mut steps, mut falls, mut rises) = (last, 0, 0, 0);
-    for at in whole_lines.split(|byte| *byte == b'\n').filter_map(relative_time).take(STEPS) {
+    for (at, is_relative) in whole_lines.split(|byte| *byte == b'\n').filter_map(time_of).take(STEPS) {
+        if !is_relative {
+            return Some(false);
+        }
         steps += 1;
         falls += usize::from(at < last);
         rises += usize::from(at > last);
         last = at;
     }
     // Of times that stay the same, a clock that stands still is the unlikelier explanation.
-    (steps == STEPS || is_all).then_some(falls * 4 >= falls + rises)
+    (steps == STEPS || is_all).then_some(steps > 0 && falls * 4 >= falls + rises)
 }
 
-/// The time of a line with `-tz` or `-td`.
-fn relative_time(line: &[u8]) -> Option<Instant> {
+/// The time of a line, and whether it [is relative](is_relative).
+fn time_of(line: &[u8]) -> Option<(Instant, bool)> {
     let mut plain = visible(line).map(|(_, byte)| byte).skip_while(u8::is_ascii_whitespace);
-    let mut beginning = [0; RELATIVE_TIME];
+    let mut beginning = [0; LONGEST];
     let mut length = 0;
     for (slot, byte) in beginning.iter_mut().zip(&mut plain) {
         *slot = byte;
         length += 1;
     }
     let mut scan = Scanner::new(&beginning[..length]);
-    let at = (scan.eat(b'(') && is_relative(scan)).then(|| scan.seconds().ok())?;
-    at.filter(|_| scan.eat(b')')).map(|(at, _)| at)
+    let is_relative = scan.eat(b'(').then(|| is_relative(scan))?;
+    let (at, _) = read(&mut scan).ok()?;
+    scan.eat(b')').then_some((at, is_relative))
 }
 
 /// Whether this is a time of `-tz` or `-td`: those have three digits before the point or a few more, others ten, or the
@@ -160,8 +161,8 @@ const DAYS_FROM_MARCH_0_TO_1970: u64 = 719_468;
 /// So many steps from time to time tell what the times mean: of 16 steps between distances at random, fewer than four
 /// fall in one file of 20,000.
 const STEPS: usize = 16;
-/// The longest relative time: `(`, 9 digits, a point, 9 digits, `)`.
-const RELATIVE_TIME: usize = 21;
+/// The longest time: a date and a time of day with 9 decimals, in parentheses.
+const LONGEST: usize = 31;
 
 #[cfg(test)]
 mod tests {
@@ -179,8 +180,9 @@ mod tests {
                 window.fill().unwrap();
             }
             let Some(end) = window.ahead().iter().position(|byte| *byte == b'\n') else { return read };
-            let at = relative_time(window.take(end, 1)).unwrap();
-            read.push(meaning.moment(at, true).saturating_since(Instant::ZERO).as_millis());
+            let (at, is_relative) = time_of(window.take(end, 1)).unwrap();
+            let (at, _) = meaning.moment((at, 6), is_relative).unwrap();
+            read.push(at.saturating_since(Instant::ZERO).as_millis());
         }
     }
 
@@ -240,14 +242,33 @@ mod tests {
         assert_eq!((read[2], read[3], read[4], read[39]), (20, 19, 40, 390));
     }
 
+    /// A digit of the first line is lost.
+    #[test]
+    fn one_time_that_looks_relative_does_not_make_distances() {
+        let times = ["170000002.500000", "1700000003.500000", "1700000006.000000"];
+        assert_eq!(milliseconds(&times), [170_000_002_500, 1_700_000_003_500, 1_700_000_006_000]);
+        let times = ["000.000000", "170000002.500000", "1700000006.000000", "1700000001.000000"];
+        assert_eq!(milliseconds(&times), [0, 170_000_002_500, 1_700_000_006_000, 1_700_000_001_000]);
+    }
+
     #[test]
     fn ten_digits_are_a_moment() {
         let mut times = Times::default();
-        let (at, _) = date("1700000000.5").unwrap();
-        assert_eq!(times.moment(at, is_relative(Scanner::new(b"1700000000.5"))), at);
+        let time = date("1700000000.5").unwrap();
+        assert_eq!(times.moment(time, is_relative(Scanner::new(b"1700000000.5"))), Some(time));
         let mut window = Window::new(io::empty());
         times.learn(&mut window).unwrap();
-        assert_eq!(times.moment(Instant::from_millis(1000), true), Instant::from_millis(1000));
+        let time = (Instant::from_millis(1000), 0);
+        assert_eq!(times.moment(time, true), Some(time));
         assert!(!is_relative(Scanner::new(b"2023-11-14 22:13:20.0")) && is_relative(Scanner::new(b"000.5")));
+    }
+
+    /// Whoever writes the sum needs the decimals of the finest distance.
+    #[test]
+    fn a_sum_has_the_decimals_of_all_that_is_in_it() {
+        let mut sum = Sum::default();
+        sum.add((Instant::from_nanos(100), 7));
+        assert_eq!(sum.add((Instant::from_micros(1), 6)), Some((Instant::from_nanos(1100), 7)));
+        assert_eq!(sum.add((Instant::MAX, 6)), None);
     }
 }
