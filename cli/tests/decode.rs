@@ -434,7 +434,7 @@ fn what_a_recording_tells_besides_its_frames_is_a_note() {
 #[test]
 fn a_capture_of_more_than_can_is_recorded_with_names_of_one_word() {
     let block = |kind: u32, body: &[u8]| {
-        let length = (12 + body.len() as u32).to_le_bytes();
+        let length = u32::try_from(12 + body.len()).unwrap().to_le_bytes();
         [&kind.to_le_bytes(), &length, body, &length].concat()
     };
     let packet = |interface: u8| {
