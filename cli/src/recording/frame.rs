@@ -177,7 +177,7 @@ impl Channels {
         self.names.is_empty()
     }
 
-    /// The channel of that name, new or known; `None` when there are too many, or the name is too long, or not text: UTF-8 without control characters.
+    /// The channel of that name, new or known; `None` when there are too many, or the name is too long, or not text: UTF-8 without the character NUL.
     #[inline]
     pub(super) fn intern(&mut self, name: &[u8]) -> Option<ChannelId> {
         // Nearly always the same as before.
@@ -194,8 +194,8 @@ impl Channels {
             Some(index) => index,
             None if self.names.len() < Self::MAX && name.len() <= Self::MAX_NAME => {
                 let name = core::str::from_utf8(name).ok()?;
-                // It is shown on terminals.
-                if name.chars().any(char::is_control) {
+                // It ends a name in pcapng.
+                if name.contains('\0') {
                     return None;
                 }
                 self.names.push(name.into());

@@ -124,8 +124,11 @@ fn check_written(frames: &[Entry]) {
             assert_eq!(read.content, written.content, "{format:?}");
             assert_eq!(read.at, written.at, "{format:?}");
             let name = channel_of(&written.channel);
-            let name =
-                if format == WriteFormat::CandumpLog { name.replace(' ', "_") } else { name.to_owned() };
+            let name = if format == WriteFormat::CandumpLog {
+                name.replace(|it: char| it == ' ' || it.is_ascii_control(), "_")
+            } else {
+                name.to_owned()
+            };
             assert_eq!(read.channel, name, "{format:?}");
         }
     }
