@@ -1,7 +1,7 @@
 //! Attribute writes: a slave's configuration, sent before its I/O starts, and again after it was replaced.
 
 use cip_core::code::{AttributeId, ClassId, InstanceId};
-use cip_core::codec::{Full, ParseError, Reader, Wire, Writer};
+use cip_core::codec::{Full, ParseError, Reader, Writer};
 
 /// A Set_Attribute_Single of the configuration.
 ///
@@ -28,10 +28,8 @@ pub struct AttributeWrite<'a> {
     pub value: &'a [u8],
 }
 
-impl<'a> Wire<'a> for AttributeWrite<'a> {
-    const NAME: &'static str = "attribute write";
-
-    fn read(reader: &mut Reader<'a>) -> Result<Self, ParseError> {
+impl<'a> AttributeWrite<'a> {
+    pub(super) fn read(reader: &mut Reader<'a>) -> Result<Self, ParseError> {
         let class = ClassId(reader.u16("class")?);
         let instance = InstanceId(reader.u16("instance")?);
         let attribute = AttributeId(reader.u16("attribute")?);
@@ -39,15 +37,11 @@ impl<'a> Wire<'a> for AttributeWrite<'a> {
         Ok(Self { class, instance, attribute, value: reader.bytes(len.into(), "value")? })
     }
 
-    fn emit(&self, out: &mut Writer<'_>) -> Result<(), Full> {
+    pub(super) fn emit(&self, out: &mut Writer<'_>) -> Result<(), Full> {
         out.u16(self.class.0)?;
         out.u16(self.instance.0)?;
         out.u16(self.attribute.0)?;
         out.u8(u8::try_from(self.value.len()).map_err(|_| Full)?)?;
         out.bytes(self.value)
-    }
-
-    fn wire_len(&self) -> usize {
-        self.value.len().saturating_add(7)
     }
 }
