@@ -11,6 +11,7 @@
 //! | [`client`] | the explicit client: requests, fragments, time-outs, responses |
 //! | [`master`] | the scanner: brings slaves up, polls them, brings them back |
 //! | [`monitor`] | the passive decoder: it learns connections from the traffic and says what each frame means |
+//! | [`slave`] | the slave: Group 2 Only server, or server with the UCMM |
 //! | [`tool`] | the offline recovery tool: finds faulted nodes and gives them a MAC ID |
 //!
 //! A machine is told what happens as [`Input`](link_core::Input), and hands out what is to be done as
@@ -120,6 +121,7 @@ pub mod id;
 pub mod master;
 pub mod message;
 pub mod monitor;
+pub mod slave;
 pub mod tool;
 
 pub use access::Access;

@@ -142,10 +142,7 @@ impl Machine for Access {
     }
 
     fn poll(&mut self, now: Instant) -> Option<Action<AccessEvent>> {
-        self.timers.advance(now);
-        self.withdraw().or_else(|| self.restart_controller()).or_else(|| self.set_filter()).or_else(|| {
-            if self.events.is_empty() { self.transmit() } else { Some(Action::Event(self.events.remove(0))) }
-        })
+        self.poll_except_transmit(now).or_else(|| self.transmit())
     }
 
     fn deadline(&self) -> Option<Deadline> {
@@ -177,6 +174,24 @@ impl Access {
             events: Vec::new(),
             config,
         }
+    }
+
+    /// All that [`poll`](Machine::poll) does but hand out frames, so that a node can put others before them.
+    pub(crate) fn poll_except_transmit(&mut self, now: Instant) -> Option<Action<AccessEvent>> {
+        self.timers.advance(now);
+        self.withdraw().or_else(|| self.restart_controller()).or_else(|| self.set_filter()).or_else(|| {
+            if self.events.is_empty() { None } else { Some(Action::Event(self.events.remove(0))) }
+        })
+    }
+
+    /// Whether a wait is over at `now`.
+    pub(crate) fn deadline_is_over(&self, now: Instant) -> bool {
+        self.timers.is_due(now)
+    }
+
+    /// Whether the controller takes no part in the bus, so that it dropped by itself what it had to send.
+    pub(crate) fn is_off_the_bus(&self) -> bool {
+        self.state == State::NonExistent || self.state.is_off_the_bus()
     }
 
     /// What the node must hear in its present state: what the port was told, or will be at the next `poll`. On line the

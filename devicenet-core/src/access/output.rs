@@ -9,7 +9,7 @@ use crate::id::Identifier;
 use crate::message::{self, Direction, DuplicateMacCheck, IdentifyResponse, WhoResponse};
 
 impl Access {
-    pub(super) fn has_output(&self) -> bool {
+    pub(crate) fn has_output(&self) -> bool {
         !self.events.is_empty()
             || self.must_withdraw()
             || self.must_restart_controller()
@@ -78,7 +78,8 @@ impl Access {
         }
     }
 
-    pub(super) fn transmit(&mut self) -> Option<Action<AccessEvent>> {
+    /// The next frame, if one is to be handed out.
+    pub(crate) fn transmit(&mut self) -> Option<Action<AccessEvent>> {
         let what = self.wanted()?;
         let frame = self.take(what)?;
         self.in_flight = Some(InFlight { what, fate: Fate::Wanted });

@@ -1,0 +1,167 @@
+//! What a slave is a slave for.
+
+use core::fmt::Debug;
+use core::hash::Hash;
+
+use cip_core::code::InstanceId;
+use cip_core::message::AllocationChoice;
+use cip_core::object::{Identity, ObjectSet};
+
+use super::io::LongMessages;
+
+/// The device behind a slave: who it is, its data, its objects.
+///
+/// It is a store of data that the slave reads and writes; it hears of what happened by the events of the slave, and never
+/// runs in the middle of a request. The module text has a [complete one](super#a-complete-slave).
+///
+/// Everything that it returns must be there at once and stay the same until it is changed through
+/// [`Slave::application_mut`](super::Slave::application_mut) or by a message.
+pub trait Application: Clone + Eq + Hash + Debug {
+    /// The I/O connections that a master can allocate. The code for others falls away.
+    ///
+    /// [`CHANGE_OF_STATE`](AllocationChoice::CHANGE_OF_STATE) and [`CYCLIC`](AllocationChoice::CYCLIC) with
+    /// [`ACK_SUPPRESSION`](AllocationChoice::ACK_SUPPRESSION) can be allocated without acknowledges too.
+    const IO: AllocationChoice;
+
+    /// The memory for I/O messages that do not fit into a frame: [`Fragmented`](super::Fragmented), or `()` if no
+    /// connection produces or consumes more than eight bytes.
+    type Long: LongMessages;
+
+    /// Who the device is and how it is: the Identity object. The slave adds whether it is owned, and the heartbeat
+    /// interval.
+    fn identity(&self) -> Identity<'_>;
+
+    /// The objects besides Identity, DeviceNet, Connection and Acknowledge Handler. By default none.
+    fn objects(&mut self) -> impl ObjectSet {}
+
+    /// What the connection sends. An empty slice says that there are no valid data.
+    ///
+    /// For a connection whose data are not sampled by then, they are what was last written to the application.
+    fn produced(&self, connection: IoKind) -> &[u8];
+
+    /// The size of what the connection sends (attribute 7 of the Connection object). By default that of the present data.
+    fn produced_size(&self, connection: IoKind) -> u16 {
+        u16::try_from(self.produced(connection).len()).unwrap_or(u16::MAX)
+    }
+
+    /// Where the data of the connection go that were received. Its length is the consumed size (attribute 8).
+    ///
+    /// A bit-strobe command has one bit for each node: a slice of one byte gets that of this node, as 0 or 1.
+    fn consumed(&mut self, connection: IoKind) -> &mut [u8];
+
+    /// The assembly that the connection produces or consumes, for attributes 14 and 16. By default none.
+    fn assembly(&self, _connection: IoKind, _end: End) -> Option<InstanceId> {
+        None
+    }
+
+    /// Makes the connection produce or consume another assembly; its sizes follow. False if it cannot. By default it
+    /// cannot, and the paths cannot be set.
+    fn select_assembly(&mut self, _connection: IoKind, _end: End, _assembly: InstanceId) -> bool {
+        false
+    }
+
+    /// Whether [`select_assembly`](Self::select_assembly) does anything. By default not.
+    const SELECTS_ASSEMBLIES: bool = false;
+
+    /// Puts the outputs of the connection into their state for idle or fault. By default all are 0.
+    fn rest(&mut self, connection: IoKind, _mode: IoMode) {
+        self.consumed(connection).fill(0);
+    }
+}
+
+/// The I/O connections of the predefined set.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+pub enum IoKind {
+    /// Instance 2. It also consumes the messages of a master by change of state or cyclic.
+    Poll,
+    /// Instance 3.
+    BitStrobe,
+    /// Instance 4, by change of state or cyclic.
+    ChangeOfState,
+    /// Instance 5.
+    MulticastPoll,
+}
+
+/// One direction of a connection.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+pub enum End {
+    /// From the slave.
+    Produced,
+    /// To the slave.
+    Consumed,
+}
+
+/// What the data that a connection consumes mean at present.
+///
+/// | Received | Mode | Outputs |
+/// |---|---|---|
+/// | nothing yet | `Inactive` | as they were |
+/// | a full message | `Run` | the data |
+/// | an empty message, where data are expected | `Idle` | [`Application::rest`] |
+/// | nothing in time, or the connection was taken away | `Fault` | [`Application::rest`] |
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+pub enum IoMode {
+    /// No message was consumed since the connection was allocated.
+    #[default]
+    Inactive,
+    /// The master runs.
+    Run,
+    /// The master is there but does not run.
+    Idle,
+    /// The master is lost.
+    Fault,
+}
+
+impl IoKind {
+    /// All, in the order of their instances.
+    pub const ALL: [Self; 4] = [Self::Poll, Self::BitStrobe, Self::ChangeOfState, Self::MulticastPoll];
+
+    /// The instance of the Connection object, 2 to 5.
+    #[must_use]
+    pub const fn instance(self) -> InstanceId {
+        InstanceId(match self {
+            Self::Poll => 2,
+            Self::BitStrobe => 3,
+            Self::ChangeOfState => 4,
+            Self::MulticastPoll => 5,
+        })
+    }
+
+    pub(super) const fn of_instance(instance: InstanceId) -> Option<Self> {
+        Some(match instance.0 {
+            2 => Self::Poll,
+            3 => Self::BitStrobe,
+            4 => Self::ChangeOfState,
+            5 => Self::MulticastPoll,
+            _ => return None,
+        })
+    }
+}
+
+impl core::fmt::Display for IoKind {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(match self {
+            Self::Poll => "poll",
+            Self::BitStrobe => "bit-strobe",
+            Self::ChangeOfState => "change of state",
+            Self::MulticastPoll => "multicast poll",
+        })
+    }
+}
+
+impl core::fmt::Display for IoMode {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(match self {
+            Self::Inactive => "inactive",
+            Self::Run => "run",
+            Self::Idle => "idle",
+            Self::Fault => "fault",
+        })
+    }
+}

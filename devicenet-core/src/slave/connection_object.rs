@@ -1,0 +1,394 @@
+//! The Connection object (class 5).
+
+use cip_core::code::{AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode};
+use cip_core::codec::Writer;
+use cip_core::connection::{
+    CommCharacteristics, ConnectionPath, ConnectionView, ExplicitCause, ExplicitState, InstanceType, IoCause,
+    IoState, PredefinedConnection, TimeoutMultiplier, TransportClassTrigger, WatchdogAction,
+};
+use cip_core::epath::Epath;
+use cip_core::message::AllocationChoice;
+use cip_core::object::{AttributeRule, Call, Effects, Failure, Object, Size, exact};
+
+use super::application::{Application, End, IoKind};
+use super::config::Options;
+use super::dynamic::FIRST_INSTANCE;
+use super::io::LongMessages;
+use super::node::{Changed, Node};
+use crate::id::{Identifier, MacId, MessageGroup};
+
+/// The object, put together for one request.
+pub(super) struct ConnectionObject<'a, A, const DYNAMIC: usize> {
+    pub(super) node: &'a mut Node<DYNAMIC>,
+    pub(super) application: &'a mut A,
+    /// The own MAC ID.
+    pub(super) mac: MacId,
+    /// The longest explicit message.
+    pub(super) message: u16,
+    /// Attribute 8 of poll and of multicast poll.
+    pub(super) consumed_sizes: [u16; 2],
+}
+
+/// An instance that exists.
+#[derive(Clone, Copy)]
+enum Which {
+    Explicit,
+    Io(IoKind),
+    Dynamic(u8),
+}
+
+/// What an instance allows says [`ConnectionView`]; which of it can be set depends on the state:
+///
+/// | Attribute | Configuring | Established, timed out | Explicit |
+/// |---|---|---|---|
+/// | 1-4, 6-8, 13, 15 | Get | Get | Get |
+/// | 5 | Get; Set on instance 5 | Get | Get |
+/// | 9, 12 | Get, Set | Get, Set | Get, Set |
+/// | 14, 16 | Get; Set if the application selects assemblies | Get; Set is 0x0C | Get |
+/// | 17 | Get, Set | Get, Set | Get |
+/// | 18 | Get, Set | Get, Set | Get, Set |
+///
+/// | Service | Class | Instance |
+/// |---|---|---|
+/// | 0x05 Reset | every instance | yes |
+/// | 0x09 Delete | every instance | yes |
+/// | 0x0D Apply_Attributes | | I/O |
+/// | 0x0E, 0x10 | Get of the revision, 1 | yes |
+/// | 0x11 Find_Next_Object_Instance | yes | yes |
+impl<A: Application, const DYNAMIC: usize> Object for ConnectionObject<'_, A, DYNAMIC> {
+    const CLASS: ClassId = ClassId::CONNECTION;
+
+    fn attributes(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
+        match self.which(instance) {
+            Some(Which::Explicit | Which::Dynamic(_)) => Some(&EXPLICIT),
+            Some(Which::Io(kind)) => {
+                let configuring = self.node.io(kind).state() == IoState::Configuring;
+                Some(match (kind, A::SELECTS_ASSEMBLIES) {
+                    (IoKind::MulticastPoll, false) if configuring => &MULTICAST,
+                    (IoKind::MulticastPoll, true) if configuring => &MULTICAST_SELECTING,
+                    (_, false) => &IO,
+                    (_, true) => &IO_SELECTING,
+                })
+            }
+            None if self.node.options.contains(Options::READ_NON_EXISTENT_STATE)
+                && (1..=5).contains(&instance.0) =>
+            {
+                Some(&NON_EXISTENT)
+            }
+            None => None,
+        }
+    }
+
+    fn next_instance(&self, instance: InstanceId) -> Option<InstanceId> {
+        let last = u16::from(FIRST_INSTANCE).saturating_add(u16::try_from(DYNAMIC).unwrap_or(u16::MAX));
+        (instance.0.saturating_add(1)..last).map(InstanceId).find(|&next| self.which(next).is_some())
+    }
+
+    fn get(&self, instance: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
+        let Some(which) = self.which(instance) else { return Ok(out.u8(0)?) };
+        Ok(self.view(which).get(attribute, out)?)
+    }
+
+    fn set(
+        &mut self,
+        instance: InstanceId,
+        attribute: AttributeId,
+        value: &[u8],
+        out: &mut Writer<'_>,
+    ) -> Result<Effects, Failure> {
+        let which = self.which(instance).ok_or(GONE)?;
+        match attribute.0 {
+            5 => self.set_multicast_group(u16::from_le_bytes(exact(value)?))?,
+            9 => {
+                let requested = u16::from_le_bytes(exact(value)?);
+                let used = match which {
+                    Which::Explicit => self.node.explicit_packet_rate(requested),
+                    Which::Io(kind) => self.node.io_packet_rate(kind, requested),
+                    Which::Dynamic(index) => self.node.dynamic_packet_rate(index, requested),
+                }?;
+                out.u16(used)?;
+            }
+            12 => {
+                let [action] = exact(value)?;
+                let action = WatchdogAction(action);
+                match which {
+                    Which::Explicit => self.node.explicit.set_watchdog_action(action),
+                    Which::Io(kind) => self.node.io_mut(kind).set_watchdog_action(action),
+                    Which::Dynamic(index) => self.dynamic(index)?.set_watchdog_action(action),
+                }?;
+            }
+            14 => self.select(which, End::Produced, value)?,
+            16 => self.select(which, End::Consumed, value)?,
+            17 => {
+                let Which::Io(kind) = which else { return Err(NOT_SETTABLE) };
+                let millis = u16::from_le_bytes(exact(value)?);
+                self.node.io_mut(kind).settings_mut().set_production_inhibit_time(millis)?;
+                if self.node.options.contains(Options::ANSWER_INHIBIT_TIME) {
+                    out.u16(millis)?;
+                }
+            }
+            18 => {
+                let [code] = exact(value)?;
+                let multiplier = TimeoutMultiplier(code);
+                match which {
+                    Which::Explicit => self.node.explicit.settings_mut().set_multiplier(multiplier),
+                    Which::Io(kind) => self.node.io_mut(kind).settings_mut().set_multiplier(multiplier),
+                    Which::Dynamic(index) => self.dynamic(index)?.settings_mut().set_multiplier(multiplier),
+                }?;
+            }
+            _ => return Err(NOT_SETTABLE),
+        }
+        Ok(Effects::NONE)
+    }
+
+    fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+        match call.service {
+            ServiceCode::RESET | ServiceCode::DELETE if call.instance.is_class() => {
+                call.no_data()?;
+                self.each(call.service);
+            }
+            ServiceCode::RESET => {
+                call.no_data()?;
+                self.reset(self.which(call.instance).ok_or(GONE)?)?;
+            }
+            ServiceCode::DELETE => {
+                call.no_data()?;
+                self.delete(self.which(call.instance).ok_or(GONE)?)?;
+            }
+            ServiceCode::APPLY_ATTRIBUTES => {
+                let Some(Which::Io(kind)) = self.which(call.instance) else { return Err(NOT_SUPPORTED) };
+                call.no_data()?;
+                self.node.io_step(kind, IoCause::Applied)?;
+            }
+            ServiceCode::FIND_NEXT_OBJECT_INSTANCE => {
+                return cip_core::object::find_next_instance(self, call, out);
+            }
+            _ => return Err(NOT_SUPPORTED),
+        }
+        Ok(Effects::NONE)
+    }
+}
+
+impl<A: Application, const DYNAMIC: usize> ConnectionObject<'_, A, DYNAMIC> {
+    fn which(&self, instance: InstanceId) -> Option<Which> {
+        if instance.0 == 1 {
+            return (self.node.explicit.state() != ExplicitState::NonExistent).then_some(Which::Explicit);
+        }
+        if let Some(kind) = IoKind::of_instance(instance) {
+            return (self.node.io(kind).state() != IoState::NonExistent).then_some(Which::Io(kind));
+        }
+        let index = u8::try_from(instance.0.checked_sub(FIRST_INSTANCE.into())?).ok()?;
+        self.node.is_open(index).then_some(Which::Dynamic(index))
+    }
+
+    fn dynamic(&mut self, index: u8) -> Result<&mut cip_core::connection::ExplicitConnection, Failure> {
+        self.node.dynamic.get_mut(usize::from(index)).map(|dynamic| &mut dynamic.connection).ok_or(GONE)
+    }
+
+    fn view(&self, which: Which) -> ConnectionView {
+        match which {
+            Which::Explicit => ConnectionView {
+                state: self.node.explicit.state().into(),
+                produced_id: Identifier::explicit_response(self.mac).raw(),
+                consumed_id: Identifier::explicit_request(self.mac).raw(),
+                settings: *self.node.explicit.settings(),
+                ..self.explicit_view(0x21)
+            },
+            Which::Dynamic(index) => match self.node.dynamic.get(usize::from(index)) {
+                Some(dynamic) => ConnectionView {
+                    state: dynamic.connection.state().into(),
+                    produced_id: dynamic.produced(self.mac).map_or(NO_ID, Identifier::raw),
+                    consumed_id: dynamic.consumed(self.mac).map_or(NO_ID, Identifier::raw),
+                    settings: *dynamic.connection.settings(),
+                    ..self.explicit_view(dynamic.characteristics())
+                },
+                None => self.explicit_view(0),
+            },
+            Which::Io(kind) => self.io_view(kind),
+        }
+    }
+
+    /// What all explicit connections have in common.
+    fn explicit_view(&self, characteristics: u8) -> ConnectionView {
+        ConnectionView {
+            state: self.node.explicit.state().into(),
+            instance_type: InstanceType::EXPLICIT,
+            transport_class_trigger: TransportClassTrigger(0x83),
+            produced_id: NO_ID,
+            consumed_id: NO_ID,
+            comm_characteristics: CommCharacteristics(characteristics),
+            produced_size: self.message,
+            consumed_size: self.message,
+            settings: *self.node.explicit.settings(),
+            produced_path: ConnectionPath::Empty,
+            consumed_path: ConnectionPath::Empty,
+        }
+    }
+
+    fn io_view(&self, kind: IoKind) -> ConnectionView {
+        let connection = self.node.io(kind);
+        let defaults = connection.kind().defaults();
+        let master = self.node.master.unwrap_or(MacId::MIN);
+        let (produced_id, consumed_id) = match kind {
+            IoKind::Poll => (Identifier::poll_response(self.mac), Identifier::poll_command(self.mac)),
+            IoKind::BitStrobe => {
+                (Identifier::bit_strobe_response(self.mac), Identifier::bit_strobe_command(master))
+            }
+            IoKind::ChangeOfState => {
+                (Identifier::change_of_state(self.mac), Identifier::change_of_state_acknowledge(self.mac))
+            }
+            IoKind::MulticastPoll => (
+                Identifier::multicast_poll_response(self.mac),
+                Identifier::multicast_poll_command(self.node.group),
+            ),
+        };
+        let (produces, consumes) = directions(connection.kind());
+        let [poll_size, multicast_size] = self.consumed_sizes;
+        let acknowledges_only = kind == IoKind::Poll && !self.node.held.contains(AllocationChoice::POLL);
+        let path = |end| {
+            self.application.assembly(kind, end).map_or(ConnectionPath::Empty, ConnectionPath::Assembly)
+        };
+        ConnectionView {
+            state: connection.state().into(),
+            instance_type: defaults.instance_type,
+            transport_class_trigger: defaults.transport_class_trigger,
+            produced_id: if produces { produced_id.raw() } else { NO_ID },
+            consumed_id: if consumes { consumed_id.raw() } else { NO_ID },
+            comm_characteristics: defaults.comm_characteristics,
+            produced_size: if produces && !acknowledges_only {
+                self.application.produced_size(kind)
+            } else {
+                0
+            },
+            consumed_size: match kind {
+                IoKind::BitStrobe => 8,
+                IoKind::ChangeOfState => 0,
+                IoKind::Poll => poll_size,
+                IoKind::MulticastPoll => multicast_size,
+            },
+            settings: *connection.settings(),
+            produced_path: if produces { path(End::Produced) } else { ConnectionPath::Empty },
+            consumed_path: match kind {
+                IoKind::ChangeOfState if consumes => ConnectionPath::AcknowledgeHandler,
+                IoKind::ChangeOfState => ConnectionPath::Empty,
+                IoKind::Poll | IoKind::BitStrobe | IoKind::MulticastPoll => path(End::Consumed),
+            },
+        }
+    }
+
+    /// Attribute 5 of instance 5: the group whose command is consumed, while the connection is being configured.
+    fn set_multicast_group(&mut self, id: u16) -> Result<(), Failure> {
+        let group = Identifier::new(id)
+            .filter(|id| id.group() == MessageGroup::Group2 && id.message_id() == 1)
+            .and_then(Identifier::mac_id)
+            .ok_or(Failure::new(GeneralStatus::INVALID_ATTRIBUTE_VALUE))?;
+        self.node.group = group;
+        self.node.changed.insert(Changed::FILTER);
+        Ok(())
+    }
+
+    /// Attributes 14 and 16: the path of another assembly.
+    fn select(&mut self, which: Which, end: End, value: &[u8]) -> Result<(), Failure> {
+        let Which::Io(kind) = which else { return Err(NOT_SETTABLE) };
+        if self.node.io(kind).state() != IoState::Configuring {
+            return Err(GeneralStatus::OBJECT_STATE_CONFLICT.into());
+        }
+        let path = Epath::packed(value).logical()?;
+        let assembly = path.instance.filter(|_| path.class == Some(ClassId::ASSEMBLY));
+        let before = self.application.assembly(kind, end);
+        let selected = assembly.is_some_and(|assembly| self.application.select_assembly(kind, end, assembly));
+        if !selected {
+            return Err(GeneralStatus::INVALID_ATTRIBUTE_VALUE.into());
+        }
+        let size =
+            usize::from(self.application.produced_size(kind)).max(self.application.consumed(kind).len());
+        if size > A::Long::CAPACITY {
+            // The one before was good enough.
+            let _ = before.map(|assembly| self.application.select_assembly(kind, end, assembly));
+            return Err(GeneralStatus::INVALID_ATTRIBUTE_VALUE.into());
+        }
+        Ok(())
+    }
+
+    fn reset(&mut self, which: Which) -> Result<(), Failure> {
+        match which {
+            Which::Explicit => self.node.explicit_step(ExplicitCause::Reset)?,
+            Which::Io(kind) => self.node.io_step(kind, IoCause::Reset)?,
+            Which::Dynamic(index) => self.node.dynamic_step(index, ExplicitCause::Reset)?,
+        }
+        Ok(())
+    }
+
+    fn delete(&mut self, which: Which) -> Result<(), Failure> {
+        match which {
+            Which::Explicit => self.node.explicit_step(ExplicitCause::Released)?,
+            Which::Io(kind) => self.node.io_step(kind, IoCause::Released)?,
+            Which::Dynamic(index) => self.node.dynamic_step(index, ExplicitCause::Released)?,
+        }
+        self.node.changed.insert(Changed::ALLOCATION);
+        Ok(())
+    }
+
+    /// The service of the class: what an instance cannot do is passed over.
+    fn each(&mut self, service: ServiceCode) {
+        let mut instance = InstanceId::CLASS;
+        while let Some(next) = self.next_instance(instance) {
+            if let Some(which) = self.which(next) {
+                let _ = if service == ServiceCode::RESET { self.reset(which) } else { self.delete(which) };
+            }
+            instance = next;
+        }
+    }
+}
+
+/// Whether a connection produces, and consumes.
+const fn directions(kind: PredefinedConnection) -> (bool, bool) {
+    match kind {
+        PredefinedConnection::ConsumeOnly => (false, true),
+        PredefinedConnection::ChangeOfState { acknowledged: false }
+        | PredefinedConnection::Cyclic { acknowledged: false } => (true, false),
+        PredefinedConnection::Explicit
+        | PredefinedConnection::Poll
+        | PredefinedConnection::BitStrobe
+        | PredefinedConnection::ChangeOfState { acknowledged: true }
+        | PredefinedConnection::Cyclic { acknowledged: true }
+        | PredefinedConnection::MulticastPoll => (true, true),
+    }
+}
+
+const fn table(consumed_id: bool, paths: bool, inhibit: bool) -> [AttributeRule; 16] {
+    [
+        AttributeRule::get(1, 1),
+        AttributeRule::get(2, 1),
+        AttributeRule::get(3, 1),
+        AttributeRule::get(4, 2),
+        either(5, 2, consumed_id),
+        AttributeRule::get(6, 1),
+        AttributeRule::get(7, 2),
+        AttributeRule::get(8, 2),
+        AttributeRule::get_set(9, 2),
+        AttributeRule::get_set(12, 1),
+        AttributeRule::get(13, 2),
+        either(14, 0, paths).sized(Size::Any),
+        AttributeRule::get(15, 2),
+        either(16, 0, paths).sized(Size::Any),
+        either(17, 2, inhibit),
+        AttributeRule::get_set(18, 1),
+    ]
+}
+
+const fn either(id: u16, size: u16, settable: bool) -> AttributeRule {
+    if settable { AttributeRule::get_set(id, size) } else { AttributeRule::get(id, size) }
+}
+
+static EXPLICIT: [AttributeRule; 16] = table(false, false, false);
+static IO: [AttributeRule; 16] = table(false, false, true);
+static IO_SELECTING: [AttributeRule; 16] = table(false, true, true);
+static MULTICAST: [AttributeRule; 16] = table(true, false, true);
+static MULTICAST_SELECTING: [AttributeRule; 16] = table(true, true, true);
+static NON_EXISTENT: [AttributeRule; 1] = [AttributeRule::get(1, 1)];
+
+const NO_ID: u16 = 0xFFFF;
+const GONE: Failure = Failure::new(GeneralStatus::OBJECT_DOES_NOT_EXIST);
+const NOT_SETTABLE: Failure = Failure::new(GeneralStatus::ATTRIBUTE_NOT_SETTABLE);
+const NOT_SUPPORTED: Failure = Failure::new(GeneralStatus::SERVICE_NOT_SUPPORTED);

@@ -1,0 +1,133 @@
+//! Leaving the network on purpose: Reset, and a new MAC ID. The response goes out first.
+
+use cip_core::message::ResetType;
+use link_core::{BitRate, Instant};
+
+use super::allocation::Door;
+use super::application::Application;
+use super::config::Options;
+use super::event::SlaveEvent;
+use super::machine::Slave;
+use crate::access::MacIdSource;
+use crate::id::MacId;
+
+/// What follows when the response has been sent.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) struct Departure {
+    why: Why,
+    door: Door,
+    stage: Stage,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+enum Why {
+    Reset(ResetType),
+    MacId(MacId),
+}
+
+/// How far it is.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+enum Stage {
+    /// The response is to be sent.
+    Response,
+    /// The shutdown message is to be sent.
+    Shutdown,
+}
+
+impl Departure {
+    pub(super) const fn reset(kind: ResetType, door: Door) -> Self {
+        Self { why: Why::Reset(kind), door, stage: Stage::Response }
+    }
+
+    pub(super) const fn mac_id(mac: MacId, door: Door) -> Self {
+        Self { why: Why::MacId(mac), door, stage: Stage::Response }
+    }
+
+    pub(super) const fn is_shutting_down(&self) -> bool {
+        matches!(self.stage, Stage::Shutdown)
+    }
+}
+
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
+    /// Goes on if the response has been sent.
+    pub(super) fn follow_departure(&mut self, now: Instant) {
+        let Some(departure) = &mut self.departure else { return };
+        if departure.stage != Stage::Response {
+            return;
+        }
+        let is_sent = match departure.door {
+            Door::Dynamic(index) => {
+                self.transfers.get(usize::from(index)).is_none_or(|transfer| transfer.transfer.is_quiet())
+            }
+            Door::Predefined | Door::Unconnected => self.explicit.is_quiet(),
+        };
+        if !is_sent {
+            return;
+        }
+        if self.node.options.contains(Options::SHUTDOWN_MESSAGE) && self.access.is_online() {
+            departure.stage = Stage::Shutdown;
+        } else {
+            self.leave(now);
+        }
+    }
+
+    /// The response, and the shutdown message if there was to be one, have been sent, or never will be.
+    pub(super) fn leave(&mut self, now: Instant) {
+        match self.departure.take() {
+            Some(Departure { why: Why::MacId(mac), .. }) => {
+                // That it can be set was checked when the request was answered.
+                let _ = self.access.set_mac_id(now, mac);
+            }
+            Some(Departure { why: Why::Reset(kind), .. }) => {
+                let mac = self.reset_configuration(kind);
+                self.reset_with(now, mac);
+                self.node.events.raise(SlaveEvent::Reset(kind));
+            }
+            None => {}
+        }
+    }
+
+    /// Starts anew, as after a power cycle; a stored bit rate takes effect.
+    pub fn reset(&mut self, now: Instant) {
+        self.reset_with(now, self.access.mac_id());
+        self.follow(now);
+    }
+
+    fn reset_with(&mut self, now: Instant, mac: MacId) {
+        self.node.advance(now);
+        if self.port.active != self.port.stored {
+            self.port.active = self.port.stored;
+            self.mode_due = true;
+        }
+        self.acknowledge = cip_core::object::AcknowledgeSettings::default();
+        self.access.reset_with_switches(now, mac);
+    }
+
+    /// Reset types 1 and 2: what is stored becomes as it was out of the box. Returns the MAC ID to start with.
+    fn reset_configuration(&mut self, kind: ResetType) -> MacId {
+        let mac = self.access.mac_id();
+        if kind != ResetType::OUT_OF_BOX && kind != ResetType::OUT_OF_BOX_KEEP_COMMUNICATION {
+            return mac;
+        }
+        if self.heartbeat_interval.is_some_and(|seconds| seconds != 0) {
+            self.heartbeat_interval = Some(0);
+            self.node.events.raise(SlaveEvent::StoreHeartbeatInterval(0));
+        }
+        if kind == ResetType::OUT_OF_BOX_KEEP_COMMUNICATION {
+            return mac;
+        }
+        if self.access.quick_connect() {
+            self.access.set_quick_connect(false);
+            self.node.events.raise(SlaveEvent::StoreQuickConnect(false));
+        }
+        if !self.port.rate_from_switches {
+            self.port.stored = BitRate::K125;
+            self.node.events.raise(SlaveEvent::StoreBitRate(BitRate::K125));
+        }
+        if self.access.config().mac_id_source == MacIdSource::Switches {
+            return mac;
+        }
+        self.node.events.raise(SlaveEvent::StoreMacId(MacId::DEFAULT));
+        MacId::DEFAULT
+    }
+}

@@ -1,0 +1,257 @@
+//! The DeviceNet object (class 3).
+
+use cip_core::code::{AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode};
+use cip_core::codec::Writer;
+use cip_core::object::{AttributeRule, Call, Effects, Failure, Object, exact};
+use link_core::{BitRate, BusErrorKind, LinkEvent};
+
+use super::allocation::{Offer, Requester};
+use super::bit_rate::{self, BIT_RATES};
+use super::config::Options;
+use super::event::{SlaveEvent, count};
+use super::node::Node;
+use crate::access::{Access, MacIdSource};
+use crate::id::MacId;
+
+/// What the address and bit rate switches of a device show. A device without one of them has 0 there.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Switches {
+    /// Attribute 8: as it is read, also above 63.
+    pub mac_id: u8,
+    /// Attribute 9: as it is read.
+    pub bit_rate: u8,
+}
+
+/// The errors on the bus that the controller told: attribute 12.
+///
+/// | Byte | Content |
+/// |---|---|
+/// | 0-1 | which counters exist: bit n is counter n |
+/// | 2-33 | 16 UINT: arbitration loss, overload, bit error, stuff error, ACK error, form error, CRC error, messages lost, warnings, receive errors, transmit errors, 5 reserved |
+///
+/// Counted are those that a driver can tell: bit, stuff, ACK, form and CRC errors, messages lost and warnings; the last
+/// two are the error counters of the controller. Every counter stays at its maximum; setting the attribute to anything
+/// clears them. Source: CIP Vol. 3, DeviceNet object.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Diagnostics {
+    /// Counters 2 to 10.
+    counters: [u16; 9],
+}
+
+/// What the DeviceNet object knows of the bus.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub(super) struct Port {
+    /// Attribute 2 as stored, for the next start.
+    pub(super) stored: BitRate,
+    pub(super) active: BitRate,
+    pub(super) rate_from_switches: bool,
+    pub(super) switches: Option<Switches>,
+    pub(super) diagnostics: Diagnostics,
+}
+
+/// The object, put together for one request.
+pub(super) struct DeviceNetObject<'a, const DYNAMIC: usize> {
+    pub(super) access: &'a mut Access,
+    pub(super) node: &'a mut Node<DYNAMIC>,
+    pub(super) port: &'a mut Port,
+    pub(super) offer: Offer,
+    pub(super) requester: Requester,
+    /// The MAC ID that the node shall have once the response is sent.
+    pub(super) new_mac_id: &'a mut Option<MacId>,
+}
+
+/// | Attribute | Value | Access |
+/// |---|---|---|
+/// | 1 | MAC ID, USINT 0-63 | Get; Set unless switches set it |
+/// | 2 | bit rate, USINT 0-2 | Get; Set unless switches set it |
+/// | 3 | BOI, BOOL | Get, Set |
+/// | 4 | bus-off counter, USINT | Get, Set |
+/// | 5 | allocation information: choice, MAC ID of the master or 255 | Get |
+/// | 6, 7 | switches differ from what is in use, BOOL | Get, with switches |
+/// | 8, 9 | what the switches show, USINT | Get, with switches |
+/// | 10 | Quick Connect, BOOL | Get, Set |
+/// | 12 | diagnostic counters | Get, Set clears them |
+///
+/// Services besides Get and Set: 0x4B Allocate, 0x4C Release. Class attribute 1 (revision) is 2.
+impl<const DYNAMIC: usize> Object for DeviceNetObject<'_, DYNAMIC> {
+    const CLASS: ClassId = ClassId::DEVICENET;
+    const REVISION: u16 = 2;
+
+    fn attributes(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
+        if instance.0 != 1 {
+            return None;
+        }
+        let mac_from_switches = self.access.config().mac_id_source == MacIdSource::Switches;
+        let rules: &'static [AttributeRule] = match (mac_from_switches, self.port.rate_from_switches) {
+            (false, false) => &MAC_ID_SET,
+            (true, false) => &RATE_SET,
+            (true, true) => &NONE_SET,
+            (false, true) => &ONLY_MAC_ID_SET,
+        };
+        let without_switches = rules.len().saturating_sub(SWITCH_ATTRIBUTES);
+        if self.port.switches.is_some() { Some(rules) } else { rules.get(..without_switches) }
+    }
+
+    fn get(&self, _: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
+        let switches = self.port.switches;
+        match attribute.0 {
+            1 => out.u8(self.access.mac_id().number())?,
+            2 => out.u8(bit_rate::number(if self.node.options.contains(Options::READ_ACTIVE_BIT_RATE) {
+                self.port.active
+            } else {
+                self.port.stored
+            }))?,
+            3 => out.u8(self.access.bus_off_interrupt().into())?,
+            4 => out.u8(self.access.bus_off_counter())?,
+            5 => {
+                let master = self.node.master.map_or(NOT_ALLOCATED, MacId::number);
+                out.bytes(&[self.node.choice().bits(), master])?;
+            }
+            6 => {
+                let differs = switches.is_some_and(|read| read.mac_id != self.access.mac_id().number());
+                out.u8(differs.into())?;
+            }
+            7 => {
+                let in_use = bit_rate::number(self.port.active);
+                out.u8(switches.is_some_and(|read| read.bit_rate != in_use).into())?;
+            }
+            8 => out.u8(switches.map_or(0, |read| read.mac_id))?,
+            9 => out.u8(switches.map_or(0, |read| read.bit_rate))?,
+            10 => out.u8(self.access.quick_connect().into())?,
+            12 => self.port.diagnostics.emit(out)?,
+            _ => return Err(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED.into()),
+        }
+        Ok(())
+    }
+
+    fn set(
+        &mut self,
+        _: InstanceId,
+        attribute: AttributeId,
+        value: &[u8],
+        _: &mut Writer<'_>,
+    ) -> Result<Effects, Failure> {
+        let invalid = Failure::new(GeneralStatus::INVALID_ATTRIBUTE_VALUE);
+        match attribute.0 {
+            1 => {
+                let [mac] = exact(value)?;
+                *self.new_mac_id = Some(MacId::new(mac).ok_or(invalid)?);
+            }
+            2 => {
+                let [number] = exact(value)?;
+                let rate = *BIT_RATES.get(usize::from(number)).ok_or(invalid)?;
+                self.port.stored = rate;
+                self.node.events.raise(SlaveEvent::StoreBitRate(rate));
+            }
+            3 => self.access.set_bus_off_interrupt(boolean(value)?),
+            4 => {
+                let [count] = exact(value)?;
+                self.access.set_bus_off_counter(count).map_err(|_| invalid)?;
+            }
+            10 => {
+                let enabled = boolean(value)?;
+                self.access.set_quick_connect(enabled);
+                self.node.events.raise(SlaveEvent::StoreQuickConnect(enabled));
+            }
+            12 => self.port.diagnostics = Diagnostics::default(),
+            _ => return Err(GeneralStatus::ATTRIBUTE_NOT_SETTABLE.into()),
+        }
+        Ok(Effects::NONE)
+    }
+
+    fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+        match call.service {
+            ServiceCode::ALLOCATE if !call.instance.is_class() => {
+                self.node.allocate(self.offer, self.requester, call.data, out)?;
+            }
+            ServiceCode::RELEASE if !call.instance.is_class() => {
+                self.node.release(self.offer, self.requester, call.data)?;
+            }
+            _ => return Err(GeneralStatus::SERVICE_NOT_SUPPORTED.into()),
+        }
+        Ok(Effects::NONE)
+    }
+}
+
+impl Diagnostics {
+    /// Takes note of what the controller tells.
+    pub(super) fn note(&mut self, event: LinkEvent) {
+        let [bit, stuff, ack, form, crc, lost, warning, receive, transmit] = &mut self.counters;
+        match event {
+            LinkEvent::BusError(BusErrorKind::Bit) => count(bit),
+            LinkEvent::BusError(BusErrorKind::Stuff) => count(stuff),
+            LinkEvent::BusError(BusErrorKind::Ack) => count(ack),
+            LinkEvent::BusError(BusErrorKind::Form) => count(form),
+            LinkEvent::BusError(BusErrorKind::Crc) => count(crc),
+            LinkEvent::Overrun { lost: frames } => {
+                *lost = lost.saturating_add(u16::try_from(frames.max(1)).unwrap_or(u16::MAX));
+            }
+            LinkEvent::ErrorWarning => count(warning),
+            LinkEvent::Counters { tec, rec } => (*transmit, *receive) = (tec, rec),
+            LinkEvent::Up
+            | LinkEvent::Down
+            | LinkEvent::ErrorPassive
+            | LinkEvent::ErrorActive
+            | LinkEvent::BusOff
+            | LinkEvent::BusError(BusErrorKind::Other)
+            | LinkEvent::ModeSet(_)
+            | LinkEvent::FilterSet
+            | LinkEvent::Refused(_) => {}
+        }
+    }
+
+    /// Writes attribute 12.
+    fn emit(&self, out: &mut Writer<'_>) -> Result<(), Failure> {
+        out.u16(DESCRIPTOR)?;
+        for absent in [0_u16; 2] {
+            out.u16(absent)?;
+        }
+        for counter in self.counters {
+            out.u16(counter)?;
+        }
+        for reserved in [0_u16; 5] {
+            out.u16(reserved)?;
+        }
+        Ok(())
+    }
+}
+
+/// A BOOL: 0 or 1.
+fn boolean(value: &[u8]) -> Result<bool, Failure> {
+    match exact(value)? {
+        [0] => Ok(false),
+        [1] => Ok(true),
+        [_] => Err(GeneralStatus::INVALID_ATTRIBUTE_VALUE.into()),
+    }
+}
+
+const fn table(mac_id: AttributeRule, rate: AttributeRule) -> [AttributeRule; 11] {
+    [
+        mac_id,
+        rate,
+        AttributeRule::get_set(3, 1),
+        AttributeRule::get_set(4, 1),
+        AttributeRule::get(5, 2),
+        AttributeRule::get_set(10, 1),
+        AttributeRule::get_set(12, 34).sized(cip_core::object::Size::Any),
+        AttributeRule::get(6, 1),
+        AttributeRule::get(7, 1),
+        AttributeRule::get(8, 1),
+        AttributeRule::get(9, 1),
+    ]
+}
+
+static MAC_ID_SET: [AttributeRule; 11] = table(AttributeRule::get_set(1, 1), AttributeRule::get_set(2, 1));
+static RATE_SET: [AttributeRule; 11] = table(AttributeRule::get(1, 1), AttributeRule::get_set(2, 1));
+static NONE_SET: [AttributeRule; 11] = table(AttributeRule::get(1, 1), AttributeRule::get(2, 1));
+static ONLY_MAC_ID_SET: [AttributeRule; 11] = table(AttributeRule::get_set(1, 1), AttributeRule::get(2, 1));
+
+/// The last ones of each table.
+const SWITCH_ATTRIBUTES: usize = 4;
+/// The MAC ID of the master while there is none.
+const NOT_ALLOCATED: u8 = 255;
+/// Counters 2 to 10.
+const DESCRIPTOR: u16 = 0x07FC;

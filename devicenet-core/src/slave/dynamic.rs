@@ -1,0 +1,171 @@
+//! Explicit connections that clients open through the UCMM: instances 6 and up of the Connection object.
+
+use cip_core::code::GeneralStatus;
+use cip_core::connection::{ExplicitCause, ExplicitConnection, ExplicitState};
+use cip_core::message::BodyFormat;
+use link_core::timers::TimerKey;
+
+use super::event::{SlaveEvent, count};
+use super::node::{Changed, Node, apply};
+use crate::id::{Identifier, MacId};
+
+/// One of them, open or not.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub(super) struct Dynamic {
+    pub(super) connection: ExplicitConnection,
+    pub(super) client: MacId,
+    pub(super) format: BodyFormat,
+    pub(super) group: Group,
+    /// Of the requests: from the client's pool in the groups 1 and 3, from ours in group 2.
+    pub(super) request: u8,
+    /// Of the responses, always from our pool.
+    pub(super) response: u8,
+}
+
+/// The message groups that a connection can be in.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) enum Group {
+    One,
+    Two,
+    Three,
+}
+
+/// The watchdog of one of them.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) struct DynamicTimer(pub(super) u8);
+
+impl<const N: usize> TimerKey<N> for DynamicTimer {
+    const ALL: [Self; N] = {
+        let mut all = [Self(0); N];
+        let mut rest: &mut [Self] = &mut all;
+        let mut index: u8 = 0;
+        while let Some((first, following)) = rest.split_first_mut() {
+            *first = Self(index);
+            index = index.saturating_add(1);
+            rest = following;
+        }
+        all
+    };
+
+    fn index(self) -> usize {
+        self.0.into()
+    }
+
+    fn why(self) -> &'static str {
+        "time-out of an explicit connection"
+    }
+}
+
+impl Dynamic {
+    pub(super) const CLOSED: Self = Self {
+        connection: ExplicitConnection::NON_EXISTENT,
+        client: MacId::MIN,
+        format: BodyFormat::Class8Instance8,
+        group: Group::Three,
+        request: 0,
+        response: 0,
+    };
+
+    pub(super) fn is_open(&self) -> bool {
+        self.connection.state() != ExplicitState::NonExistent
+    }
+
+    /// Where its requests come.
+    pub(super) fn consumed(&self, own: MacId) -> Option<Identifier> {
+        match self.group {
+            Group::One => Identifier::group1(self.request, self.client),
+            Group::Two => Identifier::group2(own, self.request),
+            Group::Three => Identifier::group3(self.request, self.client),
+        }
+    }
+
+    /// Where its responses go.
+    pub(super) fn produced(&self, own: MacId) -> Option<Identifier> {
+        match self.group {
+            Group::One => Identifier::group1(self.response, own),
+            Group::Two => Identifier::group2(own, self.response),
+            Group::Three => Identifier::group3(self.response, own),
+        }
+    }
+
+    /// The MAC ID that the header of a request carries.
+    pub(super) fn expected_header(&self, own: MacId) -> MacId {
+        match self.group {
+            Group::One | Group::Three => own,
+            Group::Two => self.client,
+        }
+    }
+
+    /// Attribute 6.
+    pub(super) const fn characteristics(&self) -> u8 {
+        match self.group {
+            Group::One => 0x00,
+            Group::Two => 0x21,
+            Group::Three => 0x33,
+        }
+    }
+}
+
+impl<const DYNAMIC: usize> Node<DYNAMIC> {
+    pub(super) fn is_open(&self, index: u8) -> bool {
+        self.dynamic.get(usize::from(index)).is_some_and(Dynamic::is_open)
+    }
+
+    pub(super) fn is_any_open(&self) -> bool {
+        self.dynamic.iter().any(Dynamic::is_open)
+    }
+
+    /// The one door of a connection that was opened dynamically.
+    pub(super) fn dynamic_step(&mut self, index: u8, cause: ExplicitCause) -> Result<(), GeneralStatus> {
+        let Some(dynamic) = self.dynamic.get_mut(usize::from(index)) else {
+            return Err(GeneralStatus::OBJECT_DOES_NOT_EXIST);
+        };
+        let from = dynamic.connection.state();
+        let result = dynamic.connection.handle(cause);
+        let to = dynamic.connection.state();
+        #[cfg(test)]
+        super::tests::edges::record_explicit(from, cause, to);
+        if from != to {
+            self.events.raise(SlaveEvent::Explicit { instance: instance(index), from, to, cause });
+            self.changed.insert(Changed::CONNECTIONS);
+        }
+        apply(&mut self.dynamic_timers, DynamicTimer(index), result?);
+        Ok(())
+    }
+
+    /// Sets attribute 9.
+    pub(super) fn dynamic_packet_rate(&mut self, index: u8, requested: u16) -> Result<u16, GeneralStatus> {
+        let resolution = self.resolution;
+        let dynamic = self.dynamic.get_mut(usize::from(index)).ok_or(GeneralStatus::OBJECT_DOES_NOT_EXIST)?;
+        let (used, watchdog) = dynamic.connection.set_packet_rate(requested, resolution)?;
+        apply(&mut self.dynamic_timers, DynamicTimer(index), watchdog);
+        Ok(used)
+    }
+
+    pub(super) fn dynamic_timed_out(&mut self, index: u8) {
+        count(&mut self.events.counters.timed_out);
+        let io_established = self.is_io_established();
+        let _ = self.dynamic_step(index, ExplicitCause::WatchdogExpired { io_established });
+    }
+
+    pub(super) fn lose_dynamic(&mut self) {
+        for DynamicTimer(index) in <DynamicTimer as TimerKey<DYNAMIC>>::ALL {
+            let _ = self.dynamic_step(index, ExplicitCause::NetworkLost);
+        }
+    }
+
+    /// The end of the last I/O connection is the end of those that waited for it.
+    pub(super) fn end_deferred(&mut self) {
+        for DynamicTimer(index) in <DynamicTimer as TimerKey<DYNAMIC>>::ALL {
+            let _ = self.dynamic_step(index, ExplicitCause::IoEnded);
+        }
+    }
+}
+
+/// The instance of the Connection object.
+pub(super) const fn instance(index: u8) -> u8 {
+    index.saturating_add(FIRST_INSTANCE)
+}
+
+/// After those of the predefined set.
+pub(super) const FIRST_INSTANCE: u8 = 6;

@@ -1,0 +1,68 @@
+//! The explicit connection of the predefined set: requests on 0x404 + 8s, responses on 0x403 + 8s.
+
+use cip_core::connection::{ExplicitCause, ExplicitState};
+use cip_core::message::BodyFormat;
+use link_core::Instant;
+
+use super::allocation::{Door, Requester};
+use super::application::Application;
+use super::event::Ignored;
+use super::machine::Slave;
+use super::server::Server;
+use super::transfer::Incoming;
+use crate::id::Identifier;
+use crate::message::ExplicitHeader;
+
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
+    pub(super) fn explicit_frame(&mut self, now: Instant, id: Identifier, field: &[u8]) {
+        if let Err(why) = self.explicit_message(now, field) {
+            self.node.events.ignored(id, why);
+        }
+    }
+
+    fn explicit_message(&mut self, now: Instant, field: &[u8]) -> Result<(), Ignored> {
+        if self.node.explicit.state() == ExplicitState::NonExistent {
+            return Err(Ignored::NoConnection);
+        }
+        let header = field.first().map(|&byte| ExplicitHeader::from(byte)).ok_or(Ignored::TooShort)?;
+        if Some(header.mac) != self.node.master {
+            return Err(Ignored::ForeignNode);
+        }
+        // It exists: nothing is refused.
+        let _ = self.node.explicit_step(ExplicitCause::Message);
+        let (rules, offer) = (self.rules(), self.offer());
+        let Self {
+            access,
+            node,
+            port,
+            application,
+            acknowledge,
+            heartbeat_interval,
+            departure,
+            explicit,
+            failures,
+            ..
+        } = self;
+        let mut server = Server {
+            access,
+            node,
+            port,
+            application,
+            acknowledge,
+            heartbeat_interval,
+            departure,
+            failures: *failures,
+            offer,
+            requester: Requester {
+                mac: header.mac,
+                door: Door::Predefined,
+                format: BodyFormat::Class8Instance8,
+            },
+            message: MESSAGE,
+        };
+        match explicit.receive(now, rules, header.mac, field, |request, out| server.answer(request, out)) {
+            Incoming::Answered | Incoming::Taken => Ok(()),
+            Incoming::Ignored(why) => Err(why),
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! Memory for I/O messages that do not fit into a frame.
+
+use core::fmt::Debug;
+use core::hash::Hash;
+
+use cip_core::fragment::{EmptyMessage, IO_UNFRAGMENTED_LEN, IoFragments, IoOutcome, IoReassembly};
+use heapless::Vec;
+
+use crate::slave::IoKind;
+
+/// Where I/O messages of more than eight bytes are put together and cut: [`Fragmented`], or `()` for none.
+pub trait LongMessages: Clone + Eq + Hash + Debug + Default {
+    /// The longest message.
+    const CAPACITY: usize;
+
+    /// Takes the data field of a frame; `None` if the connection has no memory for it.
+    fn receive(&mut self, connection: IoKind, field: &[u8]) -> Option<IoOutcome<'_>>;
+
+    /// Drops what arrived of a message.
+    fn discard(&mut self, connection: IoKind);
+
+    /// Begins to send a message.
+    fn load(&mut self, connection: IoKind, message: &[u8], empty: EmptyMessage);
+
+    /// The data field of the present frame; `None` if there is none.
+    fn field(&self, connection: IoKind) -> Option<Vec<u8, 8>>;
+
+    /// The present frame was sent; true if another follows.
+    fn advance(&mut self, connection: IoKind) -> bool;
+
+    /// What is being sent is given up.
+    fn unload(&mut self, connection: IoKind);
+}
+
+/// No message is longer than a frame.
+impl LongMessages for () {
+    const CAPACITY: usize = IO_UNFRAGMENTED_LEN;
+
+    fn receive(&mut self, _: IoKind, _: &[u8]) -> Option<IoOutcome<'_>> {
+        None
+    }
+
+    fn discard(&mut self, _: IoKind) {}
+
+    fn load(&mut self, _: IoKind, _: &[u8], _: EmptyMessage) {}
+
+    fn field(&self, _: IoKind) -> Option<Vec<u8, 8>> {
+        None
+    }
+
+    fn advance(&mut self, _: IoKind) -> bool {
+        false
+    }
+
+    fn unload(&mut self, _: IoKind) {}
+}
+
+/// Messages of up to `N` bytes, at most 448, on all connections but bit-strobe.
+///
+/// It takes about `5 * N` bytes: two connections consume, three produce.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub struct Fragmented<const N: usize> {
+    poll: Outgoing<N>,
+    change_of_state: Outgoing<N>,
+    multicast: Outgoing<N>,
+    poll_command: IoReassembly<N>,
+    multicast_command: IoReassembly<N>,
+}
+
+/// A message on its way. It is a copy: the data of the application may change before its last fragment is sent.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+struct Outgoing<const N: usize> {
+    message: Vec<u8, N>,
+    empty: EmptyMessage,
+    /// The frame to send, counted from 0; `None` if nothing is being sent.
+    index: Option<u8>,
+}
+
+impl<const N: usize> Default for Fragmented<N> {
+    fn default() -> Self {
+        let idle = Outgoing { message: Vec::new(), empty: EmptyMessage::NoData, index: None };
+        Self {
+            poll: idle.clone(),
+            change_of_state: idle.clone(),
+            multicast: idle,
+            poll_command: IoReassembly::new(N),
+            multicast_command: IoReassembly::new(N),
+        }
+    }
+}
+
+impl<const N: usize> Fragmented<N> {
+    const fn outgoing(&self, connection: IoKind) -> Option<&Outgoing<N>> {
+        match connection {
+            IoKind::Poll => Some(&self.poll),
+            IoKind::ChangeOfState => Some(&self.change_of_state),
+            IoKind::MulticastPoll => Some(&self.multicast),
+            IoKind::BitStrobe => None,
+        }
+    }
+
+    const fn outgoing_mut(&mut self, connection: IoKind) -> Option<&mut Outgoing<N>> {
+        match connection {
+            IoKind::Poll => Some(&mut self.poll),
+            IoKind::ChangeOfState => Some(&mut self.change_of_state),
+            IoKind::MulticastPoll => Some(&mut self.multicast),
+            IoKind::BitStrobe => None,
+        }
+    }
+
+    const fn incoming(&mut self, connection: IoKind) -> Option<&mut IoReassembly<N>> {
+        match connection {
+            IoKind::Poll => Some(&mut self.poll_command),
+            IoKind::MulticastPoll => Some(&mut self.multicast_command),
+            IoKind::BitStrobe | IoKind::ChangeOfState => None,
+        }
+    }
+}
+
+impl<const N: usize> LongMessages for Fragmented<N> {
+    const CAPACITY: usize = if N > IO_UNFRAGMENTED_LEN { N } else { IO_UNFRAGMENTED_LEN };
+
+    fn receive(&mut self, connection: IoKind, field: &[u8]) -> Option<IoOutcome<'_>> {
+        Some(self.incoming(connection)?.frame(field))
+    }
+
+    fn discard(&mut self, connection: IoKind) {
+        if let Some(incoming) = self.incoming(connection) {
+            incoming.discard();
+        }
+    }
+
+    fn load(&mut self, connection: IoKind, message: &[u8], empty: EmptyMessage) {
+        if let Some(outgoing) = self.outgoing_mut(connection) {
+            outgoing.message.clear();
+            // The sizes were checked when the slave was made; a longer message would go out empty: no valid data.
+            let _ = outgoing.message.extend_from_slice(message);
+            (outgoing.empty, outgoing.index) = (empty, Some(0));
+        }
+    }
+
+    fn field(&self, connection: IoKind) -> Option<Vec<u8, 8>> {
+        let outgoing = self.outgoing(connection)?;
+        outgoing.fragments()?.nth(outgoing.index?.into())
+    }
+
+    fn advance(&mut self, connection: IoKind) -> bool {
+        let Some(outgoing) = self.outgoing_mut(connection) else { return false };
+        outgoing.index = outgoing.index.map(|index| index.saturating_add(1));
+        let more = self.field(connection).is_some();
+        if !more {
+            self.unload(connection);
+        }
+        more
+    }
+
+    fn unload(&mut self, connection: IoKind) {
+        if let Some(outgoing) = self.outgoing_mut(connection) {
+            outgoing.message.clear();
+            outgoing.index = None;
+        }
+    }
+}
+
+impl<const N: usize> Outgoing<N> {
+    fn fragments(&self) -> Option<IoFragments<'_>> {
+        IoFragments::new(self.message.as_slice(), self.empty)
+    }
+}

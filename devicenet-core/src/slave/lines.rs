@@ -1,0 +1,200 @@
+//! Who may send: each identifier on which the slave sends is a line with at most one frame in flight.
+
+use link_core::TxToken;
+
+use super::application::IoKind;
+use super::transfer::Piece;
+use crate::access::Access;
+use crate::id::{Identifier, MacId};
+
+bitflags::bitflags! {
+    /// The lines, in the order of their identifiers: the lowest bit has the highest priority.
+    #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+    pub(super) struct Line: u8 {
+        /// 0x300 + s
+        const MULTICAST_POLL = 1 << 0;
+        /// 0x340 + s
+        const CHANGE_OF_STATE = 1 << 1;
+        /// 0x380 + s
+        const BIT_STROBE = 1 << 2;
+        /// 0x3C0 + s
+        const POLL = 1 << 3;
+        /// 0x403 + 8s
+        const EXPLICIT = 1 << 4;
+        /// 0x740 + s
+        const UCMM = 1 << 5;
+    }
+}
+
+/// The state of all lines.
+#[derive(Clone, PartialEq, Eq, Hash, Debug, Default)]
+pub(super) struct Lines {
+    /// An I/O message is to be sent.
+    pub(super) due: Line,
+    /// The next fragment of an I/O message is to be sent.
+    continued: Line,
+    /// A frame is with the controller.
+    pub(super) in_flight: Line,
+    /// It must be withdrawn.
+    unwanted: Line,
+    /// What is in flight on the explicit line, if it matters.
+    pub(super) explicit: Option<Sent>,
+    /// The same on the line of the UCMM.
+    pub(super) ucmm: Option<Sent>,
+    /// What is produced by change of state has changed since it was last sent.
+    pub(super) pending: bool,
+    /// How often the present change of state or cyclic message was sent again.
+    pub(super) retries: u8,
+}
+
+/// A frame on the explicit line or that of the UCMM.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) enum Sent {
+    /// Of the explicit connection.
+    Piece(Piece),
+    /// The response of an unconnected port.
+    Unconnected,
+    /// The heartbeat.
+    Heartbeat,
+    /// The farewell.
+    Shutdown,
+}
+
+impl Lines {
+    /// The I/O line of the highest priority that has something to send and is free.
+    pub(super) fn ready(&self) -> Option<IoKind> {
+        let ready = self.due.union(self.continued).difference(self.in_flight);
+        if ready.is_empty() {
+            return None;
+        }
+        Some(if ready.contains(Line::MULTICAST_POLL) {
+            IoKind::MulticastPoll
+        } else if ready.contains(Line::CHANGE_OF_STATE) {
+            IoKind::ChangeOfState
+        } else if ready.contains(Line::BIT_STROBE) {
+            IoKind::BitStrobe
+        } else {
+            IoKind::Poll
+        })
+    }
+
+    /// An I/O message is to be sent; false if one is waiting already, with which it goes together.
+    pub(super) fn want(&mut self, kind: IoKind) -> bool {
+        let line = of(kind);
+        let new = !self.due.contains(line);
+        self.due.insert(line);
+        new
+    }
+
+    /// The message of the line goes on with its next fragment.
+    pub(super) fn go_on(&mut self, kind: IoKind) {
+        self.continued.insert(of(kind));
+    }
+
+    /// A frame of the line is handed to the controller.
+    pub(super) fn begin(&mut self, kind: IoKind) {
+        let line = of(kind);
+        if self.continued.contains(line) {
+            self.continued.remove(line);
+        } else {
+            self.due.remove(line);
+        }
+        self.in_flight.insert(line);
+    }
+
+    pub(super) fn is_change_of_state_free(&self) -> bool {
+        self.is_free(Line::CHANGE_OF_STATE)
+    }
+
+    pub(super) fn is_free(&self, line: Line) -> bool {
+        !self.in_flight.contains(line)
+    }
+
+    /// The connection is gone: what is waiting is not sent, what is in flight is withdrawn.
+    pub(super) fn stop(&mut self, kind: IoKind) {
+        let line = of(kind);
+        self.due.remove(line);
+        self.continued.remove(line);
+        self.unwanted.insert(self.in_flight.intersection(line));
+    }
+
+    /// The node leaves the network. What is in flight is withdrawn, unless the controller has dropped it by itself.
+    pub(super) fn stop_all(&mut self, dropped: bool) {
+        self.due = Line::empty();
+        self.continued = Line::empty();
+        (self.explicit, self.ucmm) = (None, None);
+        self.unwanted = if dropped { Line::empty() } else { self.in_flight };
+    }
+
+    pub(super) fn must_withdraw(&self) -> bool {
+        !self.unwanted.is_empty()
+    }
+
+    /// The next frame to withdraw.
+    pub(super) fn withdraw(&mut self) -> Option<TxToken> {
+        let line = self.unwanted.iter().next()?;
+        self.unwanted.remove(line);
+        Some(token(line))
+    }
+
+    /// A frame of the line is with the controller no longer; `None` if it was not.
+    pub(super) fn done(&mut self, line: Line) -> Option<()> {
+        if !self.in_flight.contains(line) {
+            return None;
+        }
+        self.in_flight.remove(line);
+        self.unwanted.remove(line);
+        Some(())
+    }
+}
+
+pub(super) const fn of(kind: IoKind) -> Line {
+    match kind {
+        IoKind::MulticastPoll => Line::MULTICAST_POLL,
+        IoKind::ChangeOfState => Line::CHANGE_OF_STATE,
+        IoKind::BitStrobe => Line::BIT_STROBE,
+        IoKind::Poll => Line::POLL,
+    }
+}
+
+/// The identifier of a line.
+pub(super) fn identifier(line: Line, mac: MacId) -> Identifier {
+    match line {
+        Line::MULTICAST_POLL => Identifier::multicast_poll_response(mac),
+        Line::CHANGE_OF_STATE => Identifier::change_of_state(mac),
+        Line::BIT_STROBE => Identifier::bit_strobe_response(mac),
+        Line::POLL => Identifier::poll_response(mac),
+        Line::UCMM => Identifier::unconnected_response(mac),
+        _ => Identifier::explicit_response(mac),
+    }
+}
+
+/// The I/O connection of a line.
+pub(super) fn io_of(line: Line) -> Option<IoKind> {
+    IoKind::ALL.into_iter().find(|&kind| of(kind) == line)
+}
+
+/// The token of the frames of a line: its bit, which is never that of network access.
+pub(super) fn token(line: Line) -> TxToken {
+    const { assert!(Access::TOKEN.0 == 0, "lines are told apart by their bits, and 0 is none") };
+    TxToken(line.bits().into())
+}
+
+/// The line of a token.
+pub(super) fn line_of(token: TxToken) -> Option<Line> {
+    let line = Line::from_bits(u8::try_from(token.0).ok()?)?;
+    (line.bits().count_ones() == 1).then_some(line)
+}
+
+/// The token of a connection that was opened dynamically.
+pub(super) fn dynamic_token(index: u8) -> TxToken {
+    TxToken(u16::from(index).saturating_add(FIRST_DYNAMIC))
+}
+
+/// The connection of a token.
+pub(super) fn dynamic_of(token: TxToken) -> Option<u8> {
+    u8::try_from(token.0.checked_sub(FIRST_DYNAMIC)?).ok()
+}
+
+/// Above those of the lines.
+const FIRST_DYNAMIC: u16 = 0x100;

@@ -1,0 +1,469 @@
+//! The machine: what it is made of, and where each input goes.
+
+use cip_core::fragment::IO_MESSAGE_MAX;
+use cip_core::message::BodyFormat;
+use cip_core::object::{AcknowledgeSettings, FailureOptions};
+use heapless::Vec;
+use link_core::timers::TimerKey;
+use link_core::{Action, Deadline, Frame, Input, Instant, LinkEvent, Machine, TxOutcome, TxToken};
+
+use super::allocation::Offer;
+use super::application::{Application, IoKind};
+use super::config::{Config, Options};
+use super::departure::Departure;
+use super::detection::Detection;
+use super::devicenet_object::{Port, Switches};
+use super::dynamic::DynamicTimer;
+use super::event::{Counters, Event, SlaveEvent, count, count_wide};
+use super::indicator::ModuleStatus;
+use super::io::LongMessages;
+use super::lines::{self, Line};
+use super::node::{Changed, Node, Timer};
+use super::server::offered;
+use super::transfer::{Piece, Rules, Transfer};
+use super::unconnected::Answer;
+use crate::access::{Access, NetworkStatus};
+use crate::id::Identifier;
+
+/// A slave; see the [module](super) text.
+///
+/// `MESSAGE` is the longest explicit message, from the service byte on. `DYNAMIC` is how many explicit connections
+/// clients can open through the UCMM; with 0 it is a [`Group2OnlyServer`].
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub struct Slave<A: Application, const MESSAGE: usize, const DYNAMIC: usize> {
+    pub(super) application: A,
+    pub(super) access: Access,
+    pub(super) node: Node<DYNAMIC>,
+    pub(super) port: Port,
+    pub(super) explicit: Transfer<MESSAGE>,
+    pub(super) transfers: [DynamicTransfer<MESSAGE>; DYNAMIC],
+    pub(super) long: A::Long,
+    pub(super) acknowledge: AcknowledgeSettings,
+    /// Responses of the unconnected ports that are still to be sent.
+    pub(super) answers: Vec<Answer, 3>,
+    pub(super) departure: Option<Departure>,
+    pub(super) detection: Detection,
+    pub(super) heartbeat_interval: Option<u8>,
+    pub(super) heartbeat_due: bool,
+    /// The bit rate is to be told to the controller.
+    pub(super) mode_due: bool,
+    online: bool,
+    pub(super) shown: NetworkStatus,
+    pub(super) module: ModuleStatus,
+    pub(super) receive_time_out: u16,
+    pub(super) group: Option<crate::MacId>,
+    pub(super) failures: FailureOptions,
+}
+
+/// A slave without the UCMM: it is reached through the Group 2 unconnected port only.
+pub type Group2OnlyServer<A, const MESSAGE: usize = 32> = Slave<A, MESSAGE, 0>;
+
+/// The buffers of a connection that was opened dynamically, and whether a frame of it is in flight.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub(super) struct DynamicTransfer<const MESSAGE: usize> {
+    pub(super) transfer: Transfer<MESSAGE>,
+    pub(super) in_flight: bool,
+    pub(super) piece: Option<Piece>,
+    pub(super) unwanted: bool,
+}
+
+/// Why a slave cannot be made.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum InvalidSlave {
+    /// See [`Application::Long`].
+    #[error(
+        "{connection} has {size} bytes, and there is room for {room}: let Application::Long be Fragmented<{size}>, at most 448"
+    )]
+    TooLong {
+        /// Which connection.
+        connection: IoKind,
+        /// What it produces or consumes.
+        size: usize,
+        /// What [`Application::Long`] holds.
+        room: usize,
+    },
+    /// The answer to Allocate and every error response must fit, and the heartbeat of the application's data.
+    #[error("explicit messages of {0} bytes are too short: use at least 8")]
+    MessageTooShort(usize),
+    /// There are only so many Message IDs.
+    #[error("{0} dynamic connections are more than the message groups have room for: use at most 16")]
+    TooManyConnections(usize),
+}
+
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
+    /// A slave without power: the first [`LinkEvent::Up`] starts it.
+    ///
+    /// # Errors
+    /// See [`InvalidSlave`].
+    pub fn new(config: Config, mut application: A) -> Result<Self, InvalidSlave> {
+        if MESSAGE < 8 {
+            return Err(InvalidSlave::MessageTooShort(MESSAGE));
+        }
+        if DYNAMIC > 16 {
+            return Err(InvalidSlave::TooManyConnections(DYNAMIC));
+        }
+        check_sizes(&mut application)?;
+        let device = application.identity().device;
+        let (vendor, serial) = (device.vendor, device.serial);
+        let identity = application.identity();
+        let module = ModuleStatus::of(
+            identity.state.unwrap_or(cip_core::identity::DeviceState::OPERATIONAL),
+            identity.status,
+        );
+        let mut access = config.access;
+        access.device = crate::message::DeviceIdentity { vendor, serial };
+        let limit = if config.options.contains(Options::SIZE_COUNTS_HEADER) {
+            MESSAGE.saturating_sub(1)
+        } else {
+            MESSAGE
+        };
+        let transfer = DynamicTransfer {
+            transfer: Transfer::new(limit),
+            in_flight: false,
+            piece: None,
+            unwanted: false,
+        };
+        Ok(Self {
+            application,
+            access: Access::new(access),
+            node: Node::new(config.options, config.resolution),
+            port: Port {
+                stored: config.bit_rate.rate,
+                active: config.bit_rate.rate,
+                rate_from_switches: config.bit_rate.from_switches,
+                switches: None,
+                diagnostics: super::Diagnostics::default(),
+            },
+            explicit: Transfer::new(limit),
+            transfers: [(); DYNAMIC].map(|()| transfer.clone()),
+            long: A::Long::default(),
+            acknowledge: AcknowledgeSettings::default(),
+            answers: Vec::new(),
+            departure: None,
+            detection: Detection::new(config.bit_rate.detect),
+            heartbeat_interval: config.heartbeat_interval,
+            heartbeat_due: false,
+            mode_due: false,
+            online: false,
+            shown: NetworkStatus::Off,
+            module,
+            receive_time_out: config.receive_time_out,
+            group: config.multicast_group,
+            failures: config.failures,
+        })
+    }
+
+    /// Its network access.
+    #[must_use]
+    pub const fn access(&self) -> &Access {
+        &self.access
+    }
+
+    /// The device behind it.
+    #[must_use]
+    pub const fn application(&self) -> &A {
+        &self.application
+    }
+
+    /// The same, to change its data. If what is produced by change of state has changed, call
+    /// [`inputs_changed`](Self::inputs_changed) after that; sizes must stay as they are.
+    pub const fn application_mut(&mut self) -> &mut A {
+        &mut self.application
+    }
+
+    /// What was counted since the slave was made, besides its [network access](Access::counters).
+    #[must_use]
+    pub const fn counters(&self) -> &Counters {
+        &self.node.events.counters
+    }
+
+    /// What the switches show: attributes 6 to 9 of the DeviceNet object, which it has from then on.
+    pub const fn set_switches(&mut self, switches: Switches) {
+        self.port.switches = Some(switches);
+    }
+
+    /// Moves every instant that it stores towards zero, so that a model checker can compare histories of different age.
+    pub fn shift_time(&mut self, span: core::time::Duration) {
+        self.access.shift_time(span);
+        self.node.timers.shift(span);
+        self.node.dynamic_timers.shift(span);
+        self.explicit.shift_time(span);
+        for transfer in &mut self.transfers {
+            transfer.transfer.shift_time(span);
+        }
+    }
+
+    pub(super) const fn rules(&self) -> Rules {
+        Rules {
+            receive_time_out: self.receive_time_out,
+            reacknowledge_last: self.node.options.contains(Options::REACKNOWLEDGE_LAST),
+        }
+    }
+
+    pub(super) const fn offer(&self) -> Offer {
+        Offer { choice: offered::<A>(), group: self.group }
+    }
+
+    fn frame(&mut self, now: Instant, frame: &Frame) {
+        let Some(id) = Identifier::of_frame(frame).filter(|_| self.online) else {
+            return self.access.input(now, Input::Frame(*frame));
+        };
+        if self.is_dynamic(id) {
+            return self.dynamic_frame(now, id, frame.data());
+        }
+        let own = self.access.mac_id();
+        let raw = id.raw();
+        if raw & 0x600 != 0x400 {
+            return if DYNAMIC > 0 { self.dynamic_frame(now, id, frame.data()) } else { self.foreign() };
+        }
+        match (raw & 7, id.mac_id()) {
+            (5, Some(mac)) if mac == own => self.command(id, IoKind::Poll, frame.data()),
+            (4, Some(mac)) if mac == own => self.explicit_frame(now, id, frame.data()),
+            (6, Some(mac)) if mac == own => self.unconnected_frame(id, frame.data()),
+            (7, Some(mac)) if mac == own => self.access.input(now, Input::Frame(*frame)),
+            (2, Some(mac)) if mac == own && A::IO.intersects(super::node::BOTH) => {
+                self.change_of_state_acknowledged(id);
+            }
+            (0, mac)
+                if A::IO.contains(cip_core::message::AllocationChoice::BIT_STROBE)
+                    && mac == self.node.master =>
+            {
+                self.strobe(id, frame.data());
+            }
+            (1, Some(mac))
+                if A::IO.contains(cip_core::message::AllocationChoice::MULTICAST_POLL)
+                    && mac == self.node.group =>
+            {
+                self.command(id, IoKind::MulticastPoll, frame.data());
+            }
+            _ => self.foreign(),
+        }
+    }
+
+    pub(super) fn foreign(&mut self) {
+        count_wide(&mut self.node.events.counters.foreign);
+    }
+
+    fn link(&mut self, now: Instant, event: LinkEvent) {
+        self.port.diagnostics.note(event);
+        self.access.input(now, Input::Link(event));
+    }
+
+    fn tx_done(&mut self, now: Instant, token: TxToken, outcome: TxOutcome) {
+        if token == Access::TOKEN {
+            return self.access.input(now, Input::TxDone(token, outcome));
+        }
+        let done = match lines::line_of(token) {
+            Some(line) => self.line_done(now, line, outcome),
+            None => self.dynamic_done(now, token, outcome),
+        };
+        if done.is_none() {
+            count(&mut self.node.events.counters.stray_tx_done);
+        }
+    }
+
+    fn line_done(&mut self, now: Instant, line: Line, outcome: TxOutcome) -> Option<()> {
+        self.node.lines.done(line)?;
+        let sent = outcome == TxOutcome::Sent;
+        if outcome == TxOutcome::Dropped && self.online {
+            self.not_sent(lines::identifier(line, self.access.mac_id()), outcome);
+        }
+        match lines::io_of(line) {
+            Some(kind) => self.produced(kind, sent),
+            None => self.explicit_done(now, line),
+        }
+        Some(())
+    }
+
+    pub(super) fn not_sent(&mut self, id: Identifier, outcome: TxOutcome) {
+        count(&mut self.node.events.counters.not_sent);
+        self.node.events.raise(SlaveEvent::NotSent { id, outcome });
+    }
+
+    /// Serves every wait that is over at `until`.
+    fn expire(&mut self, now: Instant, until: Instant) {
+        if self.access.deadline_is_over(until) {
+            self.access.input(until, Input::Tick);
+        }
+        while let Some(timer) = self.node.timers.take_expired(until) {
+            match timer {
+                Timer::Explicit => self.node.explicit_timed_out(),
+                Timer::Io(kind) => self.node.io_timed_out(kind),
+                Timer::Trigger => self.node.triggered(),
+                Timer::Inhibit => self.node.inhibit_over(),
+                Timer::Acknowledge => self.not_acknowledged(),
+                Timer::Heartbeat => self.heartbeat_over(now),
+            }
+        }
+        while let Some(DynamicTimer(index)) = self.node.dynamic_timers.take_expired(until) {
+            self.node.dynamic_timed_out(index);
+        }
+        if self.explicit.expire(now, until) {
+            self.node.events.raise(SlaveEvent::ResponseAbandoned { instance: 1 });
+        }
+        for (DynamicTimer(index), dynamic) in
+            <DynamicTimer as TimerKey<DYNAMIC>>::ALL.into_iter().zip(&mut self.transfers)
+        {
+            if dynamic.transfer.expire(now, until) {
+                let instance = super::dynamic::instance(index);
+                self.node.events.raise(SlaveEvent::ResponseAbandoned { instance });
+            }
+        }
+    }
+
+    fn is_due(&self, now: Instant) -> bool {
+        self.node.timers.is_due(now)
+            || self.explicit.is_over(now)
+            || self.node.dynamic_timers.is_due(now)
+            || self.transfers.iter().any(|dynamic| dynamic.transfer.is_over(now))
+            || self.access.deadline_is_over(now)
+    }
+
+    /// What follows from the changes of an input before anything is sent.
+    pub(super) fn follow(&mut self, now: Instant) {
+        if self.online != self.access.is_online() {
+            self.online = self.access.is_online();
+            if self.online { self.go_online() } else { self.go_offline(now) }
+        }
+        if self.departure.is_some() {
+            self.follow_departure(now);
+            if self.online && !self.access.is_online() {
+                self.online = false;
+                self.go_offline(now);
+            }
+        }
+        if self.node.changed.is_empty() {
+            return;
+        }
+        if self.node.changed.contains(Changed::CONNECTIONS) {
+            self.node.settle();
+            self.close_transfers();
+        }
+        self.follow_modes();
+        if self.node.changed.contains(Changed::ALLOCATION) {
+            self.node.changed.remove(Changed::ALLOCATION);
+            let (choice, master) = (self.node.choice(), self.node.master);
+            self.node.events.raise(SlaveEvent::Allocation { choice, master });
+        }
+    }
+
+    fn go_online(&mut self) {
+        self.node.changed.insert(Changed::FILTER);
+        self.start_heartbeat();
+    }
+
+    fn go_offline(&mut self, now: Instant) {
+        let dropped = self.access.is_off_the_bus();
+        self.node.lines.stop_all(dropped);
+        self.node.lose_network();
+        self.node.lines.stop_all(dropped);
+        self.explicit.clear();
+        for dynamic in &mut self.transfers {
+            dynamic.transfer.clear();
+            dynamic.unwanted = dynamic.in_flight && !dropped;
+        }
+        self.answers.clear();
+        self.heartbeat_due = false;
+        self.node.timers.clear(Timer::Heartbeat);
+        // Whoever wanted to leave has left by other means; what was accepted is carried out all the same.
+        self.leave(now);
+    }
+
+    fn close_transfers(&mut self) {
+        use cip_core::connection::ExplicitState;
+        if self.node.explicit.state() == ExplicitState::NonExistent {
+            self.explicit.close();
+        }
+        for (dynamic, transfer) in self.node.dynamic.iter().zip(&mut self.transfers) {
+            if !dynamic.is_open() {
+                transfer.transfer.close();
+            }
+        }
+    }
+
+    /// The body format of a connection that was opened dynamically.
+    pub(super) fn format_of(&self, index: u8) -> BodyFormat {
+        self.node.dynamic.get(usize::from(index)).map_or_else(BodyFormat::default, |dynamic| dynamic.format)
+    }
+}
+
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Slave<A, MESSAGE, DYNAMIC> {
+    type Event = Event;
+
+    fn input(&mut self, now: Instant, input: Input) {
+        self.node.advance(now);
+        let now = self.node.timers.now();
+        if self.detection.is_running() {
+            return self.detect(now, input);
+        }
+        // A wait that ended before this moment ended before this input; one that ends now ends after it.
+        let is_due = self.is_due(now);
+        if is_due {
+            self.expire(now, now.saturating_sub(core::time::Duration::from_nanos(1)));
+            self.follow(now);
+        }
+        match input {
+            Input::Frame(frame) => self.frame(now, &frame),
+            Input::TxDone(token, outcome) => self.tx_done(now, token, outcome),
+            Input::Link(event) => self.link(now, event),
+            Input::Tick => {}
+        }
+        if is_due {
+            self.expire(now, now);
+        }
+        self.follow(now);
+    }
+
+    fn poll(&mut self, now: Instant) -> Option<Action<Event>> {
+        self.node.advance(now);
+        self.output(now)
+    }
+
+    fn deadline(&self) -> Option<Deadline> {
+        if self.has_output() {
+            return Some(Deadline::now(self.node.timers.now()));
+        }
+        let dynamic = self.transfers.iter().filter_map(|dynamic| dynamic.transfer.deadline());
+        [
+            self.access.deadline(),
+            self.node.timers.next(),
+            self.node.dynamic_timers.next(),
+            self.explicit.deadline(),
+        ]
+        .into_iter()
+        .flatten()
+        .chain(dynamic)
+        .min_by_key(|deadline| deadline.at)
+    }
+
+    fn max_in_flight(&self) -> usize {
+        // Network access, four I/O connections, the explicit line, that of the UCMM, and the dynamic ones.
+        if DYNAMIC == 0 { 6 } else { DYNAMIC.saturating_add(7) }
+    }
+}
+
+fn check_sizes<A: Application>(application: &mut A) -> Result<(), InvalidSlave> {
+    for connection in IoKind::ALL {
+        if !A::IO.intersects(super::node::bits_of(connection)) {
+            continue;
+        }
+        let room = match connection {
+            IoKind::BitStrobe => cip_core::fragment::IO_UNFRAGMENTED_LEN,
+            IoKind::Poll | IoKind::ChangeOfState | IoKind::MulticastPoll => {
+                A::Long::CAPACITY.min(IO_MESSAGE_MAX)
+            }
+        };
+        let consumed = match connection {
+            IoKind::ChangeOfState => 0,
+            IoKind::Poll | IoKind::BitStrobe | IoKind::MulticastPoll => {
+                application.consumed(connection).len()
+            }
+        };
+        let size = consumed.max(application.produced_size(connection).into());
+        if size > room {
+            return Err(InvalidSlave::TooLong { connection, size, room });
+        }
+    }
+    Ok(())
+}

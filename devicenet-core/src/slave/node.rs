@@ -1,0 +1,449 @@
+//! The Connection object instances of a slave, who owns them, and the one door through which each changes its state.
+
+use cip_core::code::GeneralStatus;
+use cip_core::connection::{
+    ExplicitCause, ExplicitConnection, ExplicitState, IoCause, IoConnection, IoState, PredefinedConnection,
+    TimerResolution, Watchdog,
+};
+use cip_core::message::AllocationChoice;
+use link_core::timers::TimerKey;
+use link_core::{Instant, Timers};
+
+use super::application::{IoKind, IoMode};
+use super::config::Options;
+use super::dynamic::{Dynamic, DynamicTimer};
+use super::event::{Events, SlaveEvent, count};
+use super::lines::Lines;
+use crate::id::MacId;
+
+/// Everything in a slave that its objects look at and change.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub(super) struct Node<const DYNAMIC: usize> {
+    pub(super) options: Options,
+    pub(super) resolution: TimerResolution,
+    /// Instance 1.
+    pub(super) explicit: ExplicitConnection,
+    /// Instances 2 to 5.
+    pub(super) io: [IoConnection; 4],
+    pub(super) modes: [IoMode; 4],
+    /// Instances 6 and up.
+    pub(super) dynamic: [Dynamic; DYNAMIC],
+    /// The connections of the predefined set that exist, those that timed out included.
+    pub(super) held: AllocationChoice,
+    pub(super) master: Option<MacId>,
+    /// Through which explicit connection the I/O connections are configured.
+    pub(super) parent: Parent,
+    /// Whose multicast poll is consumed.
+    pub(super) group: MacId,
+    /// Something that others have to follow has changed.
+    pub(super) changed: Changed,
+    pub(super) lines: Lines,
+    pub(super) timers: Timers<Timer, 9>,
+    pub(super) dynamic_timers: Timers<DynamicTimer, DYNAMIC>,
+    pub(super) events: Events,
+}
+
+/// An explicit connection that others hang on.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) enum Parent {
+    /// Instance 1.
+    Predefined,
+    /// A connection opened through the UCMM.
+    Dynamic(u8),
+}
+
+bitflags::bitflags! {
+    /// What must be looked at before the next action.
+    #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+    pub(super) struct Changed: u8 {
+        /// The mode of instance 2, 3, 4 or 5.
+        const MODES = 0x0F;
+        /// A connection: ownership, filters.
+        const CONNECTIONS = 0x10;
+        /// The allocation information.
+        const ALLOCATION = 0x20;
+        /// The filters that the node needs.
+        const FILTER = 0x40;
+    }
+}
+
+/// The waits of a slave, besides those of network access and of messages in fragments.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) enum Timer {
+    /// Of instance 1.
+    Explicit,
+    /// Of instances 2 to 5.
+    Io(IoKind),
+    /// Transmission trigger of instance 4.
+    Trigger,
+    /// Production inhibit of instance 4.
+    Inhibit,
+    /// Acknowledge of the production of instance 4.
+    Acknowledge,
+    /// Heartbeat interval; before the node is on line, the bit rate that is being tried.
+    Heartbeat,
+}
+
+impl TimerKey<9> for Timer {
+    const ALL: [Self; 9] = [
+        Self::Explicit,
+        Self::Io(IoKind::Poll),
+        Self::Io(IoKind::BitStrobe),
+        Self::Io(IoKind::ChangeOfState),
+        Self::Io(IoKind::MulticastPoll),
+        Self::Trigger,
+        Self::Inhibit,
+        Self::Acknowledge,
+        Self::Heartbeat,
+    ];
+
+    fn index(self) -> usize {
+        match self {
+            Self::Explicit => 0,
+            Self::Io(IoKind::Poll) => 1,
+            Self::Io(IoKind::BitStrobe) => 2,
+            Self::Io(IoKind::ChangeOfState) => 3,
+            Self::Io(IoKind::MulticastPoll) => 4,
+            Self::Trigger => 5,
+            Self::Inhibit => 6,
+            Self::Acknowledge => 7,
+            Self::Heartbeat => 8,
+        }
+    }
+
+    fn why(self) -> &'static str {
+        match self {
+            Self::Explicit => "time-out of the explicit connection",
+            Self::Io(IoKind::Poll) => "time-out of poll",
+            Self::Io(IoKind::BitStrobe) => "time-out of bit-strobe",
+            Self::Io(IoKind::ChangeOfState) => "time-out of change of state",
+            Self::Io(IoKind::MulticastPoll) => "time-out of multicast poll",
+            Self::Trigger => "transmission trigger",
+            Self::Inhibit => "production inhibit time",
+            Self::Acknowledge => "acknowledge of change of state",
+            Self::Heartbeat => "heartbeat or bit rate detection",
+        }
+    }
+}
+
+impl<const DYNAMIC: usize> Node<DYNAMIC> {
+    pub(super) fn new(options: Options, resolution: TimerResolution) -> Self {
+        Self {
+            options,
+            resolution,
+            explicit: ExplicitConnection::NON_EXISTENT,
+            io: [IoConnection::NON_EXISTENT; 4],
+            modes: [IoMode::Inactive; 4],
+            dynamic: [Dynamic::CLOSED; DYNAMIC],
+            held: AllocationChoice::empty(),
+            master: None,
+            parent: Parent::Predefined,
+            group: MacId::MIN,
+            changed: Changed::empty(),
+            lines: Lines::default(),
+            timers: Timers::new(),
+            dynamic_timers: Timers::new(),
+            events: Events::default(),
+        }
+    }
+
+    pub(super) const fn io(&self, kind: IoKind) -> &IoConnection {
+        let [poll, strobe, change_of_state, multicast] = &self.io;
+        match kind {
+            IoKind::Poll => poll,
+            IoKind::BitStrobe => strobe,
+            IoKind::ChangeOfState => change_of_state,
+            IoKind::MulticastPoll => multicast,
+        }
+    }
+
+    pub(super) const fn io_mut(&mut self, kind: IoKind) -> &mut IoConnection {
+        let [poll, strobe, change_of_state, multicast] = &mut self.io;
+        match kind {
+            IoKind::Poll => poll,
+            IoKind::BitStrobe => strobe,
+            IoKind::ChangeOfState => change_of_state,
+            IoKind::MulticastPoll => multicast,
+        }
+    }
+
+    pub(super) const fn mode(&self, kind: IoKind) -> IoMode {
+        let [poll, strobe, change_of_state, multicast] = self.modes;
+        match kind {
+            IoKind::Poll => poll,
+            IoKind::BitStrobe => strobe,
+            IoKind::ChangeOfState => change_of_state,
+            IoKind::MulticastPoll => multicast,
+        }
+    }
+
+    pub(super) fn set_mode(&mut self, kind: IoKind, mode: IoMode) {
+        let [poll, strobe, change_of_state, multicast] = &mut self.modes;
+        let slot = match kind {
+            IoKind::Poll => poll,
+            IoKind::BitStrobe => strobe,
+            IoKind::ChangeOfState => change_of_state,
+            IoKind::MulticastPoll => multicast,
+        };
+        if core::mem::replace(slot, mode) != mode {
+            self.changed.insert(mode_bit(kind));
+        }
+    }
+
+    /// Attribute 5 of the DeviceNet object: what is allocated and has not timed out.
+    pub(super) fn choice(&self) -> AllocationChoice {
+        let mut choice = self.held;
+        for kind in IoKind::ALL {
+            if self.io(kind).state() == IoState::TimedOut {
+                choice.remove(bits_of(kind));
+            }
+        }
+        if !choice.intersects(BOTH) {
+            choice.remove(AllocationChoice::ACK_SUPPRESSION);
+        }
+        choice
+    }
+
+    /// The one door of an I/O connection.
+    pub(super) fn io_step(&mut self, kind: IoKind, cause: IoCause) -> Result<(), GeneralStatus> {
+        let from = self.io(kind).state();
+        let result = self.io_mut(kind).handle(cause);
+        self.io_moved(kind, from, cause);
+        self.io_watchdog(kind, result?);
+        Ok(())
+    }
+
+    /// Sets attribute 9 of an I/O connection.
+    pub(super) fn io_packet_rate(&mut self, kind: IoKind, requested: u16) -> Result<u16, GeneralStatus> {
+        let (from, resolution) = (self.io(kind).state(), self.resolution);
+        let (used, watchdog) = self.io_mut(kind).set_packet_rate(requested, resolution)?;
+        self.io_moved(kind, from, IoCause::PacketRateSet);
+        self.io_watchdog(kind, watchdog);
+        if kind == IoKind::ChangeOfState && self.io(kind).state() == IoState::Established {
+            self.start_trigger();
+        }
+        Ok(used)
+    }
+
+    /// The one door of the predefined explicit connection.
+    pub(super) fn explicit_step(&mut self, cause: ExplicitCause) -> Result<(), GeneralStatus> {
+        let from = self.explicit.state();
+        let result = self.explicit.handle(cause);
+        self.explicit_moved(from, cause);
+        apply(&mut self.timers, Timer::Explicit, result?);
+        Ok(())
+    }
+
+    /// Sets attribute 9 of the predefined explicit connection.
+    pub(super) fn explicit_packet_rate(&mut self, requested: u16) -> Result<u16, GeneralStatus> {
+        let from = self.explicit.state();
+        let (used, watchdog) = self.explicit.set_packet_rate(requested, self.resolution)?;
+        self.explicit_moved(from, ExplicitCause::PacketRateSet);
+        apply(&mut self.timers, Timer::Explicit, watchdog);
+        Ok(used)
+    }
+
+    pub(super) fn is_io_established(&self) -> bool {
+        self.io.iter().any(|connection| connection.state() == IoState::Established)
+    }
+
+    pub(super) fn is_io_timed_out(&self) -> bool {
+        self.io.iter().any(|connection| connection.state() == IoState::TimedOut)
+    }
+
+    /// Allocates an instance, or allocates it anew after a time-out.
+    pub(super) fn allocate_io(&mut self, kind: IoKind, as_what: PredefinedConnection) {
+        let from = self.io(kind).state();
+        if self.io_mut(kind).allocate(as_what).is_ok() {
+            self.io_moved(kind, from, IoCause::Allocated);
+            self.timers.clear(Timer::Io(kind));
+        }
+    }
+
+    /// The network is gone: nothing of any connection is left.
+    pub(super) fn lose_network(&mut self) {
+        for kind in IoKind::ALL {
+            // Nobody waits for an answer.
+            let _ = self.io_step(kind, IoCause::NetworkLost);
+        }
+        let _ = self.explicit_step(ExplicitCause::NetworkLost);
+        self.lose_dynamic();
+        self.settle();
+    }
+
+    /// What follows from the end of a connection: who hung on it, and whether the slave is still owned.
+    pub(super) fn settle(&mut self) {
+        if !self.changed.contains(Changed::CONNECTIONS) {
+            return;
+        }
+        self.changed.remove(Changed::CONNECTIONS);
+        self.changed.insert(Changed::FILTER);
+        if !self.is_io_established() {
+            let _ = self.explicit_step(ExplicitCause::IoEnded);
+            self.end_deferred();
+        }
+        let parent_exists = match self.parent {
+            Parent::Predefined => self.explicit.state() != ExplicitState::NonExistent,
+            Parent::Dynamic(index) => self.is_open(index),
+        };
+        let alone = !self.is_io_established() && self.explicit.state() == ExplicitState::NonExistent;
+        if !parent_exists && (alone || self.options.contains(Options::DROP_CONFIGURING_WITH_EXPLICIT)) {
+            for kind in IoKind::ALL {
+                let _ = self.io_step(kind, IoCause::ExplicitGone);
+            }
+        }
+        self.forget_what_is_gone();
+        if alone && !parent_exists {
+            self.end_ownership();
+        }
+        self.changed.remove(Changed::CONNECTIONS);
+    }
+
+    /// Bits of connections that do not exist any more.
+    fn forget_what_is_gone(&mut self) {
+        if self.explicit.state() == ExplicitState::NonExistent {
+            self.drop_bits(AllocationChoice::EXPLICIT);
+        }
+        for kind in IoKind::ALL {
+            if self.io(kind).state() == IoState::NonExistent {
+                self.drop_bits(bits_of(kind));
+            }
+        }
+        if !self.held.intersects(BOTH) {
+            self.drop_bits(AllocationChoice::ACK_SUPPRESSION);
+        }
+    }
+
+    fn drop_bits(&mut self, bits: AllocationChoice) {
+        if self.held.intersects(bits) {
+            self.held.remove(bits);
+            self.changed.insert(Changed::ALLOCATION);
+        }
+    }
+
+    fn end_ownership(&mut self) {
+        if self.master.take().is_some() {
+            self.changed.insert(Changed::ALLOCATION);
+        }
+        if !self.options.contains(Options::KEEP_TIMED_OUT) {
+            self.release_timed_out();
+            self.forget_what_is_gone();
+        }
+    }
+
+    /// Instances that timed out are deleted.
+    pub(super) fn release_timed_out(&mut self) {
+        for kind in IoKind::ALL {
+            if self.io(kind).state() == IoState::TimedOut {
+                let _ = self.io_step(kind, IoCause::Released);
+            }
+        }
+    }
+
+    fn io_watchdog(&mut self, kind: IoKind, watchdog: Watchdog) {
+        apply(&mut self.timers, Timer::Io(kind), watchdog);
+    }
+
+    fn io_moved(&mut self, kind: IoKind, from: IoState, cause: IoCause) {
+        let to = self.io(kind).state();
+        #[cfg(test)]
+        super::tests::edges::record_io(from, cause, to);
+        if to == from {
+            if to == IoState::Established && cause == IoCause::WatchdogExpired {
+                self.set_mode(kind, IoMode::Fault);
+            }
+            return;
+        }
+        self.events.raise(SlaveEvent::Io { connection: kind, from, to, cause });
+        self.changed.insert(Changed::CONNECTIONS);
+        if cause == IoCause::WatchdogExpired || to == IoState::TimedOut {
+            self.changed.insert(Changed::ALLOCATION);
+        }
+        if from == IoState::Established {
+            self.io_ended(kind, cause);
+        }
+        if kind == IoKind::ChangeOfState && to == IoState::Established {
+            self.begin_production();
+        }
+    }
+
+    fn io_ended(&mut self, kind: IoKind, cause: IoCause) {
+        let idle = cause == IoCause::Released && self.options.contains(Options::IDLE_ON_RELEASE);
+        self.set_mode(kind, if idle { IoMode::Idle } else { IoMode::Fault });
+        self.lines.stop(kind);
+        if kind == IoKind::ChangeOfState {
+            for timer in [Timer::Trigger, Timer::Inhibit, Timer::Acknowledge] {
+                self.timers.clear(timer);
+            }
+        }
+        let deferred = self.explicit.settings().watchdog_action()
+            == cip_core::connection::WatchdogAction::DEFERRED_DELETE;
+        if cause == IoCause::WatchdogExpired
+            && deferred
+            && self.options.contains(Options::IO_TIME_OUT_DELETES_ACTION_3)
+            && !self.is_io_established()
+        {
+            let _ = self.explicit_step(ExplicitCause::WatchdogExpired { io_established: false });
+        }
+    }
+
+    fn explicit_moved(&mut self, from: ExplicitState, cause: ExplicitCause) {
+        let to = self.explicit.state();
+        #[cfg(test)]
+        super::tests::edges::record_explicit(from, cause, to);
+        if to != from {
+            self.events.raise(SlaveEvent::Explicit { instance: 1, from, to, cause });
+            self.changed.insert(Changed::CONNECTIONS);
+        }
+    }
+
+    /// The watchdog of an I/O connection has run out.
+    pub(super) fn io_timed_out(&mut self, kind: IoKind) {
+        count(&mut self.events.counters.timed_out);
+        // A watchdog that runs belongs to an established connection.
+        let _ = self.io_step(kind, IoCause::WatchdogExpired);
+    }
+
+    /// The watchdog of the predefined explicit connection has run out.
+    pub(super) fn explicit_timed_out(&mut self) {
+        count(&mut self.events.counters.timed_out);
+        let io_established = self.is_io_established();
+        let _ = self.explicit_step(ExplicitCause::WatchdogExpired { io_established });
+    }
+
+    /// The present moment, as the slave was told it.
+    pub(super) fn advance(&mut self, now: Instant) {
+        self.timers.advance(now);
+        self.dynamic_timers.advance(now);
+    }
+}
+
+/// What stands for a kind of connection in the allocation information.
+pub(super) const fn bits_of(kind: IoKind) -> AllocationChoice {
+    match kind {
+        IoKind::Poll => AllocationChoice::POLL,
+        IoKind::BitStrobe => AllocationChoice::BIT_STROBE,
+        IoKind::ChangeOfState => BOTH,
+        IoKind::MulticastPoll => AllocationChoice::MULTICAST_POLL,
+    }
+}
+
+pub(super) const fn mode_bit(kind: IoKind) -> Changed {
+    Changed::from_bits_retain(match kind {
+        IoKind::Poll => 0x01,
+        IoKind::BitStrobe => 0x02,
+        IoKind::ChangeOfState => 0x04,
+        IoKind::MulticastPoll => 0x08,
+    })
+}
+
+pub(super) fn apply<K: TimerKey<N>, const N: usize>(timers: &mut Timers<K, N>, key: K, watchdog: Watchdog) {
+    match watchdog {
+        Watchdog::Keep => {}
+        Watchdog::Stop => timers.clear(key),
+        Watchdog::Start { millis } => timers.set_after_millis(key, millis),
+    }
+}
+
+/// Instance 4 by either trigger.
+pub(super) const BOTH: AllocationChoice = AllocationChoice::CHANGE_OF_STATE.union(AllocationChoice::CYCLIC);

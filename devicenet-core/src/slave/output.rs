@@ -1,0 +1,209 @@
+//! What a slave sends and tells. It follows from its state; nothing but the answers of the unconnected ports is queued.
+
+use heapless::Vec;
+use link_core::timers::TimerKey;
+use link_core::{Action, Frame, Instant, LinkCommand, Mode};
+
+use super::application::Application;
+use super::dynamic::DynamicTimer;
+use super::event::{Event, SlaveEvent};
+use super::indicator::ModuleStatus;
+use super::lines::{self, Line, Sent};
+use super::machine::Slave;
+use super::node::Changed;
+use crate::access::NetworkStatus;
+use crate::id::{Identifier, MessageGroup};
+
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
+    /// The next thing to do: frames in the order of their identifiers, events before those of lower priority than I/O.
+    pub(super) fn output(&mut self, now: Instant) -> Option<Action<Event>> {
+        if DYNAMIC > 0
+            && let Some(action) = self.send_dynamic(MessageGroup::Group1)
+        {
+            return Some(action);
+        }
+        if let Some(action) = self.send_io() {
+            return Some(action);
+        }
+        self.withdraw()
+            .or_else(|| self.set_mode())
+            .or_else(|| {
+                // On line the filter is the slave's; what network access alone would hear is not enough.
+                match self.access.poll_except_transmit(now)? {
+                    Action::Link(LinkCommand::SetFilter(_)) if self.access.is_online() => {
+                        self.node.changed.remove(Changed::FILTER);
+                        Some(Action::Link(LinkCommand::SetFilter(self.filter())))
+                    }
+                    action => Some(action.map_event(Event::Access)),
+                }
+            })
+            .or_else(|| self.set_filter())
+            .or_else(|| self.tell().map(|event| Action::Event(Event::Slave(event))))
+            .or_else(|| self.send_explicit())
+            .or_else(|| if DYNAMIC > 0 { self.send_dynamic(MessageGroup::Group2) } else { None })
+            .or_else(|| self.access.transmit().map(|action| action.map_event(Event::Access)))
+            .or_else(|| if DYNAMIC > 0 { self.send_dynamic(MessageGroup::Group3) } else { None })
+            .or_else(|| if DYNAMIC > 0 { self.send_on_ucmm() } else { None })
+    }
+
+    pub(super) fn has_output(&self) -> bool {
+        let lines = &self.node.lines;
+        lines.ready().is_some()
+            || lines.must_withdraw()
+            || self.mode_due
+            || self.access.has_output()
+            || self.must_set_filter()
+            || !self.node.events.is_empty()
+            || self.shown != self.network_status()
+            || self.module != self.module_status()
+            || (lines.is_free(Line::EXPLICIT) && self.is_explicit_line_due())
+            || (DYNAMIC > 0 && (self.is_dynamic_due() || (lines.is_free(Line::UCMM) && self.is_ucmm_due())))
+    }
+
+    fn send_io(&mut self) -> Option<Action<Event>> {
+        let kind = self.node.lines.ready()?;
+        self.node.lines.begin(kind);
+        let line = lines::of(kind);
+        let id = lines::identifier(line, self.access.mac_id());
+        let field = self.produce(kind).unwrap_or_default();
+        Some(Action::Transmit(lines::token(line), id.frame(&field)?))
+    }
+
+    fn withdraw(&mut self) -> Option<Action<Event>> {
+        if let Some(token) = self.node.lines.withdraw() {
+            return Some(Action::Withdraw(token));
+        }
+        for (DynamicTimer(index), dynamic) in
+            <DynamicTimer as TimerKey<DYNAMIC>>::ALL.into_iter().zip(&mut self.transfers)
+        {
+            if core::mem::take(&mut dynamic.unwanted) {
+                return Some(Action::Withdraw(lines::dynamic_token(index)));
+            }
+        }
+        None
+    }
+
+    fn set_mode(&mut self) -> Option<Action<Event>> {
+        if !core::mem::take(&mut self.mode_due) {
+            return None;
+        }
+        let listen_only = self.detection.listens();
+        Some(Action::Link(LinkCommand::SetMode(Mode { bit_rate: self.port.active, listen_only })))
+    }
+
+    fn must_set_filter(&self) -> bool {
+        self.node.changed.contains(Changed::FILTER) && self.access.is_online()
+    }
+
+    fn set_filter(&mut self) -> Option<Action<Event>> {
+        if !self.must_set_filter() {
+            return None;
+        }
+        self.node.changed.remove(Changed::FILTER);
+        Some(Action::Link(LinkCommand::SetFilter(self.filter())))
+    }
+
+    /// What the slave needs to hear on line.
+    fn filter(&self) -> link_core::FilterSet {
+        let mac = self.access.mac_id();
+        let strobe = self
+            .node
+            .master
+            .filter(|_| self.node.held.contains(cip_core::message::AllocationChoice::BIT_STROBE));
+        let group = self
+            .node
+            .held
+            .contains(cip_core::message::AllocationChoice::MULTICAST_POLL)
+            .then_some(self.node.group);
+        if DYNAMIC == 0 {
+            return crate::id::group2_only_server(mac, strobe, group);
+        }
+        let mut filters = crate::id::group2_server(mac, strobe, group);
+        for dynamic in self.node.dynamic.iter().filter(|dynamic| dynamic.is_open()) {
+            if let Some(id) = dynamic.consumed(mac) {
+                filters.add(link_core::Filter::exact(link_core::StandardId::from(id)));
+            }
+        }
+        filters
+    }
+
+    /// The next event: what was raised, then indicators that show something else.
+    fn tell(&mut self) -> Option<SlaveEvent> {
+        if let Some(event) = self.node.events.pop() {
+            return Some(event);
+        }
+        let network = self.network_status();
+        if core::mem::replace(&mut self.shown, network) != network {
+            return Some(SlaveEvent::NetworkStatus(network));
+        }
+        let module = self.module_status();
+        (core::mem::replace(&mut self.module, module) != module).then_some(SlaveEvent::ModuleStatus(module))
+    }
+
+    /// What the network status indicator shows.
+    #[must_use]
+    pub fn network_status(&self) -> NetworkStatus {
+        if !self.access.is_online() {
+            return self.access.network_status();
+        }
+        if self.node.is_io_timed_out() {
+            return NetworkStatus::FlashingRed;
+        }
+        if self.node.master.is_some() || (DYNAMIC > 0 && self.node.is_any_open()) {
+            return NetworkStatus::SolidGreen;
+        }
+        NetworkStatus::FlashingGreen
+    }
+
+    /// What the module status indicator shows. A device without the state attribute is operational.
+    #[must_use]
+    pub fn module_status(&self) -> ModuleStatus {
+        let identity = self.application.identity();
+        let state = identity.state.unwrap_or(cip_core::identity::DeviceState::OPERATIONAL);
+        ModuleStatus::of(state, identity.status)
+    }
+
+    fn is_explicit_line_due(&self) -> bool {
+        self.explicit.is_due()
+            || self.answers.iter().any(|answer| !answer.ucmm)
+            || (DYNAMIC == 0 && self.is_broadcast_due())
+    }
+
+    /// The line that carries the explicit connection, the unconnected port, and without the UCMM the broadcasts.
+    fn send_explicit(&mut self) -> Option<Action<Event>> {
+        if !self.node.lines.is_free(Line::EXPLICIT) {
+            return None;
+        }
+        let (sent, field) = self.next_explicit()?;
+        self.node.lines.in_flight.insert(Line::EXPLICIT);
+        self.node.lines.explicit = Some(sent);
+        let id = Identifier::explicit_response(self.access.mac_id());
+        Some(Action::Transmit(lines::token(Line::EXPLICIT), id.frame(&field)?))
+    }
+
+    /// Acknowledges of fragments first, so that they precede the response.
+    fn next_explicit(&mut self) -> Option<(Sent, Vec<u8, { Frame::MAX_DATA }>)> {
+        if self.explicit.must_acknowledge() {
+            let (piece, field) = self.explicit.take()?;
+            return Some((Sent::Piece(piece), field));
+        }
+        if let Some(field) = self.take_answer(false) {
+            return Some((Sent::Unconnected, field));
+        }
+        if let Some((piece, field)) = self.explicit.take() {
+            return Some((Sent::Piece(piece), field));
+        }
+        if DYNAMIC == 0 { self.take_broadcast() } else { None }
+    }
+
+    /// A frame of the explicit line, or of that of the UCMM, is with the controller no longer.
+    pub(super) fn explicit_done(&mut self, now: Instant, line: Line) {
+        let sent =
+            if line == Line::UCMM { self.node.lines.ucmm.take() } else { self.node.lines.explicit.take() };
+        match sent {
+            Some(Sent::Piece(piece)) => self.explicit.handed(now, piece),
+            Some(Sent::Shutdown) => self.leave(now),
+            Some(Sent::Unconnected | Sent::Heartbeat) | None => {}
+        }
+    }
+}

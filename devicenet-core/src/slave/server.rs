@@ -1,0 +1,187 @@
+//! What answers an explicit request, whichever way it came.
+
+use cip_core::code::{ClassId, GeneralStatus, InstanceId, ServiceCode};
+use cip_core::codec::Writer;
+use cip_core::identity::IdentityStatus;
+use cip_core::message::{AllocationChoice, BodyFormat, Request};
+use cip_core::object::{
+    AcknowledgeHandler, AcknowledgeSettings, Call, Effect, Effects, Failure, FailureOptions, ObjectSet,
+    respond, serve,
+};
+
+use super::allocation::{Offer, Requester};
+use super::application::{Application, IoKind};
+use super::config::Options;
+use super::connection_object::ConnectionObject;
+use super::departure::Departure;
+use super::devicenet_object::{DeviceNetObject, Port};
+use super::event::{Ignored, SlaveEvent, count};
+use super::node::{BOTH, Node};
+use crate::access::Access;
+use crate::id::MacId;
+use cip_core::connection::IoState;
+
+/// All objects of a slave, put together for one request.
+pub(super) struct Server<'a, A, const DYNAMIC: usize> {
+    pub(super) access: &'a mut Access,
+    pub(super) node: &'a mut Node<DYNAMIC>,
+    pub(super) port: &'a mut Port,
+    pub(super) application: &'a mut A,
+    pub(super) acknowledge: &'a mut AcknowledgeSettings,
+    pub(super) heartbeat_interval: &'a mut Option<u8>,
+    pub(super) departure: &'a mut Option<Departure>,
+    pub(super) failures: FailureOptions,
+    pub(super) offer: Offer,
+    pub(super) requester: Requester,
+    /// The longest explicit message.
+    pub(super) message: usize,
+}
+
+impl<A: Application, const DYNAMIC: usize> Server<'_, A, DYNAMIC> {
+    /// Answers a request, from the service byte on. An error: there is no answer.
+    pub(super) fn answer(&mut self, body: &[u8], out: &mut Writer<'_>) -> Result<(), Ignored> {
+        if self.departure.is_some() {
+            return Err(Ignored::Leaving);
+        }
+        match body.first() {
+            Some(&service) if ServiceCode::split(service).1 => return Err(Ignored::Response),
+            Some(_) => {}
+            None => return Err(Ignored::TooShort),
+        }
+        count(&mut self.node.events.counters.requests);
+        let answered = match self.call(body)? {
+            Ok(call) => {
+                let (options, by) = (self.failures, call);
+                respond(self, &call, options, out).map(|effects| self.carry_out(&by, effects))
+            }
+            Err(failure) => {
+                // Three bytes, for which every buffer has room.
+                let _ = failure.emit(out);
+                Err(failure)
+            }
+        };
+        if answered.is_err() {
+            count(&mut self.node.events.counters.refused);
+        }
+        Ok(())
+    }
+
+    /// The request in the body format of its connection.
+    fn call<'r>(&self, body: &'r [u8]) -> Result<Result<Call<'r>, Failure>, Ignored> {
+        if DYNAMIC == 0 || self.requester.format == BodyFormat::Class8Instance8 {
+            if let [service, class, instance, data @ ..] = body {
+                let (class, instance) = (ClassId((*class).into()), InstanceId((*instance).into()));
+                return Ok(Ok(Call::new(ServiceCode(*service), class, instance, data)));
+            }
+        } else if let Ok(request) = Request::parse(self.requester.format, body) {
+            return Ok(Call::of(&request));
+        }
+        if self.node.options.contains(Options::ANSWER_SHORT_BODY) {
+            Ok(Err(GeneralStatus::NOT_ENOUGH_DATA.into()))
+        } else {
+            Err(Ignored::TooShort)
+        }
+    }
+
+    /// What the service leaves to be done, and to be told.
+    fn carry_out(&mut self, call: &Call<'_>, effects: Effects) {
+        if let Some(kind) = effects.reset {
+            *self.departure = Some(Departure::reset(kind, self.requester.door));
+            return;
+        }
+        let own = Effect::ATTRIBUTE_SET | Effect::HEARTBEAT_INTERVAL | Effect::ACKNOWLEDGE;
+        if effects.of.contains(Effect::HEARTBEAT_INTERVAL) {
+            let seconds = self.heartbeat_interval.unwrap_or(0);
+            self.node.events.raise(SlaveEvent::StoreHeartbeatInterval(seconds));
+        }
+        let for_application = effects.of.difference(own);
+        if !for_application.is_empty() {
+            self.node.events.raise(SlaveEvent::Effect(for_application));
+        }
+        if !is_question(call.service) {
+            let (class, instance, service) = (call.class, call.instance, call.service);
+            self.node.events.raise(SlaveEvent::Changed { class, instance, service });
+        }
+    }
+
+    fn serve_identity(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+        let mut identity = self.application.identity();
+        if self.node.master.is_some() {
+            identity.status.insert(IdentityStatus::OWNED);
+        }
+        identity.heartbeat_interval = *self.heartbeat_interval;
+        let effects = serve(&mut identity, call, out)?;
+        *self.heartbeat_interval = identity.heartbeat_interval;
+        Ok(effects)
+    }
+
+    fn serve_devicenet(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+        let mut new_mac_id = None;
+        let effects = serve(
+            &mut DeviceNetObject {
+                access: self.access,
+                node: self.node,
+                port: self.port,
+                offer: self.offer,
+                requester: self.requester,
+                new_mac_id: &mut new_mac_id,
+            },
+            call,
+            out,
+        )?;
+        if let Some(mac) = new_mac_id {
+            self.node.events.raise(SlaveEvent::StoreMacId(mac));
+            *self.departure = Some(Departure::mac_id(mac, self.requester.door));
+        }
+        Ok(effects)
+    }
+
+    fn serve_connection(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+        let consumed_sizes = [IoKind::Poll, IoKind::MulticastPoll]
+            .map(|kind| u16::try_from(self.application.consumed(kind).len()).unwrap_or(u16::MAX));
+        let mac: MacId = self.access.mac_id();
+        let message = u16::try_from(self.message).unwrap_or(u16::MAX);
+        let (node, application) = (&mut *self.node, &mut *self.application);
+        serve(&mut ConnectionObject { node, application, mac, message, consumed_sizes }, call, out)
+    }
+
+    fn serve_acknowledge(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+        let mut handler = AcknowledgeHandler::new(self.acknowledge);
+        handler.established = self.node.io(IoKind::ChangeOfState).state() == IoState::Established;
+        serve(&mut handler, call, out)
+    }
+}
+
+impl<A: Application, const DYNAMIC: usize> ObjectSet for Server<'_, A, DYNAMIC> {
+    fn serve(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Option<Result<Effects, Failure>> {
+        match call.class {
+            ClassId::IDENTITY => Some(self.serve_identity(call, out)),
+            ClassId::DEVICENET => Some(self.serve_devicenet(call, out)),
+            ClassId::CONNECTION => Some(self.serve_connection(call, out)),
+            ClassId::ACKNOWLEDGE_HANDLER if A::IO.intersects(BOTH) => Some(self.serve_acknowledge(call, out)),
+            _ => self.application.objects().serve(call, out),
+        }
+    }
+
+    fn classes(&self) -> impl Iterator<Item = ClassId> {
+        [ClassId::IDENTITY, ClassId::DEVICENET, ClassId::CONNECTION].into_iter()
+    }
+}
+
+/// A service that changes nothing.
+fn is_question(service: ServiceCode) -> bool {
+    matches!(
+        service,
+        ServiceCode::GET_ATTRIBUTE_SINGLE
+            | ServiceCode::GET_ATTRIBUTES_ALL
+            | ServiceCode::GET_ATTRIBUTE_LIST
+            | ServiceCode::FIND_NEXT_OBJECT_INSTANCE
+            | ServiceCode::GET_MEMBER
+            | ServiceCode::NO_OPERATION
+    )
+}
+
+/// What can be allocated: what the application offers, and the explicit connection.
+pub(super) const fn offered<A: Application>() -> AllocationChoice {
+    A::IO.union(AllocationChoice::EXPLICIT).difference(AllocationChoice::ACK_SUPPRESSION)
+}

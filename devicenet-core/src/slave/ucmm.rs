@@ -1,0 +1,312 @@
+//! The Unconnected Message Manager: clients open and close explicit connections.
+//!
+//! Requests come on 0x780 + client with this node's MAC ID in the header, answers go out on 0x740 + s.
+//!
+//! | Condition | General / additional |
+//! |---|---|
+//! | fragment, response, or shorter than its service | ignored |
+//! | service other than 0x4B and 0x4C | 0x08 / 0xFF |
+//! | shorter than 4 bytes; longer | 0x13 / 0xFF; 0x15 / 0xFF |
+//! | Open: node ping (group 15) | success with instance 0, nothing is opened |
+//! | Open: reserved group, or a source Message ID above 4 in group 3 | 0x20 / 0xFF |
+//! | Open: no free connection | 0x02 / 0xFF |
+//! | Open: no free Message ID in group 2, 1 or 3 | 0x02 / 0x01, 0x03 or 0x04 |
+//! | Close: no such connection | 0x16 / 0xFF |
+//! | Close: a connection of the predefined set, or of another client | 0x0C / 0xFF |
+//!
+//! A reserved body format is answered with 8/8. A client that opens a connection with the Message ID of one that it has
+//! open already has forgotten that one: it is closed. Source: CIP Vol. 3, UCMM.
+
+use cip_core::code::{AdditionalCode, GeneralStatus, ServiceCode};
+use cip_core::codec::Writer;
+use cip_core::connection::{ExplicitCause, ExplicitState, IoState};
+use cip_core::message::BodyFormat;
+use cip_core::object::{Failure, exact};
+use link_core::timers::TimerKey;
+use link_core::{Action, Instant, TxOutcome, TxToken};
+
+use super::allocation::{Door, Requester};
+use super::application::{Application, IoKind};
+use super::config::Options;
+use super::dynamic::{Dynamic, DynamicTimer, FIRST_INSTANCE, Group, instance};
+use super::event::{Event, Ignored};
+use super::lines::{self, Line, Sent};
+use super::machine::Slave;
+use super::server::Server;
+use super::transfer::Incoming;
+use super::unconnected::complete_request;
+use crate::id::{Identifier, MacId, MessageGroup};
+use crate::message::{ExplicitHeader, GroupSelect};
+
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
+    /// Whether a connection that was opened dynamically has its requests there.
+    pub(super) fn is_dynamic(&self, id: Identifier) -> bool {
+        DYNAMIC > 0 && self.dynamic_of(id).is_some()
+    }
+
+    fn dynamic_of(&self, id: Identifier) -> Option<u8> {
+        let own = self.access.mac_id();
+        let at = self.node.dynamic.iter().position(|one| one.is_open() && one.consumed(own) == Some(id))?;
+        u8::try_from(at).ok()
+    }
+
+    /// A frame that is not for the predefined set.
+    pub(super) fn dynamic_frame(&mut self, now: Instant, id: Identifier, field: &[u8]) {
+        let result = match self.dynamic_of(id) {
+            Some(index) => self.dynamic_message(now, index, field),
+            None if id.group() == MessageGroup::Group3 && id.message_id() == REQUESTS => {
+                let own = self.access.mac_id();
+                match (field.first(), id.mac_id()) {
+                    (Some(&byte), Some(client)) if ExplicitHeader::from(byte).mac == own => {
+                        self.ucmm_request(client, field)
+                    }
+                    _ => return self.foreign(),
+                }
+            }
+            None => return self.foreign(),
+        };
+        if let Err(why) = result {
+            self.node.events.ignored(id, why);
+        }
+    }
+
+    fn dynamic_message(&mut self, now: Instant, index: u8, field: &[u8]) -> Result<(), Ignored> {
+        let own = self.access.mac_id();
+        let dynamic = self.node.dynamic.get(usize::from(index)).ok_or(Ignored::NoConnection)?;
+        let (client, expected) = (dynamic.client, dynamic.expected_header(own));
+        let header = field.first().map(|&byte| ExplicitHeader::from(byte)).ok_or(Ignored::TooShort)?;
+        if header.mac != expected {
+            return Err(Ignored::ForeignNode);
+        }
+        // It is open: nothing is refused.
+        let _ = self.node.dynamic_step(index, ExplicitCause::Message);
+        let (rules, offer, format) = (self.rules(), self.offer(), self.format_of(index));
+        let Self {
+            access,
+            node,
+            port,
+            application,
+            acknowledge,
+            heartbeat_interval,
+            departure,
+            transfers,
+            failures,
+            ..
+        } = self;
+        let mut server = Server {
+            access,
+            node,
+            port,
+            application,
+            acknowledge,
+            heartbeat_interval,
+            departure,
+            failures: *failures,
+            offer,
+            requester: Requester { mac: client, door: Door::Dynamic(index), format },
+            message: MESSAGE,
+        };
+        let Some(dynamic) = transfers.get_mut(usize::from(index)) else { return Err(Ignored::NoConnection) };
+        let answer = |request: &[u8], out: &mut Writer<'_>| server.answer(request, out);
+        match dynamic.transfer.receive(now, rules, client, field, answer) {
+            Incoming::Answered | Incoming::Taken => Ok(()),
+            Incoming::Ignored(why) => Err(why),
+        }
+    }
+
+    fn ucmm_request(&mut self, client: MacId, field: &[u8]) -> Result<(), Ignored> {
+        let (header, body) = complete_request(field)?;
+        self.check_room()?;
+        let mut buffer = [0; 5];
+        let mut out = Writer::new(&mut buffer);
+        let (service, data) = body.split_first().ok_or(Ignored::TooShort)?;
+        let done = match ServiceCode(*service) {
+            OPEN => self.open(client, data, &mut out),
+            CLOSE => self.close(client, data, &mut out),
+            _ => Err(GeneralStatus::SERVICE_NOT_SUPPORTED.into()),
+        };
+        match done {
+            Ok(()) => super::event::count(&mut self.node.events.counters.requests),
+            Err(failure) => {
+                out.truncate(0);
+                self.refuse(failure, &mut out);
+            }
+        }
+        self.queue(true, ExplicitHeader::complete(header.xid, client), out.written());
+        Ok(())
+    }
+
+    fn open(&mut self, client: MacId, data: &[u8], out: &mut Writer<'_>) -> Result<(), Failure> {
+        let [format, group_and_source] = exact(data)?;
+        let format = BodyFormat::from_code(format & 0x0F).unwrap_or_default();
+        let (select, source) = (GroupSelect::new(group_and_source >> 4), group_and_source & 0x0F);
+        let group = match select {
+            Some(GroupSelect::NODE_PING) => {
+                return Ok(out.bytes(&[OPEN.response_byte(), format.code(), 0, 0, 0])?);
+            }
+            Some(GroupSelect::GROUP_1) => Group::One,
+            Some(GroupSelect::GROUP_2) => Group::Two,
+            Some(GroupSelect::GROUP_3) if source <= LAST_OF_GROUP_3 => Group::Three,
+            _ => return Err(GeneralStatus::INVALID_PARAMETER.into()),
+        };
+        let mut opened = Dynamic { client, format, group, request: source, ..Dynamic::CLOSED };
+        if group != Group::Two {
+            let own = self.access.mac_id();
+            let forgotten = opened.consumed(own).and_then(|id| self.dynamic_of(id));
+            if let Some(index) = forgotten {
+                let _ = self.node.dynamic_step(index, ExplicitCause::Released);
+                self.drop_transfer(index);
+            }
+        }
+        let index = self
+            .node
+            .dynamic
+            .iter()
+            .position(|one| !one.is_open())
+            .and_then(|index| u8::try_from(index).ok())
+            .ok_or(Failure::new(GeneralStatus::RESOURCE_UNAVAILABLE))?;
+        self.assign(&mut opened)?;
+        let destination = if group == Group::Two { opened.request } else { 0 };
+        let messages = destination << 4 | opened.response;
+        out.bytes(&[OPEN.response_byte(), format.code(), messages, instance(index), 0])?;
+        if let Some(slot) = self.node.dynamic.get_mut(usize::from(index)) {
+            *slot = opened;
+        }
+        self.drop_transfer(index);
+        // It was not open.
+        let _ = self.node.dynamic_step(index, ExplicitCause::Opened);
+        Ok(())
+    }
+
+    /// What a connection that is closed, or opened anew, has left in its buffers.
+    fn drop_transfer(&mut self, index: u8) {
+        if let Some(dynamic) = self.transfers.get_mut(usize::from(index)) {
+            dynamic.transfer.clear();
+            dynamic.unwanted = dynamic.in_flight;
+        }
+    }
+
+    /// Message IDs of our own for a new connection.
+    fn assign(&self, opened: &mut Dynamic) -> Result<(), Failure> {
+        let open = || self.node.dynamic.iter().filter(|one| one.is_open() && one.group == opened.group);
+        let (ids, additional) = match opened.group {
+            Group::One => (0..=LAST_OF_GROUP_1, AdditionalCode(0x03)),
+            Group::Two => (0..=LAST_OF_GROUP_2, AdditionalCode(0x01)),
+            Group::Three => (0..=LAST_OF_GROUP_3, AdditionalCode(0x04)),
+        };
+        let group_2 = opened.group == Group::Two;
+        let predefined = if group_2 { self.node.predefined_message_ids() } else { 0 };
+        let is_free = |&id: &u8| {
+            let used = open().any(|one| one.response == id || (group_2 && one.request == id));
+            !used && predefined & 1_u8.checked_shl(id.into()).unwrap_or(0) == 0
+        };
+        let mut free = ids.filter(is_free);
+        let none = || {
+            let failure = Failure::new(GeneralStatus::RESOURCE_UNAVAILABLE);
+            if self.node.options.contains(Options::UCMM_ADDITIONAL_CODES) {
+                failure.with_additional(additional)
+            } else {
+                failure
+            }
+        };
+        let (request, response) = if group_2 {
+            (free.next().ok_or_else(none)?, free.next().ok_or_else(none)?)
+        } else {
+            (opened.request, free.next().ok_or_else(none)?)
+        };
+        (opened.request, opened.response) = (request, response);
+        Ok(())
+    }
+
+    fn close(&mut self, client: MacId, data: &[u8], out: &mut Writer<'_>) -> Result<(), Failure> {
+        let number = u16::from_le_bytes(exact(data)?);
+        let gone = Failure::new(GeneralStatus::OBJECT_DOES_NOT_EXIST);
+        let conflict = Failure::new(GeneralStatus::OBJECT_STATE_CONFLICT);
+        if number < FIRST_INSTANCE.into() {
+            return Err(if self.is_predefined(number) { conflict } else { gone });
+        }
+        let index =
+            u8::try_from(number).ok().and_then(|number| number.checked_sub(FIRST_INSTANCE)).ok_or(gone)?;
+        let dynamic = self.node.dynamic.get(usize::from(index)).filter(|one| one.is_open()).ok_or(gone)?;
+        if dynamic.client != client && self.node.options.contains(Options::CLOSE_BY_OWNER_ONLY) {
+            return Err(conflict);
+        }
+        // It is open.
+        let _ = self.node.dynamic_step(index, ExplicitCause::Released);
+        Ok(out.u8(CLOSE.response_byte())?)
+    }
+
+    fn is_predefined(&self, instance: u16) -> bool {
+        match IoKind::of_instance(cip_core::code::InstanceId(instance)) {
+            Some(kind) => self.node.io(kind).state() != IoState::NonExistent,
+            None => instance == 1 && self.node.explicit.state() != ExplicitState::NonExistent,
+        }
+    }
+
+    pub(super) fn is_ucmm_due(&self) -> bool {
+        self.is_broadcast_due() || self.answers.iter().any(|answer| answer.ucmm)
+    }
+
+    pub(super) fn send_on_ucmm(&mut self) -> Option<Action<Event>> {
+        if !self.node.lines.is_free(Line::UCMM) {
+            return None;
+        }
+        let (sent, field) = match self.take_answer(true) {
+            Some(field) => (Sent::Unconnected, field),
+            None => self.take_broadcast()?,
+        };
+        self.node.lines.in_flight.insert(Line::UCMM);
+        self.node.lines.ucmm = Some(sent);
+        let id = Identifier::unconnected_response(self.access.mac_id());
+        Some(Action::Transmit(lines::token(Line::UCMM), id.frame(&field)?))
+    }
+
+    pub(super) fn is_dynamic_due(&self) -> bool {
+        self.transfers
+            .iter()
+            .any(|dynamic| dynamic.unwanted || (!dynamic.in_flight && dynamic.transfer.is_due()))
+    }
+
+    /// The next frame of the connections in a group.
+    pub(super) fn send_dynamic(&mut self, group: MessageGroup) -> Option<Action<Event>> {
+        let own = self.access.mac_id();
+        let due = |(DynamicTimer(index), (dynamic, transfer)): (
+            DynamicTimer,
+            (&Dynamic, &super::machine::DynamicTransfer<MESSAGE>),
+        )| {
+            let id = dynamic.produced(own).filter(|id| id.group() == group)?;
+            (!transfer.in_flight && transfer.transfer.is_due()).then_some((id, index))
+        };
+        let all = <DynamicTimer as TimerKey<DYNAMIC>>::ALL.into_iter();
+        let (id, index) = all.zip(self.node.dynamic.iter().zip(&self.transfers)).filter_map(due).min()?;
+        let dynamic = self.transfers.get_mut(usize::from(index))?;
+        let (piece, field) = dynamic.transfer.take()?;
+        (dynamic.in_flight, dynamic.piece) = (true, Some(piece));
+        Some(Action::Transmit(lines::dynamic_token(index), id.frame(&field)?))
+    }
+
+    /// A frame of a connection that was opened dynamically is with the controller no longer.
+    pub(super) fn dynamic_done(&mut self, now: Instant, token: TxToken, outcome: TxOutcome) -> Option<()> {
+        let index = lines::dynamic_of(token)?;
+        let dynamic = self.transfers.get_mut(usize::from(index)).filter(|dynamic| dynamic.in_flight)?;
+        (dynamic.in_flight, dynamic.unwanted) = (false, false);
+        if let Some(piece) = dynamic.piece.take() {
+            dynamic.transfer.handed(now, piece);
+        }
+        if outcome == TxOutcome::Dropped && self.access.is_online() {
+            let own = self.access.mac_id();
+            if let Some(id) = self.node.dynamic.get(usize::from(index)).and_then(|one| one.produced(own)) {
+                self.not_sent(id, outcome);
+            }
+        }
+        Some(())
+    }
+}
+
+const OPEN: ServiceCode = ServiceCode(0x4B);
+const CLOSE: ServiceCode = ServiceCode(0x4C);
+/// The Message ID of UCMM requests in group 3.
+const REQUESTS: u8 = 6;
+const LAST_OF_GROUP_1: u8 = 11;
+const LAST_OF_GROUP_2: u8 = 5;
+const LAST_OF_GROUP_3: u8 = 4;

@@ -1,0 +1,152 @@
+//! The Group 2 unconnected port: Allocate and Release on 0x406 + 8s, answered on 0x403 + 8s.
+//!
+//! | Condition | Reaction |
+//! |---|---|
+//! | fragment, or a response | ignored |
+//! | too short for service, class and instance | ignored, or 0x13 |
+//! | another service than 0x4B and 0x4C | 0x02 / 0x03 |
+//! | another object than class 3, instance 1 | 0x16 |
+//! | more requests at once than answers can wait | ignored: none is carried out whose answer would be lost |
+//!
+//! It is served for everybody, also while the explicit connection exists: so a second master learns that there is a
+//! first one.
+
+use cip_core::code::{AdditionalCode, ClassId, GeneralStatus, InstanceId, ServiceCode};
+use cip_core::codec::Writer;
+use cip_core::message::BodyFormat;
+use cip_core::object::{Call, Failure, respond};
+use heapless::Vec;
+use link_core::Frame;
+
+use super::allocation::{Door, Requester};
+use super::application::Application;
+use super::config::Options;
+use super::event::{Ignored, count};
+use super::machine::Slave;
+use super::server::Server;
+use crate::id::Identifier;
+use crate::message::ExplicitHeader;
+
+/// The response of an unconnected port, until it is sent.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub(super) struct Answer {
+    /// On the line of the UCMM; else on that of the explicit connection.
+    pub(super) ucmm: bool,
+    pub(super) field: Vec<u8, 6, u8>,
+}
+
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
+    pub(super) fn unconnected_frame(&mut self, id: Identifier, field: &[u8]) {
+        if DYNAMIC > 0 && !self.node.options.contains(Options::UNCONNECTED_PORT) {
+            return self.foreign();
+        }
+        if let Err(why) = self.unconnected_request(field) {
+            self.node.events.ignored(id, why);
+        }
+    }
+
+    fn unconnected_request(&mut self, field: &[u8]) -> Result<(), Ignored> {
+        let (header, body) = complete_request(field)?;
+        self.check_room()?;
+        let mut buffer = [0; 4];
+        let mut out = Writer::new(&mut buffer);
+        match *body {
+            [service, class, instance, ref data @ ..] => {
+                let (service, class) = (ServiceCode(service), ClassId(class.into()));
+                let call = Call::new(service, class, InstanceId(instance.into()), data);
+                match check(&call) {
+                    Ok(()) => self.serve_unconnected(header, &call, &mut out),
+                    Err(failure) => self.refuse(failure, &mut out),
+                }
+            }
+            _ if self.node.options.contains(Options::ANSWER_SHORT_BODY) => {
+                self.refuse(GeneralStatus::NOT_ENOUGH_DATA.into(), &mut out);
+            }
+            _ => return Err(Ignored::TooShort),
+        }
+        self.queue(false, header, out.written());
+        Ok(())
+    }
+
+    /// No request is carried out whose answer would be lost.
+    pub(super) fn check_room(&self) -> Result<(), Ignored> {
+        if self.departure.is_some() {
+            return Err(Ignored::Leaving);
+        }
+        if self.answers.is_full() { Err(Ignored::Busy) } else { Ok(()) }
+    }
+
+    pub(super) fn refuse(&mut self, failure: Failure, out: &mut Writer<'_>) {
+        count(&mut self.node.events.counters.requests);
+        count(&mut self.node.events.counters.refused);
+        // Three bytes, for which there is room.
+        let _ = failure.emit(out);
+    }
+
+    /// `header`: of the request, or with the MAC ID that the answer shall carry.
+    pub(super) fn queue(&mut self, ucmm: bool, header: ExplicitHeader, body: &[u8]) {
+        let mut field = Vec::new();
+        let answer = ExplicitHeader::complete(header.xid, header.mac);
+        let fits = field.push(answer.into()).is_ok() && field.extend_from_slice(body).is_ok();
+        debug_assert!(fits, "the answer of an unconnected port has up to six bytes");
+        // There is room: it was checked before the request was carried out.
+        let _ = self.answers.push(Answer { ucmm, field });
+    }
+
+    /// The first answer that waits for a line.
+    pub(super) fn take_answer(&mut self, ucmm: bool) -> Option<Vec<u8, { Frame::MAX_DATA }>> {
+        let index = self.answers.iter().position(|answer| answer.ucmm == ucmm)?;
+        Vec::from_slice(&self.answers.remove(index).field).ok()
+    }
+
+    fn serve_unconnected(&mut self, header: ExplicitHeader, call: &Call<'_>, out: &mut Writer<'_>) {
+        let (offer, failures) = (self.offer(), self.failures);
+        let mut server = Server {
+            access: &mut self.access,
+            node: &mut self.node,
+            port: &mut self.port,
+            application: &mut self.application,
+            acknowledge: &mut self.acknowledge,
+            heartbeat_interval: &mut self.heartbeat_interval,
+            departure: &mut self.departure,
+            failures,
+            offer,
+            requester: Requester {
+                mac: header.mac,
+                door: Door::Unconnected,
+                format: BodyFormat::Class8Instance8,
+            },
+            message: MESSAGE,
+        };
+        let refused = respond(&mut server, call, failures, out).is_err();
+        count(&mut self.node.events.counters.requests);
+        if refused {
+            count(&mut self.node.events.counters.refused);
+        }
+    }
+}
+
+/// The header and the body of a request that is never fragmented.
+pub(super) fn complete_request(field: &[u8]) -> Result<(ExplicitHeader, &[u8]), Ignored> {
+    let (&header, body) = field.split_first().ok_or(Ignored::TooShort)?;
+    let header = ExplicitHeader::from(header);
+    if header.fragmented {
+        return Err(Ignored::Fragment);
+    }
+    match body.first() {
+        Some(&service) if ServiceCode::split(service).1 => Err(Ignored::Response),
+        Some(_) => Ok((header, body)),
+        None => Err(Ignored::TooShort),
+    }
+}
+
+fn check(call: &Call<'_>) -> Result<(), Failure> {
+    if call.service != ServiceCode::ALLOCATE && call.service != ServiceCode::RELEASE {
+        return Err(Failure::new(GeneralStatus::RESOURCE_UNAVAILABLE)
+            .with_additional(AdditionalCode::INVALID_UNCONNECTED_SERVICE));
+    }
+    if call.class != ClassId::DEVICENET || call.instance != InstanceId(1) {
+        return Err(GeneralStatus::OBJECT_DOES_NOT_EXIST.into());
+    }
+    Ok(())
+}
