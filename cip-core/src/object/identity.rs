@@ -146,9 +146,13 @@ impl<'a> Identity<'a> {
     }
 
     fn attributes_all(&self, out: &mut Writer<'_>) -> Result<(), Failure> {
-        for attribute in 1..=7 {
-            self.get(InstanceId(1), AttributeId(attribute), out)?;
-        }
+        out.u16(self.device.vendor.0)?;
+        out.u16(self.device.device_type.0)?;
+        out.u16(self.device.product_code)?;
+        self.device.revision.emit(out)?;
+        out.u16(self.status.bits())?;
+        out.u32(self.device.serial)?;
+        self.device.name.emit(out)?;
         let state = self.state.unwrap_or(DeviceState::NOT_IMPLEMENTED);
         let consistency = self.configuration_consistency.unwrap_or(0);
         let optional = match (self.state, self.configuration_consistency, self.heartbeat_interval) {
@@ -175,6 +179,8 @@ impl Object for Identity<'_> {
         rules.get(start..end)
     }
 
+    // Its only caller is `serve`: a fifth of the instructions of a Get are those of a call.
+    #[inline]
     fn get(&self, _: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
         match attribute.0 {
             1 => out.u16(self.device.vendor.0),
