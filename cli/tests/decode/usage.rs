@@ -1,0 +1,78 @@
+//! The command line, its help, and pipes on either side.
+
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::process::Stdio;
+
+use super::{assert_exit, capture, devicenet, run, stderr, stdout, temporary};
+
+#[test]
+fn wrong_usage_exits_with_2() {
+    for arguments in [
+        &["decode"][..],
+        &["decode", "--mac", "64", "x"],
+        &["decode", "--protocol", "profibus", "x"],
+        &["decode", "--bit-rate", "fast", "x"],
+        &["no-such-command"],
+    ] {
+        assert_exit(&run(arguments), 2);
+    }
+}
+
+#[test]
+fn help_of_every_command_has_an_example() {
+    for arguments in [&["--help"][..], &["decode", "--help"]] {
+        let output = run(arguments);
+        assert_exit(&output, 0);
+        let text = stdout(&output);
+        assert!(text.contains("Example") && text.contains("  devicenet decode "), "{text}");
+        assert!(text.contains("Exit codes:"), "{text}");
+    }
+}
+
+#[test]
+fn a_protocol_that_is_not_supported_is_refused_in_words() {
+    let file = capture("slave-01-startup-poll.log");
+    let words = run(&["decode", &file]);
+    for protocol in ["auto", "devicenet"] {
+        assert_eq!(stdout(&run(&["decode", "--protocol", protocol, &file])), stdout(&words), "{protocol}");
+    }
+    let refused = run(&["decode", "--protocol", "devicenex", &file]);
+    assert_exit(&refused, 2);
+    assert_eq!(stdout(&refused), "");
+    assert!(stderr(&refused).starts_with("error: DeviceNeX is not supported yet"), "{}", stderr(&refused));
+    let help = run(&["decode", "--help"]);
+    assert!(stdout(&help).contains("DeviceNeX: not supported yet"), "{}", stdout(&help));
+}
+
+/// The reader has seen enough: no message, no failure.
+#[test]
+fn a_closed_pipe_ends_quietly() {
+    let file = temporary("long.log");
+    let log: String =
+        (0..50_000).map(|n| format!("({}.{:06}) can0 455#0102\n", n / 1000, n % 1000 * 1000)).collect();
+    std::fs::write(&file, log).unwrap();
+    let mut child =
+        devicenet(&["decode", &file]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut reader = BufReader::new(child.stdout.take().unwrap());
+    reader.read_line(&mut String::new()).unwrap();
+    drop(reader);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(stderr(&output), "");
+    assert_exit(&output, 0);
+}
+
+/// `candump -L can0 | devicenet decode -` shows a frame when it comes, not when a buffer is full.
+#[test]
+fn a_live_pipe_is_shown_at_once() {
+    let mut child = devicenet(&["decode", "-"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let mut input = child.stdin.take().unwrap();
+    let mut reader = BufReader::new(child.stdout.take().unwrap());
+    for n in 0..3 {
+        input.write_all(format!("({n}.000000) can0 455#0{n}\n").as_bytes()).unwrap();
+        let mut line = String::new();
+        reader.read_line(&mut line).unwrap();
+        assert!(line.contains(&format!("455  0{n} ")), "{line}");
+    }
+    drop(input);
+    assert!(child.wait().unwrap().code().is_some());
+}
