@@ -1,0 +1,165 @@
+//! Trace, JSON, summary, picture and recording tell the same run.
+
+use serde_json::Value;
+
+use super::{Scratch, VALVE, devicenet, lines_of_json, stdout};
+
+#[test]
+fn the_columns_of_the_trace_do_not_move() {
+    let output = devicenet(&["simulate"]);
+    let columns: std::collections::BTreeSet<_> =
+        stdout(&output).lines().filter_map(|line| line.find(" | ")).collect();
+    assert_eq!(columns.len(), 1, "{columns:?}");
+}
+
+#[test]
+fn a_segment_does_not_know_what_is_on_the_other() {
+    let text = r#"
+[bus]
+duration = "2s"
+[[node]]
+name = "near"
+protocol = "devicenet"
+role = "access"
+mac = 10
+identity = { vendor = 1, serial = 1 }
+[[node]]
+name = "far"
+protocol = "devicenet"
+role = "access"
+mac = 10
+power_up = "100ms"
+identity = { vendor = 1, serial = 2 }
+[[node]]
+name = "near-ear"
+role = "external"
+[[node]]
+name = "far-ear"
+role = "external"
+[[fault]]
+kind = "segment"
+nodes = ["far", "far-ear"]
+"#;
+    let output = |scenario: &Scratch| stdout(&devicenet(&["simulate", scenario.path()])).to_owned();
+    let scenario = Scratch::new("apart.toml", text);
+    let apart = output(&scenario);
+    for line in lines_of_json(&devicenet(&["simulate", "--json", scenario.path()])) {
+        if line["event"] == "frame" {
+            let expected = (line["nodes"][0] == "far").then_some(1);
+            assert_eq!(line["segment"].as_u64(), expected, "{line}");
+        }
+    }
+    assert!(apart.contains("far") && !apart.contains("two nodes"), "{apart}");
+    let whole = output(&Scratch::new("whole.toml", text.split("[[fault]]").next().expect("the nodes")));
+    assert!(whole.contains("two nodes check MAC ID 10"), "{whole}");
+}
+
+#[test]
+fn json_has_the_fields_of_decode_and_the_states() {
+    let output = devicenet(&["simulate", "--json"]);
+    let lines = lines_of_json(&output);
+    let request = lines.iter().find(|line| line["event"] == "frame").expect("a frame");
+    assert_eq!(request["kind"], "dup_mac_request");
+    assert_eq!(request["nodes"], serde_json::json!(["far"]));
+    assert_eq!((request["id"].as_u64(), request["n"].as_u64()), (Some(0x457), Some(1)));
+    assert_eq!(request["vendor"].as_u64(), Some(0x1234));
+    assert_eq!(request["t"].as_f64(), Some(0.000_952));
+    let failed = lines.iter().find(|line| line["event"] == "error_frame").expect("an error frame");
+    assert_eq!((failed["error"].as_str(), failed["by"].as_str()), (Some("ack"), Some("scanner")));
+    let to: Vec<&str> = (lines.iter())
+        .filter(|line| line["event"] == "state" && line["node"] == "scanner")
+        .filter_map(|line| line["to"].as_str())
+        .collect();
+    assert_eq!(to, ["sending_dup_mac", "waiting_dup_mac", "sending_dup_mac", "waiting_dup_mac", "online"]);
+    assert!(lines.iter().all(|line| line["t"].is_f64() && line["event"].is_string()));
+}
+
+/// The only node loses its power in the middle of a frame, which nobody is there to call an error.
+#[test]
+fn every_view_counts_error_frames_alike() {
+    let action =
+        |at: &str, what: &str| format!("[[action]]\nat = \"{at}\"\nnode = \"valve\"\ndo = \"{what}\"\n");
+    let node = VALVE.split("[[node]]\nname = \"can0\"").next().expect("the first node").replace("3s", "50ms");
+    let text = node + &action("500us", "power_off") + &action("10ms", "power_on");
+    let scenario = Scratch::new("broken-off.toml", &text);
+    let recording = Scratch::new("broken-off.log", "");
+    let lines =
+        lines_of_json(&devicenet(&["simulate", "--json", "--record", recording.path(), scenario.path()]));
+    let count = |event: &str| lines.iter().filter(|line| line["event"] == event).count();
+    let number = |value: &Value| value.as_u64().and_then(|number| usize::try_from(number).ok());
+    let summary = lines.last().expect("the summary");
+    assert_eq!(count("abandoned"), 1);
+    assert_eq!(number(&summary["bus"]["abandoned"]), Some(1));
+    assert!(count("error_frame") > 10);
+    assert_eq!(number(&summary["bus"]["errors"]), Some(count("error_frame")));
+    assert_eq!(number(&summary["nodes"][0]["failed"]), Some(count("error_frame")));
+    let recorded = String::from_utf8(recording.read()).expect("ASCII").lines().count();
+    assert_eq!(recorded, count("error_frame"));
+    let table = devicenet(&["simulate", "--summary", scenario.path()]);
+    assert!(stdout(&table).contains(" error frames, 1 broken off, load "), "{}", stdout(&table));
+}
+
+#[test]
+fn a_recording_is_read_by_decode() {
+    for name in ["plant.log", "plant.pcapng"] {
+        let recording = Scratch::new(name, "");
+        devicenet(&["simulate", "--summary", "--record", recording.path()]);
+        let output = devicenet(&["decode", "--json", recording.path()]);
+        let decoded = lines_of_json(&output);
+        let simulated = lines_of_json(&devicenet(&["simulate", "--json"]));
+        let frames: Vec<&Value> = simulated.iter().filter(|line| line["event"] == "frame").collect();
+        let through: Vec<&Value> =
+            decoded.iter().filter(|line| line["protocol"] == "devicenet" && line["id"].is_u64()).collect();
+        assert_eq!(through.len(), frames.len(), "{name}");
+        for (read, sent) in through.iter().zip(frames) {
+            assert_eq!(
+                (&read["t"], &read["id"], &read["data"]),
+                (&sent["t"], &sent["id"], &sent["data"]),
+                "{name}"
+            );
+        }
+    }
+}
+
+/// One node has defended its MAC ID, the other has restarted after it could not.
+#[test]
+fn the_decoder_finds_the_same_last_states_in_the_recording() {
+    let recording = Scratch::new("states.log", "");
+    assert_eq!(devicenet(&["simulate", "--record", recording.path()]).status.code(), Some(0));
+    let output = devicenet(&["decode", "--summary", recording.path()]);
+    let text = stdout(&output);
+    for (node, serial) in [("10", "0x00005001"), ("20", "0x00004001")] {
+        let row =
+            text.lines().rfind(|line| line.split_whitespace().next() == Some(node) && line.ends_with(serial));
+        assert!(row.is_some_and(|row| row.contains("  online  ")), "{text}");
+    }
+}
+
+#[test]
+fn the_picture_has_a_row_for_each_node_and_a_legend() {
+    let picture = Scratch::new("plant.svg", "");
+    let output = devicenet(&["simulate", "--summary", "--svg", picture.path()]);
+    assert_eq!(output.status.code(), Some(0));
+    let svg = String::from_utf8(picture.read()).expect("UTF-8");
+    assert!(svg.starts_with("<svg xmlns=") && svg.ends_with("</svg>\n"));
+    assert_eq!(
+        svg,
+        include_str!("../../../docs/plant.svg"),
+        "the README shows another picture: cargo run --release -- simulate --summary --svg docs/plant.svg"
+    );
+    for words in
+        ["scanner", "gripper", "on line", "bus load", "communication fault", "time in seconds", "8. Repair"]
+    {
+        assert!(svg.contains(&format!(">{words}")), "{words} is missing");
+    }
+}
+
+#[test]
+fn the_summary_is_a_table_with_the_last_states() {
+    let output = devicenet(&["simulate", "--summary"]);
+    let text = stdout(&output);
+    let twin = text.lines().find(|line| line.starts_with("twin")).expect("the twin");
+    let words: Vec<&str> = twin.split_whitespace().collect();
+    assert_eq!(words[..4], ["twin", "access", "13", "online"]);
+    assert!(text.contains("22s at 125 kbit/s: "), "{text}");
+}
