@@ -110,6 +110,8 @@ mod common;
 mod effect;
 mod failure;
 mod identity;
+#[doc(hidden)]
+pub mod laws;
 mod message_router;
 mod parameter;
 mod rule;

@@ -2,6 +2,7 @@
 
 use super::{ask, ask_effects};
 use crate::code::InstanceId;
+use crate::object::laws::agrees_with_names;
 use crate::object::{
     AcknowledgeHandler, AcknowledgeLists, AcknowledgePath, AcknowledgeSettings, Effect, Effects,
 };
@@ -33,7 +34,7 @@ fn defaults() {
 fn optional_lists() {
     let mut settings = AcknowledgeSettings::default();
     let handler = AcknowledgeHandler::new(&mut settings);
-    super::agrees_with_names(&handler, &[1]);
+    agrees_with_names(&handler, &[1]);
     let mut set = (AcknowledgeLists { handler, acknowledges: &ALLOWED, data_paths: None },);
     assert_eq!(ask(&mut set, &[0x0E, 0x2B, 1, 4]), [0x8E, 2]);
     assert_eq!(ask(&mut set, &[0x0E, 0x2B, 1, 5]), [0x8E, 2, 4, 0, 16, 0]);
@@ -45,7 +46,7 @@ fn optional_lists() {
     for attribute in 4..=7 {
         assert_eq!(ask(&mut set, &[0x10, 0x2B, 1, attribute, 0]), [0x94, 0x0E, 0xFF]);
     }
-    super::agrees_with_names(&set.0, &[1]);
+    agrees_with_names(&set.0, &[1]);
     assert_eq!(ask(&mut set, &[0x10, 0x2B, 1, 1, 20, 0]), [0x90, 20, 0]);
     assert_eq!(ask(&mut set, &[0x0E, 0x2B, 1, 1]), [0x8E, 20, 0]);
 }

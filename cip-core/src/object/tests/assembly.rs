@@ -2,6 +2,7 @@
 
 use super::{ask, ask_effects};
 use crate::code::{GeneralStatus, InstanceId};
+use crate::object::laws::agrees_with_names;
 use crate::object::{Assemblies, Assembly, AssemblyObject, CommonServices, Effect, Effects, Failure, Member};
 use proptest::prelude::*;
 use std::vec;
@@ -129,7 +130,7 @@ fn outputs_that_an_io_connection_owns_are_a_state_conflict() {
 
 #[test]
 fn tables_agree_with_the_names() {
-    super::agrees_with_names(&object(&mut Block::default()).0, &[100, 150, 300]);
+    agrees_with_names(&object(&mut Block::default()).0, &[100, 150, 300]);
 }
 
 proptest! {

@@ -9,6 +9,7 @@ use crate::identity::{
     ProductName, Revision,
 };
 use crate::message::ResetType;
+use crate::object::laws::agrees_with_names;
 use crate::object::{CommonServices, Effect, Effects, Failure, Identity, Object, Resets};
 use proptest::prelude::*;
 
@@ -182,8 +183,8 @@ fn a_reset_that_is_impossible_now() {
 #[test]
 fn tables_agree_with_the_names() {
     let device = device();
-    super::agrees_with_names(&full(&device), &[1]);
-    super::agrees_with_names(&Identity { configuration_consistency: None, ..full(&device) }, &[1]);
+    agrees_with_names(&full(&device), &[1]);
+    agrees_with_names(&Identity { configuration_consistency: None, ..full(&device) }, &[1]);
     assert_eq!(full(&device).next_instance(crate::code::InstanceId::CLASS).unwrap().0, 1);
 }
 

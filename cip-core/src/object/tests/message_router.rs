@@ -4,6 +4,7 @@ use super::order::{Probe, probe};
 use super::{answer, ask, ask_effects};
 use crate::codec::{Wire, Writer};
 use crate::message::{BodyFormat, MultipleServicePacket, ResetType, emit_packets};
+use crate::object::laws::agrees_with_names;
 use crate::object::{Effect, Effects, FailureOptions, Identity, MessageRouter, Router, RouterConnections};
 use proptest::{collection::vec as any_vec, prelude::*};
 use std::vec::Vec;
@@ -28,7 +29,7 @@ fn without_attributes_the_class_still_exists() {
     assert_eq!(ask(&mut set, &[0x0A, 2, 1, 0, 0]), [0x94, 0x08, 0xFF]);
     assert_eq!(ask(&mut set, &[0x0E, 2, 2, 1]), [0x94, 0x16, 0xFF]);
     assert_eq!(ask(&mut set, &[0x0E, 2, 0, 1]), [0x8E, 1, 0]);
-    super::agrees_with_names(&set.0, &[1]);
+    agrees_with_names(&set.0, &[1]);
 }
 
 #[test]
@@ -45,7 +46,7 @@ fn attributes_one_by_one() {
     assert_eq!(ask(&mut router, &[0x0E, 0x64, 1, 1]), [0x8E, 0x34, 0x12], "the objects behind");
     assert_eq!(ask(&mut router, &[0x0E, 0x65, 1, 1]), [0x94, 0x16, 0xFF]);
     let front = super::super::message_router::Front { classes: &(probe(),), connections: router.connections };
-    super::agrees_with_names(&front, &[1]);
+    agrees_with_names(&front, &[1]);
 }
 
 #[test]

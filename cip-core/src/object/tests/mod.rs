@@ -12,12 +12,9 @@ mod vectors;
 
 use std::vec::Vec;
 
-use super::{Call, Effects, FailureOptions, Object, ObjectSet, Size, respond};
-use crate::code::InstanceId;
+use super::{Call, Effects, FailureOptions, ObjectSet, respond};
 use crate::codec::Writer;
-use crate::data_type::DataType;
 use crate::message::{BodyFormat, Request};
-use crate::names::{Access, Shape, attribute_info};
 
 /// The response, from the service byte on, to a request in the format 8/8.
 pub(super) fn ask(objects: &mut impl ObjectSet, body: &[u8]) -> Vec<u8> {
@@ -47,34 +44,4 @@ pub(super) fn answer(
         }
     };
     (out.written().to_vec(), effects)
-}
-
-/// Ties the tables of an object to the names: every attribute has one, is not freer than it allows, and takes as many
-/// bytes as its type.
-#[track_caller]
-pub(super) fn agrees_with_names<O: Object>(object: &O, instances: &[u16]) {
-    let tables = instances.iter().map(|&id| (InstanceId(id), object.attributes(InstanceId(id)).unwrap()));
-    for (instance, rules) in tables.chain([(InstanceId::CLASS, object.class_attributes())]) {
-        for rule in rules {
-            let at = std::format!("{} {instance} {}", O::CLASS, rule.id());
-            let info = attribute_info(O::CLASS, instance, rule.id()).expect(&at);
-            assert!(!rule.is_settable() || info.access == Access::GetSet, "{at} cannot be set");
-            match rule.size() {
-                Size::Bytes(size) => {
-                    let expected = info.shape.size().or((info.shape == Shape::Bytes).then_some(size.into()));
-                    assert_eq!(expected, Some(size.into()), "size of {at}");
-                }
-                Size::ShortString => assert_eq!(info.shape, Shape::Data(DataType::ShortString), "{at}"),
-                Size::Any => assert_eq!(info.shape.size(), None, "{at} has a size"),
-            }
-            let mut buffer = [0; 256];
-            let mut out = Writer::new(&mut buffer);
-            super::serve::get(object, instance, rule.id(), &mut out).expect(&at);
-            assert!(rule.size().check(out.written()).is_ok(), "what {at} answers has its size");
-        }
-        let mut ids: Vec<_> = rules.iter().map(|rule| rule.id()).collect();
-        ids.sort();
-        ids.dedup();
-        assert_eq!(ids.len(), rules.len(), "an attribute of {} is listed twice", O::CLASS);
-    }
 }

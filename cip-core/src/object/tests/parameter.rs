@@ -4,6 +4,7 @@ use super::{ask, ask_effects};
 use crate::code::{GeneralStatus, InstanceId};
 use crate::codec::Writer;
 use crate::data_type::DataType;
+use crate::object::laws::agrees_with_names;
 use crate::object::{
     CommonServices, Effect, Effects, Failure, FullParameter, International, Parameter, ParameterDescriptor,
     ParameterObject, ParameterStorage, Parameters, Scaling, ScalingLinks,
@@ -261,7 +262,7 @@ fn definitions_are_checked() {
 
 #[test]
 fn tables_agree_with_the_names() {
-    super::agrees_with_names(&drive().0, &[1, 2, 3, 4, 5, 6]);
+    agrees_with_names(&drive().0, &[1, 2, 3, 4, 5, 6]);
 }
 
 proptest! {
