@@ -6,7 +6,7 @@ use link_core::{BitRate, Instant};
 use super::allocation::Door;
 use super::application::Application;
 use super::config::Options;
-use super::event::SlaveEvent;
+use super::event::{Ignored, SlaveEvent};
 use super::machine::Slave;
 use crate::access::MacIdSource;
 use crate::id::MacId;
@@ -49,6 +49,11 @@ impl Departure {
 }
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
+    /// A node that is about to leave serves nobody: the response that is on its way is the last.
+    pub(super) const fn check_departure(&self) -> Result<(), Ignored> {
+        if self.departure.is_some() { Err(Ignored::Leaving) } else { Ok(()) }
+    }
+
     /// Goes on if the response has been sent.
     pub(super) fn follow_departure(&mut self, now: Instant) {
         let Some(departure) = &mut self.departure else { return };

@@ -28,6 +28,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if Some(header.mac) != self.node.master {
             return Err(Ignored::ForeignNode);
         }
+        self.check_departure()?;
         // It exists: nothing is refused.
         let _ = self.node.explicit_step(ExplicitCause::Message);
         let (rules, offer) = (self.rules(), self.offer());

@@ -341,6 +341,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             self.close_transfers();
         }
         self.follow_modes();
+        if self.node.changed.contains(Changed::HEARTBEAT) {
+            self.node.changed.remove(Changed::HEARTBEAT);
+            self.start_heartbeat();
+        }
         if self.node.changed.contains(Changed::ALLOCATION) {
             self.node.changed.remove(Changed::ALLOCATION);
             let (choice, master) = (self.node.choice(), self.node.master);

@@ -64,6 +64,8 @@ bitflags::bitflags! {
         const ALLOCATION = 0x20;
         /// The filters that the node needs.
         const FILTER = 0x40;
+        /// The heartbeat interval.
+        const HEARTBEAT = 0x80;
     }
 }
 

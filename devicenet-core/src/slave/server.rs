@@ -16,7 +16,7 @@ use super::connection_object::ConnectionObject;
 use super::departure::Departure;
 use super::devicenet_object::{DeviceNetObject, Port};
 use super::event::{Ignored, SlaveEvent, count};
-use super::node::{BOTH, Node};
+use super::node::{BOTH, Changed, Node};
 use crate::access::Access;
 use crate::id::MacId;
 use cip_core::connection::IoState;
@@ -40,9 +40,6 @@ pub(super) struct Server<'a, A, const DYNAMIC: usize> {
 impl<A: Application, const DYNAMIC: usize> Server<'_, A, DYNAMIC> {
     /// Answers a request, from the service byte on. An error: there is no answer.
     pub(super) fn answer(&mut self, body: &[u8], out: &mut Writer<'_>) -> Result<(), Ignored> {
-        if self.departure.is_some() {
-            return Err(Ignored::Leaving);
-        }
         match body.first() {
             Some(&service) if ServiceCode::split(service).1 => return Err(Ignored::Response),
             Some(_) => {}
@@ -92,6 +89,7 @@ impl<A: Application, const DYNAMIC: usize> Server<'_, A, DYNAMIC> {
         let own = Effect::ATTRIBUTE_SET | Effect::HEARTBEAT_INTERVAL | Effect::ACKNOWLEDGE;
         if effects.of.contains(Effect::HEARTBEAT_INTERVAL) {
             let seconds = self.heartbeat_interval.unwrap_or(0);
+            self.node.changed.insert(Changed::HEARTBEAT);
             self.node.events.raise(SlaveEvent::StoreHeartbeatInterval(seconds));
         }
         let for_application = effects.of.difference(own);

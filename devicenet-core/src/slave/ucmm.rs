@@ -78,6 +78,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if header.mac != expected {
             return Err(Ignored::ForeignNode);
         }
+        self.check_departure()?;
         // It is open: nothing is refused.
         let _ = self.node.dynamic_step(index, ExplicitCause::Message);
         let (rules, offer, format) = (self.rules(), self.offer(), self.format_of(index));

@@ -70,9 +70,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// No request is carried out whose answer would be lost.
     pub(super) fn check_room(&self) -> Result<(), Ignored> {
-        if self.departure.is_some() {
-            return Err(Ignored::Leaving);
-        }
+        self.check_departure()?;
         if self.answers.is_full() { Err(Ignored::Busy) } else { Ok(()) }
     }
 

@@ -317,6 +317,14 @@ impl<A: Application, const DYNAMIC: usize> Bus<A, DYNAMIC> {
         assert_eq!(found, Some(expected.to_string()));
     }
 
+    /// The data of the next frame, which is a response.
+    #[track_caller]
+    pub(super) fn response(&mut self) -> Vec<u8> {
+        let frame = self.transmits.pop_front().expect("no response");
+        assert_eq!(frame.raw_id(), u32::from(RESPONSE));
+        frame.data().to_vec()
+    }
+
     /// Some frame.
     #[track_caller]
     pub(super) fn skip(&mut self) {

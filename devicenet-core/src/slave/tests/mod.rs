@@ -4,6 +4,8 @@ mod allocation;
 mod bus;
 pub(super) mod edges;
 mod explicit;
+mod network;
+mod objects;
 mod other_io;
 mod poll;
 mod races;
