@@ -5,8 +5,7 @@ use core::time::Duration;
 use cip_core::code::ServiceCode;
 use cip_core::codec::{Wire, Writer};
 use cip_core::fragment::{
-    AckStatus, ExplicitOutcome, ExplicitReassembly, FragmentByte, FragmentKind, explicit_fragment,
-    is_fragmented_explicit,
+    AckStatus, ExplicitOutcome, ExplicitReassembly, FragmentKind, explicit_fragment, is_fragmented_explicit,
 };
 use cip_core::message::{AttributeRequest, BodyFormat, EmitError, Request, Response};
 use heapless::Vec;
@@ -30,7 +29,8 @@ pub struct Conversation<const N: usize> {
     tries: u8,
     response: ExplicitReassembly<N>,
     stage: Stage,
-    acknowledge: Option<(FragmentByte, AckStatus)>,
+    /// As it is to be sent: the next transaction may begin, on another route, before it is.
+    acknowledge: Option<(Identifier, FragmentAcknowledge)>,
     in_flight: Option<Outgoing>,
     timer: TimerChange,
 }
@@ -38,9 +38,20 @@ pub struct Conversation<const N: usize> {
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 enum Stage {
     Idle,
-    Requesting { attempt: u8, fragment: usize, repeated: bool, progress: Sending },
-    Awaiting { attempt: u8 },
-    Receiving { attempt: u8 },
+    Requesting {
+        attempt: u8,
+        fragment: usize,
+        repeated: bool,
+        progress: Sending,
+    },
+    Awaiting {
+        attempt: u8,
+    },
+    /// `most`: the most bytes of the response that were there at once.
+    Receiving {
+        attempt: u8,
+        most: usize,
+    },
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -106,9 +117,15 @@ impl<const N: usize> Conversation<N> {
     /// Goes on over another route, for example over the connection that the UCMM opened. The transaction ID goes on as
     /// well, so that a late response of the old route is not taken for one of the new.
     ///
-    /// A transaction under way is [cancelled](Self::cancel).
+    /// A transaction under way is [cancelled](Self::cancel); the acknowledge of a response that is complete is still
+    /// sent, on the old route.
     pub fn reroute(&mut self, route: Route, waits: Waits) {
-        self.cancel();
+        if self.is_busy() {
+            self.cancel();
+        } else {
+            self.response.discard();
+            self.timer = TimerChange::Clear;
+        }
         self.route = route;
         self.waits = waits;
     }
@@ -176,11 +193,9 @@ impl<const N: usize> Conversation<N> {
         if self.in_flight.is_some() {
             return None;
         }
-        if let Some((fragment, status)) = self.acknowledge.take() {
+        if let Some((id, acknowledge)) = self.acknowledge.take() {
             self.in_flight = Some(Outgoing::Acknowledge);
-            let mac = self.route.header(true, self.xid).mac;
-            let acknowledge = FragmentAcknowledge::new(self.xid, mac, fragment.count(), status);
-            return message::frame(self.route.request(), &acknowledge);
+            return message::frame(id, &acknowledge);
         }
         let Stage::Requesting { fragment, progress: progress @ Sending::Due, .. } = &mut self.stage else {
             return None;
@@ -227,7 +242,7 @@ impl<const N: usize> Conversation<N> {
             }
             // No wait runs before the frame is on the bus.
             Stage::Requesting { .. } => None,
-            Stage::Awaiting { attempt } | Stage::Receiving { attempt } => {
+            Stage::Awaiting { attempt } | Stage::Receiving { attempt, .. } => {
                 let attempt = *attempt;
                 if attempt >= self.tries {
                     return Some(self.fail(Failure::NoResponse));
@@ -306,30 +321,37 @@ impl<const N: usize> Conversation<N> {
     }
 
     fn fragment(&mut self, fragment: ExplicitFragment<'_>) -> Progress<'_> {
-        let attempt = match (self.stage, self.expects(fragment.xid)) {
+        let (attempt, most) = match (self.stage, self.expects(fragment.xid)) {
             (Stage::Idle, Err(Ignored::Unexpected))
                 if self.response.remembers_completed() && fragment.fragment.kind != FragmentKind::First =>
             {
-                0
+                (0, 0)
             }
             (_, Err(ignored)) => return Progress::Ignored(ignored),
-            (Stage::Idle, Ok(())) => 0,
-            (
-                Stage::Requesting { attempt, .. }
-                | Stage::Awaiting { attempt }
-                | Stage::Receiving { attempt },
-                Ok(()),
-            ) => attempt,
+            (Stage::Idle, Ok(())) => (0, 0),
+            (Stage::Requesting { attempt, .. } | Stage::Awaiting { attempt }, Ok(())) => (attempt, 0),
+            (Stage::Receiving { attempt, most }, Ok(())) => (attempt, most),
         };
         let asked = self.asked();
+        let before = self.response.received();
+        let mac = self.route.header(true, fragment.xid).mac;
         let outcome = self.response.fragment(fragment.xid, fragment.fragment, fragment.body);
         if let Some(status) = outcome.ack() {
-            self.acknowledge = Some((fragment.fragment, status));
+            let acknowledge = FragmentAcknowledge::new(fragment.xid, mac, fragment.fragment.count(), status);
+            self.acknowledge = Some((self.route.request(), acknowledge));
         }
         match outcome {
             ExplicitOutcome::Stored | ExplicitOutcome::Repeated => {
-                self.stage = Stage::Receiving { attempt };
-                self.timer = TimerChange::Set(self.waits.next_fragment);
+                let received = match fragment.fragment.kind {
+                    FragmentKind::First => fragment.body.len(),
+                    _ if outcome == ExplicitOutcome::Repeated => before,
+                    _ => before.saturating_add(fragment.body.len()),
+                };
+                // Only what is new prolongs the wait: a server that repeats itself is not waited for for ever.
+                if received > most {
+                    self.timer = TimerChange::Set(self.waits.next_fragment);
+                }
+                self.stage = Stage::Receiving { attempt, most: most.max(received) };
                 Progress::Pending
             }
             ExplicitOutcome::RepeatedLast => Progress::Pending,

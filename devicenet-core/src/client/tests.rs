@@ -305,3 +305,43 @@ fn an_error_is_always_an_answer() {
     let Progress::Response(Response::Error { status, additional }) = client.frame(&refused) else { panic!() };
     assert_eq!((status, additional.0), (GeneralStatus::OBJECT_STATE_CONFLICT, 1));
 }
+
+/// The acknowledge of the last fragment goes out first, and is that of its own transaction and connection, whatever
+/// begins meanwhile.
+#[test]
+fn the_last_acknowledge_outlives_its_transaction() {
+    for rerouted in [false, true] {
+        let mut client = predefined(0, 2);
+        start(&mut client, &[0x0E, 0x01, 0x01, 0x07]);
+        sends(&mut client, "414: 00 0E 01 01 07");
+        hears(&mut client, "413: 80 00 8E 08 47 52 54 31", "Pending");
+        sends(&mut client, "414: 80 C0 00");
+        assert!(matches!(client.frame(&frame("413: 80 81 2D 44 52 54")), Progress::Response(_)));
+        if rerouted {
+            client.reroute(Route::ucmm(mac(0), mac(2)), Waits::UNCONNECTED);
+        }
+        start(&mut client, &[0x4C, 0x06, 0x00]);
+        sends(&mut client, "414: 80 C1 00");
+        sends(&mut client, if rerouted { "780: 42 4C 06 00" } else { "414: 40 4C 06 00" });
+    }
+}
+
+/// Fragments that were there already do not prolong the wait, so that a server that begins again and again does not hold
+/// the client for ever.
+#[test]
+fn only_new_fragments_are_waited_for() {
+    let mut client = predefined(0, 2);
+    start(&mut client, &[0x0E, 0x01, 0x01, 0x07]);
+    sends(&mut client, "414: 00 0E 01 01 07");
+    let mut waits = Vec::new();
+    for fragment in ["00", "41", "41", "00", "41", "42"] {
+        let _ = client.take_timer();
+        hears(&mut client, &std::format!("413: 80 {fragment} 8E 08 47 52 54 31"), "Pending");
+        sends(
+            &mut client,
+            &std::format!("414: 80 {:02X} 00", 0xC0 | u8::from_str_radix(fragment, 16).unwrap()),
+        );
+        waits.push(client.take_timer() != TimerChange::Keep);
+    }
+    assert_eq!(waits, [true, true, false, false, false, true]);
+}
