@@ -167,6 +167,13 @@ impl fmt::Display for Cause {
     }
 }
 
+/// `| Waiting | retry due | Contacting |`
+impl fmt::Display for Edge {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "| {} | {} | {} |", self.from, self.cause, self.to)
+    }
+}
+
 /// Every transition there is, in the order of the start-up sequence.
 pub const EDGES: &[Edge] = {
     use Cause::*;

@@ -7,7 +7,7 @@ use link_core::Instant;
 use super::event::Counters;
 use super::machine::OfflineTool;
 use super::state::{Cause, Request, Sending, State, Task, ToolState};
-use crate::access::Access;
+use crate::access::{self, Access};
 use crate::id::MacId;
 use crate::message::{DelayOffset, DeviceIdentity, NodeSelection};
 
@@ -24,6 +24,12 @@ pub enum CommandError {
     /// One thing at a time.
     #[error("the tool waits for answers to its last message: wait for its event")]
     Busy,
+    /// The device would be faulted again at once.
+    #[error("MAC ID {0} is the tool's own: give the device another")]
+    OwnMacId(MacId),
+    /// Network access refuses it.
+    #[error(transparent)]
+    Access(#[from] access::CommandError),
 }
 
 impl OfflineTool {
@@ -70,7 +76,25 @@ impl OfflineTool {
         device: DeviceIdentity,
         mac: MacId,
     ) -> Result<(), CommandError> {
+        if mac == self.access.mac_id() {
+            return Err(CommandError::OwnMacId(mac));
+        }
         self.begin(now, Task::ChangeMacId { device, mac, checks: 0 })
+    }
+
+    /// Starts anew, as after a power cycle: the way out of a fault of its own network access. The set is lost.
+    pub fn reset(&mut self, now: Instant) {
+        self.timers.advance(now);
+        self.access.reset(now);
+        self.follow_access();
+    }
+
+    /// Starts anew with another MAC ID. The set is lost.
+    pub fn set_mac_id(&mut self, now: Instant, mac: MacId) -> Result<(), CommandError> {
+        self.timers.advance(now);
+        self.access.set_mac_id(now, mac)?;
+        self.follow_access();
+        Ok(())
     }
 
     fn begin(&mut self, now: Instant, task: Task) -> Result<(), CommandError> {

@@ -31,7 +31,7 @@ pub struct OfflineTool {
     in_flight: Option<Outgoing>,
     withdraw: bool,
     filter_due: bool,
-    found: u16,
+    pub(super) found: u16,
     pub(super) timers: Timers<Timer, 1>,
     pub(super) counters: Counters,
     events: Vec<ToolEvent, EVENTS>,
@@ -42,6 +42,8 @@ pub struct OfflineTool {
 enum Outgoing {
     OwnershipResponse,
     Message,
+    /// The message, taken back after a collision: unless it turns out to have been sent, it is sent again.
+    BackedOff,
     /// What is not wanted any more.
     Abandoned,
 }
@@ -72,7 +74,10 @@ impl Machine for OfflineTool {
         // A wait that ended before this moment ended before this input; one that ends now ends after it.
         self.expire(now.saturating_sub(Duration::from_nanos(1)));
         match input {
-            Input::TxDone(TOKEN, outcome) => self.tx_done(outcome),
+            Input::TxDone(TOKEN, outcome) => {
+                self.access.input(now, Input::Tick);
+                self.tx_done(outcome);
+            }
             Input::Frame(frame) => {
                 self.access.input(now, input);
                 self.follow_access();
@@ -143,6 +148,10 @@ impl OfflineTool {
     pub fn filter(&self) -> FilterSet {
         let mut filters = id::offline_owner();
         filters.add(id::duplicate_mac_checks());
+        // A tool that is faulted itself can be repaired by another.
+        for filter in self.access.filter().as_slice() {
+            filters.add(*filter);
+        }
         filters
     }
 
@@ -153,9 +162,13 @@ impl OfflineTool {
             EDGES.iter().any(|edge| (edge.from, edge.cause, edge.to) == (from, cause, to)),
             "{from} -> {to}: {cause} is not in the table"
         );
-        self.abandon();
+        #[cfg(test)]
+        super::tests::edges::record(from, cause, to);
         self.timers.clear_all();
-        self.response_due = false;
+        if next == State::Idle {
+            self.response_due = false;
+            self.abandon();
+        }
         self.state = next;
         self.raise(ToolEvent::StateChanged { from, to, cause });
     }
@@ -165,16 +178,22 @@ impl OfflineTool {
         self.timers.clear_all();
         self.found = 0;
         self.state = State::Owner { task, sending: Sending::Due };
-    }
-
-    fn abandon(&mut self) {
-        if self.in_flight.is_some_and(|what| what != Outgoing::Abandoned) {
-            self.in_flight = Some(Outgoing::Abandoned);
-            self.withdraw = true;
+        // Another tool is answered all the same.
+        if self.in_flight != Some(Outgoing::OwnershipResponse) {
+            self.abandon();
         }
     }
 
-    fn follow_access(&mut self) {
+    fn abandon(&mut self) {
+        match self.in_flight {
+            Some(Outgoing::OwnershipResponse | Outgoing::Message) => self.withdraw = true,
+            Some(Outgoing::BackedOff) => {}
+            Some(Outgoing::Abandoned) | None => return,
+        }
+        self.in_flight = Some(Outgoing::Abandoned);
+    }
+
+    pub(super) fn follow_access(&mut self) {
         let on_line = self.access.is_online();
         if on_line == self.on_line {
             return;
@@ -221,7 +240,7 @@ impl OfflineTool {
     /// Whatever it says: somebody else thinks that the set is his.
     fn ownership_response(&mut self) {
         match self.state {
-            State::Idle => {}
+            State::Idle => self.ignore(),
             State::Claiming { .. } | State::Owner { .. } => self.enter(State::Idle, Cause::OwnedByAnother),
         }
     }
@@ -277,11 +296,9 @@ impl OfflineTool {
             LinkEvent::BusError(kind)
                 if kind != BusErrorKind::Ack && self.in_flight == Some(Outgoing::Message) =>
             {
-                self.abandon();
-                if let Some(sending) = self.state.sending_mut() {
-                    *sending = Sending::BackingOff;
-                }
-                self.timers.set_after(Timer::Answers, self.jitter());
+                self.in_flight = Some(Outgoing::BackedOff);
+                self.withdraw = true;
+                self.back_off(self.jitter());
                 self.counters.collisions = self.counters.collisions.saturating_add(1);
                 self.raise(ToolEvent::Collision);
             }
@@ -300,11 +317,21 @@ impl OfflineTool {
         }
     }
 
-    /// 10 to 650 ms, by the serial number: two tools differ in it.
+    /// The message is due again after `pause`.
+    fn back_off(&mut self, pause: Duration) {
+        if let Some(sending) = self.state.sending_mut() {
+            *sending = Sending::BackingOff;
+            self.timers.set_after(Timer::Answers, pause);
+        }
+    }
+
+    /// 10 to 640 ms, by six bits of vendor and serial number, and six others after each collision: two tools differ in
+    /// some of them.
     fn jitter(&self) -> Duration {
-        let low = self.config.access.device.serial & 0x3F;
-        let turns = self.counters.collisions.into();
-        Duration::from_millis(u64::from(low.wrapping_add(turns) & 0x3F).saturating_mul(10).saturating_add(10))
+        let DeviceIdentity { vendor, serial } = self.config.access.device;
+        let bits = u64::from(vendor.0) << 32 | u64::from(serial);
+        let turned = bits.rotate_right(u32::from(self.counters.collisions).wrapping_mul(6) & 0x3F);
+        Duration::from_millis((turned & 0x3F).saturating_mul(10).saturating_add(10))
     }
 
     fn tx_done(&mut self, outcome: TxOutcome) {
@@ -313,15 +340,28 @@ impl OfflineTool {
             return;
         };
         self.withdraw = false;
-        if outcome != TxOutcome::Sent && what != Outgoing::Abandoned {
-            self.counters.not_sent = self.counters.not_sent.saturating_add(1);
+        match (what, outcome) {
+            (Outgoing::Abandoned, _) | (Outgoing::OwnershipResponse, TxOutcome::Sent) => {}
+            (Outgoing::Message | Outgoing::BackedOff, TxOutcome::Sent) => self.message_sent(),
+            (Outgoing::BackedOff, TxOutcome::Withdrawn | TxOutcome::Dropped) => {}
+            // A set that nobody was asked for would have two owners.
+            (Outgoing::Message, TxOutcome::Withdrawn | TxOutcome::Dropped) => {
+                self.counters.not_sent = self.counters.not_sent.saturating_add(1);
+                self.back_off(GIVEN_BACK);
+            }
+            // The other tool asks a second time.
+            (Outgoing::OwnershipResponse, TxOutcome::Withdrawn | TxOutcome::Dropped) => {
+                self.counters.not_sent = self.counters.not_sent.saturating_add(1);
+            }
         }
-        if what != Outgoing::Message {
-            return;
-        }
+    }
+
+    fn message_sent(&mut self) {
         let wait = self.wait();
-        if let Some(sending @ Sending::HandedOut) = self.state.sending_mut() {
-            // What was given back is treated as lost on the way.
+        // Its consequences may have been heard already.
+        if let Some(sending @ (Sending::HandedOut | Sending::BackingOff | Sending::Due)) =
+            self.state.sending_mut()
+        {
             *sending = Sending::Sent;
             self.timers.set_after(Timer::Answers, wait);
         }
@@ -350,9 +390,7 @@ impl OfflineTool {
             State::Idle => {}
             State::Claiming { sending: Sending::Sent, request: Request::First } => {
                 let next = State::Claiming { request: Request::Second, sending: Sending::Due };
-                let response_due = self.response_due;
                 self.enter(next, Cause::WaitOver);
-                self.response_due = response_due;
             }
             State::Claiming { sending: Sending::Sent, request: Request::Second } => {
                 self.enter(State::Owner { task: Task::None, sending: Sending::Sent }, Cause::Unanswered);
@@ -432,7 +470,7 @@ impl OfflineTool {
                 }
                 self.message()?
             }
-            Outgoing::Abandoned => return None,
+            Outgoing::BackedOff | Outgoing::Abandoned => return None,
         };
         self.in_flight = Some(what);
         Some(Action::Transmit(TOKEN, frame))
@@ -487,4 +525,6 @@ impl OfflineTool {
 const TOKEN: TxToken = TxToken(1);
 /// From a check request to the next, or to the moment at which its sender is on line, and a little more.
 const AFTER_CHECK: Duration = Duration::from_millis(1500);
+/// Before what the controller gave back is handed out again.
+const GIVEN_BACK: Duration = Duration::from_millis(100);
 const EVENTS: usize = 8;

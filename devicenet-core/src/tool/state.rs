@@ -144,7 +144,26 @@ impl fmt::Display for Cause {
     }
 }
 
-/// Every transition there is, in the order of the sequence.
+/// `| Idle | claimed | Claiming |`
+impl fmt::Display for Edge {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "| {} | {} | {} |", self.from, self.cause, self.to)
+    }
+}
+
+/// Every transition, in the order of the sequence. Debug builds check each step against it.
+///
+/// | From | Cause | To |
+/// |---|---|---|
+/// | Idle | claimed | Claiming |
+/// | Claiming | wait over | Claiming |
+/// | Claiming | nobody owns it | Owner |
+/// | Claiming | owned by another tool | Idle |
+/// | Owner | owned by another tool | Idle |
+/// | Claiming | released | Idle |
+/// | Owner | released | Idle |
+/// | Claiming | off line | Idle |
+/// | Owner | off line | Idle |
 pub const EDGES: &[Edge] = {
     use Cause::*;
     use ToolState::*;

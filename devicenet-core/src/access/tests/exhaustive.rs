@@ -13,9 +13,7 @@ use link_core::{
     frame::standard_id,
 };
 
-use super::super::{
-    Access, AccessEvent, BusOffWhileChecking, Cause, CheckRequest, Config, Counters, State, StateKind,
-};
+use super::super::{Access, AccessEvent, BusOffWhileChecking, Cause, CheckRequest, Config, State, StateKind};
 use super::bus::*;
 
 /// A machine, and what the bus knows of it.
@@ -114,8 +112,7 @@ impl World {
         }
         assert_ne!(next.node.deadline().map(|deadline| deadline.why), Some("output pending"));
         next.node.shift_time(now.saturating_since(link_core::Instant::ZERO));
-        next.node.counters = Counters::default();
-        next.node.bus_off_counter = 0;
+        next.node.forget_counts();
         Some(next)
     }
 

@@ -1,119 +1,12 @@
-//! The tool against a tester that plays faulted nodes and other tools by hand.
+//! The sequence of a recovery, and what other tools and the bus do to it.
 
-use std::string::{String, ToString};
 use std::vec::Vec;
 
-use link_core::{Action, BusErrorKind, Frame, Input, Instant, LinkEvent, Machine, TxOutcome, TxToken};
+use link_core::{BusErrorKind, Input, LinkEvent, TxOutcome};
 
-use super::*;
-use crate::access;
-use crate::id::{Identifier, MacId};
-use crate::message::{DelayOffset, DeviceIdentity, NodeSelection, PortNumber};
-
-struct Bus {
-    tool: OfflineTool,
-    now: Instant,
-    in_flight: Option<(TxToken, Frame)>,
-    withdrawals: usize,
-    events: Vec<String>,
-}
-
-fn mac(number: u8) -> MacId {
-    MacId::new(number).unwrap()
-}
-
-/// The faulted device of the specification's examples: vendor 6, serial number 0x05060708.
-const DEVICE: DeviceIdentity = DeviceIdentity { vendor: cip_core::code::VendorId(6), serial: 0x0506_0708 };
-
-#[track_caller]
-fn frame(text: &str) -> Frame {
-    let (id, data) = text.split_once(':').unwrap();
-    let data: Vec<u8> = data.split_whitespace().map(|byte| u8::from_str_radix(byte, 16).unwrap()).collect();
-    Identifier::new(u16::from_str_radix(id, 16).unwrap()).unwrap().frame(&data).unwrap()
-}
-
-impl Bus {
-    /// Tool 5 of a fictitious vendor, on line.
-    fn online() -> Self {
-        let device = DeviceIdentity { vendor: 0x1234.into(), serial: 0x0000_2345 };
-        let access = access::Config::new(device, PortNumber::ZERO, mac(5));
-        let tool = OfflineTool::new(Config::new(access));
-        let mut bus = Self { tool, now: Instant::ZERO, in_flight: None, withdrawals: 0, events: Vec::new() };
-        bus.input(Input::Link(LinkEvent::Up));
-        assert_eq!(bus.tool.claim(bus.now), Err(CommandError::NotOnLine));
-        for _ in 0..2 {
-            bus.sends("42F: 00 34 12 45 23 00 00");
-            bus.wait(1000);
-        }
-        assert!(bus.tool.access().is_online());
-        bus
-    }
-
-    fn owner() -> Self {
-        let mut bus = Self::online();
-        bus.command(|tool, now| tool.claim(now)).unwrap();
-        for _ in 0..2 {
-            bus.sends("7EF: 05 4B 34 12 45 23 00 00");
-            bus.wait(1000);
-        }
-        assert_eq!(bus.tool.state(), ToolState::Owner);
-        bus.events.clear();
-        bus
-    }
-
-    fn input(&mut self, input: Input) {
-        self.tool.input(self.now, input);
-        self.drain();
-    }
-
-    fn command<T>(&mut self, command: impl FnOnce(&mut OfflineTool, Instant) -> T) -> T {
-        let result = command(&mut self.tool, self.now);
-        self.drain();
-        result
-    }
-
-    #[track_caller]
-    fn hears(&mut self, text: &str) {
-        self.input(Input::Frame(frame(text)));
-    }
-
-    fn wait(&mut self, millis: u64) {
-        let until = self.now + core::time::Duration::from_millis(millis);
-        while let Some(deadline) = self.tool.deadline().filter(|deadline| deadline.at <= until) {
-            self.now = self.now.max(deadline.at);
-            self.input(Input::Tick);
-        }
-        self.now = until;
-    }
-
-    #[track_caller]
-    fn sends(&mut self, expected: &str) {
-        let (token, sent) = self.in_flight.take().expect(expected);
-        assert_eq!(sent, frame(expected), "{sent}");
-        self.input(Input::TxDone(token, TxOutcome::Sent));
-    }
-
-    #[track_caller]
-    fn tells(&mut self, expected: &[&str]) {
-        assert_eq!(core::mem::take(&mut self.events), expected);
-    }
-
-    fn drain(&mut self) {
-        while let Some(action) = self.tool.poll(self.now) {
-            match action {
-                Action::Transmit(token, frame) => {
-                    assert!(self.in_flight.is_none(), "two frames in flight");
-                    self.in_flight = Some((token, frame));
-                }
-                Action::Withdraw(_) => self.withdrawals += 1,
-                Action::Link(_) => {}
-                Action::Event(ToolEvent::Access(_)) => {}
-                Action::Event(event) => self.events.push(event.to_string()),
-            }
-        }
-        assert_ne!(self.tool.deadline().map(|deadline| deadline.why), Some("output pending"));
-    }
-}
+use super::super::*;
+use super::bus::*;
+use crate::message::{DelayOffset, NodeSelection};
 
 #[test]
 fn unanswered_twice_the_set_is_owned() {
@@ -281,3 +174,132 @@ fn off_line_the_set_is_lost() {
     bus.hears("42F: 80 34 12 99 99 00 00");
     bus.tells(&["Owner -> Idle: off line"]);
 }
+
+/// The other tool is answered, even if the own claim goes on meanwhile.
+#[test]
+fn a_defence_survives_the_end_of_a_wait() {
+    let mut bus = Bus::online();
+    bus.command(|tool, now| tool.claim(now)).unwrap();
+    bus.sends(CLAIM);
+    bus.wait(999);
+    bus.hears("7EF: 01 4B 06 00 08 07 06 05");
+    bus.wait(1);
+    assert_eq!(bus.withdrawals, 0);
+    bus.sends("7EE: 05 CB 34 12 45 23 00 00");
+    bus.sends(CLAIM);
+    bus.wait(999);
+    bus.hears("7EF: 01 4B 06 00 08 07 06 05");
+    bus.wait(1);
+    assert_eq!(bus.tool.state(), ToolState::Owner);
+    bus.command(|tool, now| tool.who(now, DelayOffset::SERIAL)).unwrap();
+    bus.sends("7EE: 05 CB 34 12 45 23 00 00");
+    bus.sends("7ED: 3F 4B 03");
+}
+
+/// A question that was never asked has no answer: the set is not owned without two requests on the bus.
+#[test]
+fn a_request_that_is_given_back_is_sent_again() {
+    let mut bus = Bus::online();
+    bus.command(|tool, now| tool.claim(now)).unwrap();
+    for _ in 0..3 {
+        bus.gives_back(CLAIM, TxOutcome::Dropped);
+        bus.wait(99);
+        assert_eq!(bus.in_flight, None, "no storm");
+        bus.wait(1);
+    }
+    bus.sends(CLAIM);
+    assert_eq!(bus.tool.counters().not_sent, 3);
+    bus.wait(1000);
+    bus.sends(CLAIM);
+    bus.wait(1000);
+    assert_eq!(bus.tool.state(), ToolState::Owner);
+}
+
+/// The collision was another's, and the message was on the bus before it could be withdrawn.
+#[test]
+fn a_message_that_was_sent_after_all_is_not_repeated() {
+    for late in [0, 100] {
+        let mut bus = Bus::owner();
+        bus.command(|tool, now| tool.who(now, DelayOffset::SERIAL)).unwrap();
+        bus.input(Input::Link(LinkEvent::BusError(BusErrorKind::Bit)));
+        bus.wait(late);
+        bus.sends("7ED: 3F 4B 03");
+        bus.hears("7EC: 00 06 00 08 07 06 05");
+        bus.wait(3000);
+        assert_eq!(bus.in_flight, None);
+        bus.tells(&[
+            "another node sends with the same identifier",
+            "found vendor 6, serial 0x05060708",
+            "Who: 1 answer",
+        ]);
+    }
+}
+
+/// Somebody uses the MAC ID, as the check of a third device shows before the request is on the bus: it is taken back.
+#[test]
+fn a_message_without_purpose_is_withdrawn() {
+    let mut bus = Bus::owner();
+    bus.command(|tool, now| tool.change_mac_id(now, DEVICE, mac(3))).unwrap();
+    bus.hears("41F: 80 34 12 99 99 00 00");
+    assert_eq!(bus.withdrawals, 1);
+    bus.gives_back("7ED: 03 4D 06 00 08 07 06 05", TxOutcome::Withdrawn);
+    bus.wait(60_000);
+    assert_eq!(bus.in_flight, None);
+}
+
+#[test]
+fn the_own_mac_id_is_not_given_away() {
+    let mut bus = Bus::owner();
+    let refused = bus.command(|tool, now| tool.change_mac_id(now, DEVICE, mac(5)));
+    assert_eq!(refused, Err(CommandError::OwnMacId(mac(5))));
+}
+
+/// Two tools whose serial numbers end alike do not collide for ever.
+#[test]
+fn the_pauses_after_collisions_differ() {
+    let pauses = |serial: u32| -> Vec<u128> {
+        let mut config = config();
+        config.access.device.serial = serial;
+        let mut bus = Bus::online_as(config);
+        bus.command(|tool, now| tool.claim(now)).unwrap();
+        (0..6)
+            .map(|_| {
+                bus.input(Input::Link(LinkEvent::BusError(BusErrorKind::Bit)));
+                let (token, _) = bus.in_flight.take().unwrap();
+                bus.input(Input::TxDone(token, TxOutcome::Withdrawn));
+                let began = bus.now;
+                while bus.in_flight.is_none() {
+                    bus.wait(10);
+                }
+                bus.now.saturating_since(began).as_millis()
+            })
+            .collect()
+    };
+    let (one, other) = (pauses(0x0001_2345), pauses(0x0002_2345));
+    assert_eq!(one[0], other[0]);
+    assert_ne!(one, other);
+    assert!(one.iter().all(|pause| (10..=640).contains(pause)));
+}
+
+/// A tool that is faulted itself hears what repairs it, and follows.
+#[test]
+fn a_tool_can_be_repaired_or_reset() {
+    let mut bus = Bus::owner();
+    bus.hears("42F: 80 34 12 99 99 00 00");
+    assert!(bus.tool.filter().accepts(&frame("7ED: 3F 4B 03")));
+    bus.hears("7ED: 06 4D 34 12 45 23 00 00");
+    for _ in 0..2 {
+        bus.sends("437: 00 34 12 45 23 00 00");
+        bus.wait(1000);
+    }
+    assert!(bus.tool.access().is_online());
+    bus.command(|tool, now| tool.claim(now)).unwrap();
+    bus.sends("7EF: 06 4B 34 12 45 23 00 00");
+    bus.command(|tool, now| tool.set_mac_id(now, mac(7))).unwrap();
+    assert_eq!(bus.tool.state(), ToolState::Idle);
+    bus.sends("43F: 00 34 12 45 23 00 00");
+    bus.command(|tool, now| tool.reset(now));
+    bus.sends("43F: 00 34 12 45 23 00 00");
+}
+
+const CLAIM: &str = "7EF: 05 4B 34 12 45 23 00 00";
