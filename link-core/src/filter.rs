@@ -143,10 +143,14 @@ impl FilterSet {
 impl FromIterator<Filter> for FilterSet {
     fn from_iter<I: IntoIterator<Item = Filter>>(filters: I) -> Self {
         let mut set = Self::none();
-        for filter in filters {
-            set.add(filter);
-        }
+        set.extend(filters);
         set
+    }
+}
+
+impl Extend<Filter> for FilterSet {
+    fn extend<I: IntoIterator<Item = Filter>>(&mut self, filters: I) {
+        filters.into_iter().for_each(|filter| self.add(filter));
     }
 }
 

@@ -58,7 +58,7 @@ pub fn ucmm_requests() -> Filter {
 }
 
 /// A master: its own check, UCMM responses and heartbeats of all nodes (0x740-0x77F), and of each slave the explicit
-/// responses (`0x403 + 8s`) and all I/O (`0x300 + s`, `0x340 + s`, `0x380 + s`, `0x3C0 + s`). More than six slaves are
+/// responses (`0x403 + 8s`) and all I/O (`0x300 + s`, `0x340 + s`, `0x380 + s`, `0x3C0 + s`). More than four slaves are
 /// not told apart from other slaves.
 #[must_use]
 pub fn master(node: MacId, slaves: impl IntoIterator<Item = MacId>) -> FilterSet {
@@ -95,8 +95,8 @@ fn exact(id: Identifier) -> Filter {
     Filter::exact(standard_id(id.raw()))
 }
 
-/// Two filters a slave, and room for what a master adds.
-const SLAVES_TOLD_APART: usize = 6;
+/// Two filters a slave, and room for what the master hears as a node.
+const SLAVES_TOLD_APART: usize = 4;
 /// Group and Message ID count, the MAC ID does not.
 const ALL_SOURCES: u16 = 0x7C0;
 

@@ -17,6 +17,7 @@ use super::writes::AttributeWrite;
 use crate::access::{Access, Fault};
 use crate::client::StartError;
 use crate::id::MacId;
+use crate::slave;
 
 /// Why a command was not carried out.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
@@ -48,14 +49,14 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     /// Adds a slave, which is brought up at once if the master is on line.
     pub fn add_slave(&mut self, now: Instant, entry: ScanEntry) -> Result<(), ScanListError> {
         self.advance(now);
-        if entry.mac_id == self.access.mac_id() {
+        if entry.mac_id == self.access().mac_id() {
             return Err(ScanListError::OwnMacId(entry.mac_id));
         }
         entry.check(MESSAGE)?;
         let Err(place) = self.slots.binary_search_by_key(&entry.mac_id, |slot| slot.entry.mac_id) else {
             return Err(ScanListError::AlreadyListed(entry.mac_id));
         };
-        let mut slot = Slot::new(entry, self.access.mac_id());
+        let mut slot = Slot::new(entry, self.access().mac_id());
         slot.timers.advance(now);
         if self.on_line {
             slot.enter(Stage::Waiting, Cause::MasterOnLine);
@@ -191,7 +192,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         fill: impl FnOnce(&mut super::slot::Talk<MESSAGE>) -> &'a [u8],
     ) -> Result<(), CommandError> {
         self.advance(now);
-        let own = self.access.mac_id();
+        let own = self.access().mac_id();
         let place = self.place(slave).ok_or(ScanListError::NotListed(slave))?;
         let Some(slot) = self.slots.get_mut(place) else { return Err(CommandError::NotRunning) };
         if !slot.is_running() {
@@ -232,7 +233,13 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     /// Its own network access.
     #[must_use]
     pub const fn access(&self) -> &Access {
-        &self.access
+        self.node.access()
+    }
+
+    /// What is counted for the master as a node that answers others.
+    #[must_use]
+    pub const fn node_counters(&self) -> &slave::Counters {
+        self.node.counters()
     }
 
     /// True in run mode.
@@ -261,7 +268,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     /// The scanner's own status: 70 and 91 off line, 80 when it is idle.
     #[must_use]
     pub fn own_status(&self) -> ScannerStatus {
-        match self.access.fault() {
+        match self.access().fault() {
             Some(Fault::DuplicateMacId) => ScannerStatus::DUPLICATE_MAC_ID,
             Some(Fault::BusOff) => ScannerStatus::BUS_OFF,
             None if !self.on_line => ScannerStatus::INITIALISING,
@@ -285,7 +292,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 
     /// Moves every stored moment `span` towards zero, so that states that differ in the time of day only are equal.
     pub fn shift_time(&mut self, span: Duration) {
-        self.access.shift_time(span);
+        self.node.shift_time(span);
         self.timers.shift(span);
         for slot in &mut self.slots {
             slot.timers.shift(span);

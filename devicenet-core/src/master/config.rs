@@ -2,18 +2,22 @@
 
 use core::time::Duration;
 
+use cip_core::identity::DeviceIdentity;
 use cip_core::message::BodyFormat;
 
 use super::replacement::ReplacementMode;
-use crate::access;
 use crate::client::Waits;
+use crate::id::MacId;
+use crate::slave;
 
 /// Who the master is, and how it works.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Config {
-    /// Its own place on the network.
-    pub access: access::Config,
+    /// Who the master is: its Identity object.
+    pub device: DeviceIdentity,
+    /// Its own place on the network, and its own objects. It has no unconnected port of Group 2.
+    pub node: slave::Config,
     /// Interscan delay: from the end of one poll scan to the start of the next; explicit messages have their time then.
     /// Default 10 ms. With 0 the next scan starts when all responses of the last are there.
     pub interscan_delay: Duration,
@@ -59,11 +63,14 @@ pub enum FirstContact {
 }
 
 impl Config {
-    /// The defaults.
+    /// The defaults, for a master of this identity.
     #[must_use]
-    pub const fn new(access: access::Config) -> Self {
+    pub fn new(device: DeviceIdentity, mac_id: MacId) -> Self {
+        let mut node = slave::Config::new(&device, mac_id);
+        node.options.remove(slave::Options::UNCONNECTED_PORT);
         Self {
-            access,
+            device,
+            node,
             interscan_delay: Duration::from_millis(10),
             response_wait: Duration::from_millis(10),
             background_ratio: 1,

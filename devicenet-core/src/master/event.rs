@@ -6,10 +6,11 @@ use super::replacement::Replacement;
 use super::scan_list::IoInstance;
 use super::state::{Cause, SlaveState};
 use super::status::ScannerStatus;
-use crate::access::AccessEvent;
+use crate::access::{AccessEvent, NetworkStatus};
 use crate::client::Failure;
 use crate::id::MacId;
 use crate::message::{Heartbeat, Shutdown};
+use crate::slave;
 
 /// What the master tells the application.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -17,6 +18,10 @@ use crate::message::{Heartbeat, Shutdown};
 pub enum MasterEvent {
     /// About the master's own network access.
     Access(AccessEvent),
+    /// About the master as a node that answers others.
+    Node(slave::SlaveEvent),
+    /// The network status indicator shows something else.
+    NetworkStatus(NetworkStatus),
     /// About a slave.
     Slave {
         /// Which.
@@ -119,6 +124,8 @@ impl fmt::Display for MasterEvent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Access(event) => fmt::Display::fmt(event, f),
+            Self::Node(event) => fmt::Display::fmt(event, f),
+            Self::NetworkStatus(status) => write!(f, "network status {status}"),
             Self::Slave { mac_id, event } => write!(f, "slave {mac_id}: {event}"),
             Self::ScanDone { missing: 0 } => f.write_str("scan done"),
             Self::ScanDone { missing } => write!(f, "scan done, {missing} missing"),

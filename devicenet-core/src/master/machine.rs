@@ -1,4 +1,4 @@
-//! The master machine: network access, the slaves, the scan.
+//! The master machine: the node that it is, the slaves, the scan.
 
 use core::time::Duration;
 
@@ -9,14 +9,16 @@ use link_core::{Action, Deadline, FilterSet, Input, Instant, LinkCommand, LinkEv
 use super::config::Config;
 use super::cycle::Cycle;
 use super::event::{Counters, MasterEvent, count32};
+use super::node::{OwnNode, Scanner};
 use super::output::Lanes;
 use super::replacement::Candidate;
 use super::scan_list::IoInstance;
 use super::slot::{Output, Slot, SlotTimer};
 use super::state::{Cause, Stage};
 use super::status::ScannerStatus;
-use crate::access::Access;
+use crate::access::NetworkStatus;
 use crate::id;
+use crate::slave;
 
 /// A DeviceNet master; see the [module](super) text.
 ///
@@ -25,8 +27,8 @@ use crate::id;
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub struct Master<const SLAVES: usize, const MESSAGE: usize> {
     pub(super) config: Config,
-    pub(super) access: Access,
-    /// What `access` said the last time that it was looked at.
+    pub(super) node: OwnNode,
+    /// What its network access said the last time that it was looked at.
     pub(super) on_line: bool,
     pub(super) run: bool,
     /// In the order of their MAC IDs.
@@ -40,6 +42,7 @@ pub struct Master<const SLAVES: usize, const MESSAGE: usize> {
     /// Missing responses of the scan that was completed.
     pub(super) scan_done: Option<u8>,
     pub(super) filter_due: bool,
+    pub(super) shown: NetworkStatus,
 }
 
 /// The waits of the scan.
@@ -76,17 +79,16 @@ impl<const SLAVES: usize, const MESSAGE: usize> Machine for Master<SLAVES, MESSA
         self.expire(now.saturating_sub(Duration::from_nanos(1)));
         match input {
             Input::Frame(frame) => {
-                self.access.input(now, input);
+                self.node.input(now, input);
                 self.follow_access();
                 self.frame(&frame);
             }
-            Input::TxDone(Access::TOKEN, _) => self.access.input(now, input),
-            Input::TxDone(token, outcome) => self.tx_done(token, outcome),
+            Input::TxDone(token, outcome) if Lanes::own(token) => self.tx_done(token, outcome),
+            Input::TxDone(..) | Input::Tick => self.node.input(now, input),
             Input::Link(event) => {
-                self.access.input(now, input);
+                self.node.input(now, input);
                 self.link(event);
             }
-            Input::Tick => self.access.input(now, input),
         }
         self.expire(now);
         self.follow_access();
@@ -99,7 +101,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Machine for Master<SLAVES, MESSA
         let action = self
             .lanes
             .withdraw()
-            .or_else(|| self.poll_access(now))
+            .or_else(|| self.poll_node(now))
             .or_else(|| self.set_filter())
             .or_else(|| self.event().map(Action::Event))
             .or_else(|| self.transmit());
@@ -113,11 +115,11 @@ impl<const SLAVES: usize, const MESSAGE: usize> Machine for Master<SLAVES, MESSA
         }
         let slots = self.slots.iter().filter_map(|slot| slot.timers.next());
         let slots = slots.chain(self.candidate.timers.next());
-        slots.chain(self.timers.next()).chain(self.access.deadline()).min_by_key(|deadline| deadline.at)
+        slots.chain(self.timers.next()).chain(self.node.deadline()).min_by_key(|deadline| deadline.at)
     }
 
     fn max_in_flight(&self) -> usize {
-        self.access.max_in_flight().saturating_add(Lanes::COUNT)
+        self.node.max_in_flight().saturating_add(Lanes::COUNT)
     }
 }
 
@@ -127,18 +129,19 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     #[must_use]
     pub fn new(config: Config) -> Self {
         Self {
-            access: Access::new(config.access.clone()),
+            node: OwnNode::assembled(config.node.clone(), Scanner { device: config.device.clone() }),
             on_line: false,
             run: false,
             slots: Vec::new(),
             multicast_output: Output::zeroed(0),
-            candidate: Candidate::new(config.access.mac_id),
+            candidate: Candidate::new(config.node.access.mac_id),
             cycle: Cycle::new(),
             lanes: Lanes::default(),
             timers: Timers::new(),
             counters: Counters::default(),
             scan_done: None,
             filter_due: false,
+            shown: NetworkStatus::Off,
             config,
         }
     }
@@ -147,8 +150,10 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     /// each slave the explicit responses and all I/O.
     #[must_use]
     pub fn filter(&self) -> FilterSet {
-        let mut filters = id::master(self.access.mac_id(), self.slots.iter().map(|slot| slot.entry.mac_id));
+        let mut filters = id::master(self.access().mac_id(), self.slots.iter().map(|slot| slot.entry.mac_id));
         filters.add(id::duplicate_mac_checks());
+        let node = if self.on_line { self.node.filter() } else { self.access().filter() };
+        filters.extend(node.as_slice().iter().copied());
         filters
     }
 
@@ -170,7 +175,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
                 Timer::ResponseWait => self.cycle.wait_over = true,
             }
         }
-        let own = self.access.mac_id();
+        let own = self.access().mac_id();
         for slot in &mut self.slots {
             while let Some(timer) = slot.timers.take_expired(until) {
                 match timer {
@@ -192,7 +197,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 
     /// Follows network access on line and off line.
     fn follow_access(&mut self) {
-        let on_line = self.access.is_online();
+        let on_line = self.access().is_online();
         if on_line == self.on_line {
             return;
         }
@@ -231,14 +236,38 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         }
     }
 
-    /// What network access wants; its filter is a part of the master's.
-    fn poll_access(&mut self, now: Instant) -> Option<Action<MasterEvent>> {
-        let action = self.access.poll(now)?;
-        if let Action::Link(LinkCommand::SetFilter(_)) = action {
-            self.filter_due = false;
-            return Some(Action::Link(LinkCommand::SetFilter(self.filter())));
+    /// What the node wants; its filter and its network status are a part of the master's.
+    fn poll_node(&mut self, now: Instant) -> Option<Action<MasterEvent>> {
+        loop {
+            return Some(match self.node.poll(now)? {
+                Action::Link(LinkCommand::SetFilter(_)) => {
+                    self.filter_due = false;
+                    Action::Link(LinkCommand::SetFilter(self.filter()))
+                }
+                Action::Event(slave::Event::Slave(slave::SlaveEvent::NetworkStatus(_))) => continue,
+                action => action.map_event(|event| match event {
+                    slave::Event::Access(event) => MasterEvent::Access(event),
+                    slave::Event::Slave(event) => MasterEvent::Node(event),
+                }),
+            });
         }
-        Some(action.map_event(MasterEvent::Access))
+    }
+
+    /// What the network status indicator shows: the slaves count as connections.
+    #[must_use]
+    pub fn network_status(&self) -> NetworkStatus {
+        let lost = |slot: &Slot<MESSAGE>| slot.status == ScannerStatus::STOPPED_COMMUNICATING;
+        match self.node.network_status() {
+            status if !self.on_line => status,
+            _ if self.slots.iter().any(lost) => NetworkStatus::FlashingRed,
+            _ if self.slots.iter().any(Slot::is_running) => NetworkStatus::SolidGreen,
+            status => status,
+        }
+    }
+
+    fn show_status(&mut self) -> Option<MasterEvent> {
+        let status = self.network_status();
+        (core::mem::replace(&mut self.shown, status) != status).then_some(MasterEvent::NetworkStatus(status))
     }
 
     fn set_filter(&mut self) -> Option<Action<MasterEvent>> {
@@ -249,6 +278,9 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     }
 
     fn event(&mut self) -> Option<MasterEvent> {
+        if let Some(event) = self.show_status() {
+            return Some(event);
+        }
         if let Some(event) = self.candidate_event() {
             return Some(event);
         }

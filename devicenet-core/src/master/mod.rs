@@ -10,6 +10,7 @@
 //! | `cycle`, `output` | the scan, and the order in which frames leave |
 //! | `receive` | I/O data, responses, heartbeats |
 //! | `replacement` | automatic device replacement |
+//! | `node` | the master as a node of its own |
 //! | `talk` | explicit requests of the application |
 //!
 //! # Decisions where the literature is silent
@@ -31,6 +32,7 @@ mod contact;
 mod cycle;
 mod event;
 mod machine;
+mod node;
 mod output;
 mod receive;
 mod replacement;

@@ -2,9 +2,9 @@
 //!
 //! | Lane | Token | Frames |
 //! |---|---|---|
-//! | answers | 1 | acknowledges of change-of-state and cyclic messages, output data outside of the scan |
-//! | scan | 2 | bit-strobe, multicast poll and poll commands |
-//! | explicit | 3 | requests, fragments and acknowledges; every slave in its turn |
+//! | answers | 0x1001 | acknowledges of change-of-state and cyclic messages, output data outside of the scan |
+//! | scan | 0x1002 | bit-strobe, multicast poll and poll commands |
+//! | explicit | 0x1003 | requests, fragments and acknowledges; every slave in its turn |
 //!
 //! An explicit message waits while a scan sends its commands, but for one in each scan, so that neither starves the
 //! other.
@@ -12,7 +12,7 @@
 use core::time::Duration;
 
 use cip_core::fragment::{FragmentByte, FragmentKind, IO_FRAGMENT_LEN, IO_UNFRAGMENTED_LEN};
-use link_core::{Action, Frame, Machine, TxOutcome, TxToken};
+use link_core::{Action, Frame, TxOutcome, TxToken};
 
 use super::cycle::{Position, takes_part};
 use super::event::{MasterEvent, count, count32};
@@ -57,6 +57,11 @@ impl Lanes {
     /// The number of frames in flight at most.
     pub(super) const COUNT: usize = 3;
 
+    /// Whether a token is of a lane, and not of the node that the master is.
+    pub(super) const fn own(token: TxToken) -> bool {
+        token.0 >= ANSWERS.0
+    }
+
     /// Nothing that is in flight is wanted any more.
     pub(super) fn abandon(&mut self) {
         for lane in [&mut self.answers, &mut self.scan, &mut self.explicit] {
@@ -81,7 +86,8 @@ impl Lanes {
 impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     pub(super) fn has_output(&self) -> bool {
         self.lanes.must_withdraw()
-            || self.access.deadline().is_some_and(|deadline| deadline.at <= self.timers.now())
+            || self.node.has_output()
+            || self.shown != self.network_status()
             || self.filter_due
             || self.scan_done.is_some()
             || self.candidate.event.is_some()
@@ -135,7 +141,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         if !self.command_due() {
             return None;
         }
-        let own = self.access.mac_id();
+        let own = self.access().mac_id();
         let frame = match self.cycle.position {
             Position::Stopped | Position::Pause => return None,
             Position::BitStrobe => self.strobe()?,
@@ -156,7 +162,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     }
 
     fn strobe(&self) -> Option<Frame> {
-        let id = Identifier::bit_strobe_command(self.access.mac_id());
+        let id = Identifier::bit_strobe_command(self.access().mac_id());
         if !self.run {
             return id.frame(&[]);
         }
@@ -372,6 +378,6 @@ fn io_frame(id: Identifier, data: &[u8], fragmented: bool, fragment: usize) -> O
     message::frame(id, &message::IoFragment { fragment: byte, data: part })
 }
 
-const ANSWERS: TxToken = TxToken(1);
-const SCAN: TxToken = TxToken(2);
-const EXPLICIT: TxToken = TxToken(3);
+const ANSWERS: TxToken = TxToken(0x1001);
+const SCAN: TxToken = TxToken(0x1002);
+const EXPLICIT: TxToken = TxToken(0x1003);

@@ -36,7 +36,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 
     /// A node outside of the scan list: of interest only as a replacement.
     fn frame_of_stranger(&mut self, id: Identifier, node: MacId, frame: &Frame) {
-        let replaces = node == MacId::MAX && node != self.access.mac_id();
+        let replaces = node == MacId::MAX && node != self.access().mac_id();
         if replaces && id.purpose() == Purpose::DuplicateMacCheck {
             self.candidate_heard(frame);
         } else if !(replaces && self.on_line && self.candidate_frame(frame)) {
@@ -78,7 +78,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     }
 
     fn explicit_frame(&mut self, slave: MacId, frame: &Frame) {
-        let own = self.access.mac_id();
+        let own = self.access().mac_id();
         let Some(place) = self.place(slave) else { return };
         let Some(slot) = self.slots.get_mut(place) else { return };
         let failure = match slot.conversation.frame(frame) {

@@ -199,7 +199,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         self.on_line
             && self.config.replacement != ReplacementMode::Off
             && self.place(MacId::MAX).is_none()
-            && self.access.mac_id() != MacId::MAX
+            && self.access().mac_id() != MacId::MAX
             && self.slots.iter().any(is_missing)
     }
 
@@ -232,7 +232,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     }
 
     fn look(&mut self) {
-        let own = self.access.mac_id();
+        let own = self.access().mac_id();
         self.candidate.stage = Looking::Allocating;
         let explicit = AllocationChoice::EXPLICIT.bits();
         let route = Route::group2_unconnected(own, MacId::MAX);
@@ -271,7 +271,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     }
 
     fn candidate_answers(&mut self, response: &Response<'_>) {
-        let own = self.access.mac_id();
+        let own = self.access().mac_id();
         let retry = self.config.replacement_retry;
         match (self.candidate.stage, response) {
             (Looking::Away, _) => {}
@@ -334,7 +334,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 
     /// Tells the verdict, and lets the device go.
     fn conclude(&mut self, verdict: Replacement) {
-        let own = self.access.mac_id();
+        let own = self.access().mac_id();
         self.candidate.event = Some(verdict);
         for slot in self.slots.iter_mut().filter(|slot| is_missing(slot)) {
             if !matches!(verdict, Replacement::WouldAssign(_)) {

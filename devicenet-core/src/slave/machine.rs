@@ -104,6 +104,11 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             return Err(InvalidSlave::TooManyConnections(DYNAMIC));
         }
         check_sizes(&mut application)?;
+        Ok(Self::assembled(config, application))
+    }
+
+    /// The same without checks, for a node whose sizes are known to be right.
+    pub(crate) fn assembled(config: Config, application: A) -> Self {
         let device = application.identity().device;
         let (vendor, serial) = (device.vendor, device.serial);
         let identity = application.identity();
@@ -124,7 +129,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             piece: None,
             unwanted: false,
         };
-        Ok(Self {
+        Self {
             application,
             access: Access::new(access),
             node: Node::new(config.options, config.resolution),
@@ -151,7 +156,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             receive_time_out: config.receive_time_out,
             group: config.multicast_group,
             failures: config.failures,
-        })
+        }
     }
 
     /// Its network access.

@@ -46,7 +46,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             .or_else(|| if DYNAMIC > 0 { self.send_on_ucmm() } else { None })
     }
 
-    pub(super) fn has_output(&self) -> bool {
+    pub(crate) fn has_output(&self) -> bool {
         let lines = &self.node.lines;
         lines.ready().is_some()
             || lines.must_withdraw()
@@ -104,7 +104,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     /// What the slave needs to hear on line.
-    fn filter(&self) -> link_core::FilterSet {
+    pub(crate) fn filter(&self) -> link_core::FilterSet {
         let mac = self.access.mac_id();
         let strobe = self
             .node

@@ -5,12 +5,12 @@ use std::collections::VecDeque;
 use std::string::{String, ToString};
 use std::vec::Vec;
 
+use cip_core::code::DeviceType;
+use cip_core::identity::{DeviceIdentity, ProductName, Revision};
 use link_core::{Action, Frame, Input, Instant, LinkEvent, Machine, TxOutcome, TxToken};
 
 use super::super::*;
-use crate::access;
 use crate::id::{Identifier, MacId, Purpose};
-use crate::message::{DeviceIdentity, PortNumber};
 
 pub(super) type Scanner = Master<4, 32>;
 
@@ -20,8 +20,15 @@ pub(super) fn mac(number: u8) -> MacId {
 
 /// Master 4 of a fictitious vendor.
 pub(super) fn config() -> Config {
-    let device = DeviceIdentity { vendor: 0x1234.into(), serial: 0x0000_2345 };
-    Config::new(access::Config::new(device, PortNumber::ZERO, mac(4)))
+    let device = DeviceIdentity {
+        vendor: 0x1234.into(),
+        device_type: DeviceType::COMMUNICATIONS_ADAPTER,
+        product_code: 1,
+        revision: Revision { major: 1, minor: 1 },
+        serial: 0x0000_2345,
+        name: ProductName::new("Example Master").unwrap(),
+    };
+    Config::new(device, mac(4))
 }
 
 /// Slave 63 of the specification's worked trace: two bytes in, one byte out, polled every 75 ms.

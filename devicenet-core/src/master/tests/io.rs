@@ -190,9 +190,9 @@ fn off_line_nothing_is_sent() {
     bus.events.clear();
     bus.hears("427: 80 34 12 99 99 00 00");
     bus.tells("slave 63: Running -> Offline: master off line");
-    assert_eq!(bus.withdrawn, [link_core::TxToken(2)], "the poll that was in flight");
+    assert_eq!(bus.withdrawn, [link_core::TxToken(0x1002)], "the poll that was in flight");
     assert_eq!(bus.master.own_status(), ScannerStatus::DUPLICATE_MAC_ID);
-    bus.input(link_core::Input::TxDone(link_core::TxToken(2), link_core::TxOutcome::Withdrawn));
+    bus.input(link_core::Input::TxDone(link_core::TxToken(0x1002), link_core::TxOutcome::Withdrawn));
     bus.wait(60_000);
     assert_eq!(bus.master.state(mac(63)), Some(SlaveState::Offline));
 }
@@ -214,7 +214,7 @@ fn frames_of_strangers_are_counted() {
     bus.hears("455: 01");
     bus.hears("7ED: 3F 4B 02");
     assert_eq!(bus.master.counters().unrelated, 3);
-    bus.input(link_core::Input::TxDone(link_core::TxToken(9), link_core::TxOutcome::Sent));
+    bus.input(link_core::Input::TxDone(link_core::TxToken(0x1009), link_core::TxOutcome::Sent));
     assert_eq!(bus.master.counters().stray_tx_done, 1);
 }
 

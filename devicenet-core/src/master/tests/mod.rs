@@ -5,4 +5,5 @@ mod bus;
 mod cycle;
 mod explicit;
 mod io;
+mod node;
 mod replacement;
