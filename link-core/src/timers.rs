@@ -1,5 +1,6 @@
 //! Absolute deadlines with a name.
 
+use core::hash::{Hash, Hasher};
 use core::marker::PhantomData;
 
 use core::time::Duration;
@@ -22,10 +23,12 @@ pub trait TimerKey<const N: usize>: Copy + 'static {
 /// It also keeps the latest `now` that the machine was told, because time may not run backwards
 /// ([`advance`](Self::advance)). That all instants live here makes [`shift`](Self::shift) possible, by which a model
 /// checker tells apart states that differ in more than the time of day.
-#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Timers<K, const N: usize> {
     now: Instant,
+    /// No timer expires before this moment: an early answer for what is asked most. It is no part of the state.
+    bound: Instant,
     /// [`Instant::MAX`] where a timer does not run: half the size of an `Option`.
     at: [Instant; N],
     key: PhantomData<K>,
@@ -35,7 +38,7 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
     /// No timer runs, and the time is zero.
     #[must_use]
     pub const fn new() -> Self {
-        Self { now: Instant::ZERO, at: [Instant::MAX; N], key: PhantomData }
+        Self { now: Instant::ZERO, bound: Instant::MAX, at: [Instant::MAX; N], key: PhantomData }
     }
 
     /// Takes note of the present moment, and returns it; a `now` before the last one is the last one.
@@ -57,6 +60,7 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
         if let Some(slot) = slot {
             *slot = at;
         }
+        self.bound = self.bound.min(at);
     }
 
     /// Starts or restarts a timer that expires `span` from the latest moment that was noted.
@@ -88,16 +92,18 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
     /// Whether a timer runs that expires by `now`.
     #[must_use]
     pub fn is_due(&self, now: Instant) -> bool {
-        now < Instant::MAX && self.at.iter().any(|at| *at <= now)
+        now >= self.bound && self.at.iter().any(|at| *at <= now && *at != Instant::MAX)
     }
 
     /// Stops and returns the timer that expired first by `now`; of several at the same moment, the first in
     /// [`TimerKey::ALL`].
     pub fn take_expired(&mut self, now: Instant) -> Option<K> {
-        let (at, key) = self.earliest()?;
-        if at > now {
+        if now < self.bound {
             return None;
         }
+        let earliest = self.earliest();
+        self.bound = earliest.map_or(Instant::MAX, |(at, _)| at);
+        let (_, key) = earliest.filter(|(at, _)| *at <= now)?;
         self.clear(key);
         Some(key)
     }
@@ -111,6 +117,9 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
     /// Moves every stored instant, the noted present included, `span` towards zero.
     pub fn shift(&mut self, span: Duration) {
         self.now = self.now.saturating_sub(span);
+        if self.bound != Instant::MAX {
+            self.bound = self.bound.saturating_sub(span);
+        }
         for at in self.at.iter_mut().filter(|at| **at != Instant::MAX) {
             *at = at.saturating_sub(span);
         }
@@ -119,6 +128,20 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
     fn earliest(&self) -> Option<(Instant, K)> {
         // `min_by_key` keeps the first of equals.
         K::ALL.into_iter().filter_map(|key| Some((self.at(key)?, key))).min_by_key(|(at, _)| *at)
+    }
+}
+
+impl<K, const N: usize> PartialEq for Timers<K, N> {
+    fn eq(&self, other: &Self) -> bool {
+        (self.now, self.at) == (other.now, other.at)
+    }
+}
+
+impl<K, const N: usize> Eq for Timers<K, N> {}
+
+impl<K, const N: usize> Hash for Timers<K, N> {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        (self.now, self.at).hash(state);
     }
 }
 
@@ -190,6 +213,21 @@ mod tests {
         timers.shift(Duration::from_millis(1));
         assert_eq!(timers, Timers::new());
         assert_eq!(timers.take_expired(ms(u64::MAX)), None);
+    }
+
+    /// What was set and cleared on the way is forgotten.
+    #[test]
+    fn equal_timers_are_equal_whatever_their_past() {
+        let mut timers = Timers::<Key, 2>::new();
+        timers.set(Key::A, ms(1));
+        timers.set(Key::A, ms(9));
+        let mut other = Timers::<Key, 2>::new();
+        other.set(Key::A, ms(9));
+        assert_eq!(timers, other);
+        assert_eq!(timers.take_expired(ms(8)), None);
+        assert!(!timers.is_due(ms(8)) && timers.is_due(ms(9)));
+        assert_eq!(timers.take_expired(ms(9)), Some(Key::A));
+        assert_eq!(timers.take_expired(ms(9)), None);
     }
 
     #[test]

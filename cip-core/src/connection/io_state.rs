@@ -149,6 +149,22 @@ impl IoConnection {
         self.settings.set_watchdog_action(action, &IO_ACTIONS)
     }
 
+    /// What [`handle`](Self::handle) does with a message, which is all that most connections ever meet.
+    #[inline]
+    pub fn message(&mut self) -> Watchdog {
+        match self.state {
+            IoState::Established => {
+                self.enter(IoState::Established, IoCause::Message);
+                self.watchdog()
+            }
+            IoState::Configuring | IoState::TimedOut => {
+                self.enter(self.state, IoCause::Message);
+                Watchdog::Keep
+            }
+            IoState::NonExistent => Watchdog::Keep,
+        }
+    }
+
     /// The state machine. An error is the general status of the response to the service that was the cause; messages and
     /// time-outs that a state does not know change nothing.
     pub fn handle(&mut self, cause: IoCause) -> Result<Watchdog, GeneralStatus> {
@@ -178,7 +194,8 @@ impl IoConnection {
                 self.enter(self.state, cause);
                 return Err(GeneralStatus::OBJECT_STATE_CONFLICT);
             }
-            (IoState::Established, IoCause::Message | IoCause::PacketRateSet | IoCause::Reset) => {
+            (_, IoCause::Message) => return Ok(self.message()),
+            (IoState::Established, IoCause::PacketRateSet | IoCause::Reset) => {
                 (IoState::Established, self.watchdog())
             }
             (IoState::TimedOut, IoCause::Reset) => (IoState::Established, self.watchdog()),
@@ -193,11 +210,10 @@ impl IoConnection {
             )
             | (IoState::Configuring, IoCause::ExplicitGone) => (IoState::NonExistent, Watchdog::Stop),
             (IoState::Configuring | IoState::Established | IoState::TimedOut, IoCause::Served)
-            | (IoState::Configuring, IoCause::Message)
-            | (IoState::TimedOut, IoCause::Message | IoCause::PacketRateSet) => (self.state, Watchdog::Keep),
+            | (IoState::TimedOut, IoCause::PacketRateSet) => (self.state, Watchdog::Keep),
             (
                 IoState::NonExistent,
-                IoCause::Message | IoCause::WatchdogExpired | IoCause::ExplicitGone | IoCause::NetworkLost,
+                IoCause::WatchdogExpired | IoCause::ExplicitGone | IoCause::NetworkLost,
             )
             | (IoState::Configuring | IoState::TimedOut, IoCause::WatchdogExpired)
             | (IoState::Established | IoState::TimedOut, IoCause::ExplicitGone) => return Ok(Watchdog::Keep),

@@ -326,4 +326,4 @@ fn check_edge(from: StateKind, cause: Cause, to: StateKind) {
 /// How long others have to object.
 const T_DUP: Duration = Duration::from_millis(1000);
 /// One input raises at most five.
-const EVENTS: usize = 8;
+const EVENTS: usize = 5;

@@ -290,6 +290,9 @@ impl<A: Application, const DYNAMIC: usize> ConnectionObject<'_, A, DYNAMIC> {
     /// Attributes 14 and 16: the path of another assembly.
     fn select(&mut self, which: Which, end: End, value: &[u8]) -> Result<(), Failure> {
         let Which::Io(kind) = which else { return Err(NOT_SETTABLE) };
+        if !A::SELECTS_ASSEMBLIES {
+            return Err(NOT_SETTABLE);
+        }
         if self.node.io(kind).state() != IoState::Configuring {
             return Err(GeneralStatus::OBJECT_STATE_CONFLICT.into());
         }

@@ -44,6 +44,7 @@ impl Detection {
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
     /// An input while the bit rate is being detected.
+    #[inline(never)]
     pub(super) fn detect(&mut self, now: Instant, input: Input) {
         // A frame at the end of the second counts before it.
         match (self.detection, input) {

@@ -14,6 +14,7 @@ use crate::id::Identifier;
 use crate::message::ExplicitHeader;
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
+    #[inline(never)]
     pub(super) fn explicit_frame(&mut self, now: Instant, id: Identifier, field: &[u8]) {
         if let Err(why) = self.explicit_message(now, field) {
             self.node.events.ignored(id, why);

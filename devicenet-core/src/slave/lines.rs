@@ -67,14 +67,11 @@ impl Lines {
         if ready.is_empty() {
             return None;
         }
-        Some(if ready.contains(Line::MULTICAST_POLL) {
-            IoKind::MulticastPoll
-        } else if ready.contains(Line::CHANGE_OF_STATE) {
-            IoKind::ChangeOfState
-        } else if ready.contains(Line::BIT_STROBE) {
-            IoKind::BitStrobe
-        } else {
-            IoKind::Poll
+        Some(match ready.bits().trailing_zeros() {
+            0 => IoKind::MulticastPoll,
+            1 => IoKind::ChangeOfState,
+            2 => IoKind::BitStrobe,
+            _ => IoKind::Poll,
         })
     }
 

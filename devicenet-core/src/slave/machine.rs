@@ -1,7 +1,7 @@
 //! The machine: what it is made of, and where each input goes.
 
 use cip_core::fragment::IO_MESSAGE_MAX;
-use cip_core::message::BodyFormat;
+use cip_core::message::{AllocationChoice, BodyFormat};
 use cip_core::object::{AcknowledgeSettings, FailureOptions};
 use heapless::Vec;
 use link_core::timers::TimerKey;
@@ -217,44 +217,46 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if self.is_dynamic(id) {
             return self.dynamic_frame(now, id, frame.data());
         }
-        let own = self.access.mac_id();
-        let raw = id.raw();
-        if raw & 0x600 != 0x400 {
-            return if DYNAMIC > 0 { self.dynamic_frame(now, id, frame.data()) } else { self.foreign() };
+        // In group 2 the Message ID is below the MAC ID.
+        let own = Identifier::bit_strobe_command(self.access.mac_id());
+        match id.raw() ^ own.raw() {
+            5 => self.command(id, IoKind::Poll, frame.data()),
+            4 => self.explicit_frame(now, id, frame.data()),
+            6 => self.unconnected_frame(id, frame.data()),
+            7 => self.access.input(now, Input::Frame(*frame)),
+            2 if A::IO.intersects(super::node::BOTH) => self.change_of_state_acknowledged(id),
+            _ => self.frame_to_many(now, id, frame.data()),
         }
-        match (raw & 7, id.mac_id()) {
-            (5, Some(mac)) if mac == own => self.command(id, IoKind::Poll, frame.data()),
-            (4, Some(mac)) if mac == own => self.explicit_frame(now, id, frame.data()),
-            (6, Some(mac)) if mac == own => self.unconnected_frame(id, frame.data()),
-            (7, Some(mac)) if mac == own => self.access.input(now, Input::Frame(*frame)),
-            (2, Some(mac)) if mac == own && A::IO.intersects(super::node::BOTH) => {
-                self.change_of_state_acknowledged(id);
-            }
-            (0, mac)
-                if A::IO.contains(cip_core::message::AllocationChoice::BIT_STROBE)
-                    && mac == self.node.master =>
-            {
-                self.strobe(id, frame.data());
-            }
-            (1, Some(mac))
-                if A::IO.contains(cip_core::message::AllocationChoice::MULTICAST_POLL)
-                    && mac == self.node.group =>
-            {
-                self.command(id, IoKind::MulticastPoll, frame.data());
-            }
-            _ => self.foreign(),
+    }
+
+    /// A frame whose identifier does not carry the own MAC ID: to all slaves of a master, to a group, to a connection that
+    /// was opened dynamically, or to somebody else.
+    #[inline(never)]
+    fn frame_to_many(&mut self, now: Instant, id: Identifier, field: &[u8]) {
+        if A::IO.contains(AllocationChoice::BIT_STROBE)
+            && self.node.master.is_some_and(|master| id == Identifier::bit_strobe_command(master))
+        {
+            return self.strobe(id, field);
         }
+        if A::IO.contains(AllocationChoice::MULTICAST_POLL)
+            && id == Identifier::multicast_poll_command(self.node.group)
+        {
+            return self.command(id, IoKind::MulticastPoll, field);
+        }
+        if DYNAMIC > 0 { self.dynamic_frame(now, id, field) } else { self.foreign() }
     }
 
     pub(super) fn foreign(&mut self) {
         count_wide(&mut self.node.events.counters.foreign);
     }
 
+    #[inline(never)]
     fn link(&mut self, now: Instant, event: LinkEvent) {
         self.port.diagnostics.note(event);
         self.access.input(now, Input::Link(event));
     }
 
+    #[inline(never)]
     fn tx_done(&mut self, now: Instant, token: TxToken, outcome: TxOutcome) {
         if token == Access::TOKEN {
             return self.access.input(now, Input::TxDone(token, outcome));
@@ -287,6 +289,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     /// Serves every wait that is over at `until`.
+    #[inline(never)]
     fn expire(&mut self, now: Instant, until: Instant) {
         if self.access.deadline_is_over(until) {
             self.access.input(until, Input::Tick);
@@ -326,7 +329,16 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     /// What follows from the changes of an input before anything is sent.
+    #[inline]
     pub(super) fn follow(&mut self, now: Instant) {
+        let online = self.access.is_online();
+        if self.online != online || self.departure.is_some() || !self.node.changed.is_empty() {
+            self.follow_changes(now);
+        }
+    }
+
+    #[inline(never)]
+    fn follow_changes(&mut self, now: Instant) {
         if self.online != self.access.is_online() {
             self.online = self.access.is_online();
             if self.online { self.go_online() } else { self.go_offline(now) }
@@ -401,8 +413,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
     type Event = Event;
 
     fn input(&mut self, now: Instant, input: Input) {
-        self.node.advance(now);
-        let now = self.node.timers.now();
+        let now = self.node.advance(now);
         if self.detection.is_running() {
             return self.detect(now, input);
         }

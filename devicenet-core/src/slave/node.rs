@@ -215,6 +215,18 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
         Ok(())
     }
 
+    /// A valid message on an I/O connection. It changes no state, but the time-out.
+    #[inline]
+    pub(super) fn io_message(&mut self, kind: IoKind) {
+        #[cfg(test)]
+        {
+            let state = self.io(kind).state();
+            super::tests::edges::record_io(state, IoCause::Message, state);
+        }
+        let watchdog = self.io_mut(kind).message();
+        apply(&mut self.timers, Timer::Io(kind), watchdog);
+    }
+
     /// Sets attribute 9 of an I/O connection.
     pub(super) fn io_packet_rate(&mut self, kind: IoKind, requested: u16) -> Result<u16, GeneralStatus> {
         let (from, resolution) = (self.io(kind).state(), self.resolution);
@@ -414,9 +426,11 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
     }
 
     /// The present moment, as the slave was told it.
-    pub(super) fn advance(&mut self, now: Instant) {
-        self.timers.advance(now);
-        self.dynamic_timers.advance(now);
+    pub(super) fn advance(&mut self, now: Instant) -> Instant {
+        if DYNAMIC > 0 {
+            self.dynamic_timers.advance(now);
+        }
+        self.timers.advance(now)
     }
 }
 

@@ -4,7 +4,7 @@ use heapless::Vec;
 use link_core::timers::TimerKey;
 use link_core::{Action, Frame, Instant, LinkCommand, Mode};
 
-use super::application::Application;
+use super::application::{Application, IoKind};
 use super::dynamic::DynamicTimer;
 use super::event::{Event, SlaveEvent};
 use super::indicator::ModuleStatus;
@@ -15,16 +15,42 @@ use crate::access::NetworkStatus;
 use crate::id::{Identifier, MessageGroup};
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
-    /// The next thing to do: frames in the order of their identifiers, events before those of lower priority than I/O.
+    /// The next thing to do: I/O, then what the controller must be told, then other frames in the order of their
+    /// identifiers, then events.
     pub(super) fn output(&mut self, now: Instant) -> Option<Action<Event>> {
         if DYNAMIC > 0
             && let Some(action) = self.send_dynamic(MessageGroup::Group1)
         {
             return Some(action);
         }
-        if let Some(action) = self.send_io() {
-            return Some(action);
+        match self.node.lines.ready() {
+            Some(kind) => self.send_io(kind),
+            None => self.output_besides_io(now),
         }
+    }
+
+    #[inline(never)]
+    fn output_besides_io(&mut self, now: Instant) -> Option<Action<Event>> {
+        if !self.must_manage() && self.node.lines.is_free(Line::EXPLICIT) && self.is_explicit_line_due() {
+            return self.send_explicit();
+        }
+        self.manage(now)
+            .or_else(|| self.send_explicit())
+            .or_else(|| if DYNAMIC > 0 { self.send_dynamic(MessageGroup::Group2) } else { None })
+            .or_else(|| self.access.transmit().map(|action| action.map_event(Event::Access)))
+            .or_else(|| if DYNAMIC > 0 { self.send_dynamic(MessageGroup::Group3) } else { None })
+            .or_else(|| if DYNAMIC > 0 { self.send_on_ucmm() } else { None })
+            .or_else(|| self.tell().map(|event| Action::Event(Event::Slave(event))))
+    }
+
+    /// Whether the controller may have to be told something before the next response.
+    fn must_manage(&self) -> bool {
+        self.node.lines.must_withdraw() || self.mode_due || self.must_set_filter() || self.access.has_output()
+    }
+
+    /// What the controller must be told, and what network access tells.
+    #[inline(never)]
+    fn manage(&mut self, now: Instant) -> Option<Action<Event>> {
         self.withdraw()
             .or_else(|| self.set_mode())
             .or_else(|| {
@@ -38,12 +64,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
                 }
             })
             .or_else(|| self.set_filter())
-            .or_else(|| self.tell().map(|event| Action::Event(Event::Slave(event))))
-            .or_else(|| self.send_explicit())
-            .or_else(|| if DYNAMIC > 0 { self.send_dynamic(MessageGroup::Group2) } else { None })
-            .or_else(|| self.access.transmit().map(|action| action.map_event(Event::Access)))
-            .or_else(|| if DYNAMIC > 0 { self.send_dynamic(MessageGroup::Group3) } else { None })
-            .or_else(|| if DYNAMIC > 0 { self.send_on_ucmm() } else { None })
     }
 
     pub(crate) fn has_output(&self) -> bool {
@@ -60,13 +80,11 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             || (DYNAMIC > 0 && (self.is_dynamic_due() || (lines.is_free(Line::UCMM) && self.is_ucmm_due())))
     }
 
-    fn send_io(&mut self) -> Option<Action<Event>> {
-        let kind = self.node.lines.ready()?;
+    fn send_io(&mut self, kind: IoKind) -> Option<Action<Event>> {
         self.node.lines.begin(kind);
         let line = lines::of(kind);
         let id = lines::identifier(line, self.access.mac_id());
-        let field = self.produce(kind).unwrap_or_default();
-        Some(Action::Transmit(lines::token(line), id.frame(&field)?))
+        Some(Action::Transmit(lines::token(line), self.produce(kind, id)?))
     }
 
     fn withdraw(&mut self) -> Option<Action<Event>> {

@@ -9,6 +9,8 @@
 //!
 //! It is told what arrives and hands out what is to be sent; the identifiers are its owner's business.
 
+use core::hash::{Hash, Hasher};
+
 use cip_core::codec::Writer;
 use cip_core::fragment::{
     AckStatus, ExplicitOutcome, ExplicitReassembly, ExplicitTransmit, FragmentByte, FragmentKind,
@@ -26,13 +28,20 @@ use crate::message::ExplicitHeader;
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub(super) struct Transfer<const MESSAGE: usize> {
     reassembly: ExplicitReassembly<MESSAGE>,
-    response: Vec<u8, MESSAGE>,
+    response: Response<MESSAGE>,
     transmit: ExplicitTransmit,
     /// Of the response, and of its fragments.
     header: u8,
     stage: Stage,
     acknowledge: Option<[u8; 3]>,
     timers: Timers<Timer, 2>,
+}
+
+/// A response from the service byte on. What earlier ones have left behind its end is no part of it.
+#[derive(Clone, Debug)]
+struct Response<const N: usize> {
+    bytes: [u8; N],
+    len: usize,
 }
 
 /// How far the present frame of the response is.
@@ -108,7 +117,7 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
     pub(super) const fn new(limit: usize) -> Self {
         Self {
             reassembly: ExplicitReassembly::new(limit),
-            response: Vec::new(),
+            response: Response { bytes: [0; MESSAGE], len: 0 },
             transmit: ExplicitTransmit::new(),
             header: 0,
             stage: Stage::Idle,
@@ -209,7 +218,7 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
             return None;
         }
         self.stage = Stage::Handed;
-        match self.transmit.fragment(&self.response) {
+        match self.transmit.fragment(self.response.body()) {
             Some(fragment) => {
                 let mut header = ExplicitHeader::from(self.header);
                 header.fragmented = true;
@@ -218,7 +227,7 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
             }
             None => {
                 field.push(self.header).ok()?;
-                field.extend_from_slice(&self.response).ok()?;
+                field.extend_from_slice(self.response.body()).ok()?;
             }
         }
         Some((Piece::Response, field))
@@ -303,7 +312,7 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
         }
         self.header = ExplicitHeader::complete(header.xid, header.mac).into();
         self.stage = Stage::Due;
-        self.transmit.start(&self.response);
+        self.transmit.start(self.response.body());
         Incoming::Answered
     }
 
@@ -313,7 +322,7 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
         if self.stage == Stage::Due {
             return Incoming::Ignored(Ignored::StrayAcknowledge);
         }
-        match self.transmit.acknowledge(&self.response, count, AckStatus::from(status)) {
+        match self.transmit.acknowledge(self.response.body(), count, AckStatus::from(status)) {
             TransmitOutcome::Ignored => Incoming::Ignored(Ignored::StrayAcknowledge),
             outcome => {
                 self.go_on(outcome);
@@ -346,17 +355,34 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
 }
 
 fn respond<const N: usize>(
-    response: &mut Vec<u8, N>,
+    response: &mut Response<N>,
     request: &[u8],
     serve: impl FnOnce(&[u8], &mut Writer<'_>) -> Result<(), Ignored>,
 ) -> Result<(), Ignored> {
-    // Cannot fail: it is the capacity.
-    let _ = response.resize_default(N);
-    let mut out = Writer::new(response);
+    let mut out = Writer::new(&mut response.bytes);
     let served = serve(request, &mut out);
-    let len = out.len();
-    response.truncate(len);
+    response.len = out.len();
     served
+}
+
+impl<const N: usize> Response<N> {
+    fn body(&self) -> &[u8] {
+        self.bytes.get(..self.len).unwrap_or_default()
+    }
+}
+
+impl<const N: usize> PartialEq for Response<N> {
+    fn eq(&self, other: &Self) -> bool {
+        self.body() == other.body()
+    }
+}
+
+impl<const N: usize> Eq for Response<N> {}
+
+impl<const N: usize> Hash for Response<N> {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.body().hash(state);
+    }
 }
 
 /// T_ack: how long a fragment of a response waits for its acknowledge.

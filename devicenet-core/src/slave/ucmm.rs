@@ -51,6 +51,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     /// A frame that is not for the predefined set.
+    #[inline(never)]
     pub(super) fn dynamic_frame(&mut self, now: Instant, id: Identifier, field: &[u8]) {
         let result = match self.dynamic_of(id) {
             Some(index) => self.dynamic_message(now, index, field),

@@ -36,6 +36,7 @@ pub(super) struct Answer {
 }
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
+    #[inline(never)]
     pub(super) fn unconnected_frame(&mut self, id: Identifier, field: &[u8]) {
         if DYNAMIC > 0 && !self.node.options.contains(Options::UNCONNECTED_PORT) {
             return self.foreign();

@@ -106,7 +106,7 @@ fn a_full_event_store_loses_events_and_counts_them() {
         let frame = link_core::Frame::new(link_core::frame::standard_id(CHECK), &TWIN_REQUEST).unwrap();
         bus.node.input(bus.now, link_core::Input::Frame(frame));
     }
-    assert_eq!(bus.node.counters().events_lost, 12);
+    assert_eq!(bus.node.counters().events_lost, 15);
     assert_eq!(bus.node.counters().challenges, 20);
 }
 
@@ -130,9 +130,9 @@ fn one_frame_in_flight_at_most() {
     assert_eq!(Access::new(config()).max_in_flight(), 1);
 }
 
-/// A change shows here first. Most of it is the store of eight events.
+/// A change shows here first. Half of it is the store of five events.
 #[test]
 #[cfg(target_pointer_width = "64")]
 fn the_size_of_the_machine() {
-    assert_eq!(size_of::<Access>(), 624);
+    assert_eq!(size_of::<Access>(), 464);
 }

@@ -31,6 +31,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     /// The master's acknowledge of a change of state or cyclic message.
+    #[inline(never)]
     pub(in crate::slave) fn change_of_state_acknowledged(&mut self, id: Identifier) {
         if self.node.io(IoKind::ChangeOfState).state() != IoState::Established || !self.node.is_acknowledged()
         {

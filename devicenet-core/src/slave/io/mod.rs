@@ -16,10 +16,10 @@ mod long;
 
 pub use long::{Fragmented, LongMessages};
 
-use cip_core::connection::{IoCause, IoState, PredefinedConnection};
+use cip_core::connection::{IoState, PredefinedConnection};
 use cip_core::fragment::{EmptyMessage, IO_UNFRAGMENTED_LEN, IoOutcome};
 use cip_core::message::AllocationChoice;
-use heapless::Vec;
+use link_core::Frame;
 
 use super::application::{Application, IoKind, IoMode};
 use super::config::Options;
@@ -58,7 +58,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     fn consume(&mut self, kind: IoKind, field: &[u8]) -> Result<bool, Ignored> {
         if self.node.io(kind).state() != IoState::Established {
             // The table has a row for it; nothing changes.
-            let _ = self.node.io_step(kind, IoCause::Message);
+            self.node.io_message(kind);
             return Err(Ignored::NoConnection);
         }
         let size = self.application.consumed(kind).len();
@@ -116,12 +116,11 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// A message was consumed: the watchdog runs anew.
     fn alive(&mut self, kind: IoKind) {
         count_wide(&mut self.node.events.counters.consumed);
-        // It is established: nothing is refused.
-        let _ = self.node.io_step(kind, IoCause::Message);
+        self.node.io_message(kind);
     }
 
     fn not_established(&mut self, id: Identifier, kind: IoKind) {
-        let _ = self.node.io_step(kind, IoCause::Message);
+        self.node.io_message(kind);
         self.node.events.ignored(id, Ignored::NoConnection);
     }
 
@@ -135,18 +134,20 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
     }
 
-    /// The next frame of an I/O connection, and whether it is the last of its message.
-    pub(super) fn produce(&mut self, kind: IoKind) -> Option<Vec<u8, 8>> {
+    /// The next frame of an I/O connection.
+    pub(super) fn produce(&mut self, kind: IoKind, id: Identifier) -> Option<Frame> {
         if let Some(field) = self.long.field(kind) {
-            return Some(field);
+            return id.frame(&field);
         }
-        let acknowledges_only = kind == IoKind::Poll && !self.node.held.contains(AllocationChoice::POLL);
-        if acknowledges_only {
-            return Some(Vec::new());
+        if kind == IoKind::Poll && !self.node.held.contains(AllocationChoice::POLL) {
+            // It only acknowledges messages of the master.
+            return id.frame(&[]);
         }
         let data = self.application.produced(kind);
-        if usize::from(self.application.produced_size(kind)) <= IO_UNFRAGMENTED_LEN {
-            return Vec::from_slice(data).ok();
+        if A::Long::CAPACITY <= IO_UNFRAGMENTED_LEN
+            || usize::from(self.application.produced_size(kind)) <= IO_UNFRAGMENTED_LEN
+        {
+            return id.frame(data);
         }
         let empty = if self.node.options.contains(Options::EMPTY_AS_3F) {
             EmptyMessage::FirstAndOnly
@@ -154,7 +155,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             EmptyMessage::NoData
         };
         self.long.load(kind, data, empty);
-        self.long.field(kind)
+        id.frame(&self.long.field(kind)?)
     }
 
     /// A frame of an I/O connection is with the controller no longer.

@@ -268,3 +268,11 @@ fn noise() {
     }
     assert!(requests > 1000, "{requests} {:?}", bus.slave.counters());
 }
+
+/// A change shows here first: the smallest slave, with explicit messages of 32 bytes.
+#[test]
+#[cfg(target_pointer_width = "64")]
+fn the_size_of_the_machine() {
+    let application = size_of::<super::bus::Block>();
+    assert_eq!(size_of::<crate::slave::Group2OnlyServer<super::bus::Block>>() - application, 1008);
+}
