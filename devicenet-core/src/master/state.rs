@@ -4,18 +4,7 @@ use core::fmt;
 
 use super::scan_list::IoInstance;
 
-/// Where the master is with a slave.
-///
-/// ```text
-///            on line        retry due            answered
-/// +---------+       +---------+      +------------+      +-------------+        +---------+
-/// | Offline |------>| Waiting |----->| Contacting |----->| Configuring |------->| Running |
-/// +---------+       +---------+      +------------+      +-------------+        +---------+
-///                       ^   ^  no answer | ^ stale           |   refused,           | slave
-///                       |   +------------+ | connections     |   wrong device       | lost
-///                       |                  +-----+           |                      |
-///                       +----------------------------------------------------------+
-/// ```
+/// [`SlaveState`] with its data.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum Stage {
     /// The master is not on line.
@@ -62,7 +51,18 @@ pub(super) enum Step {
     Close,
 }
 
-/// [`Stage`] without its data.
+/// Where the master is with a slave.
+///
+/// ```text
+///            on line        retry due            answered
+/// +---------+       +---------+      +------------+      +-------------+        +---------+
+/// | Offline |------>| Waiting |----->| Contacting |----->| Configuring |------->| Running |
+/// +---------+       +---------+      +------------+      +-------------+        +---------+
+///                       ^   ^  no answer | ^ stale           |   refused,           | slave
+///                       |   +------------+ | connections     |   wrong device       | lost
+///                       |                  +-----+           |                      |
+///                       +----------------------------------------------------------+
+/// ```
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
