@@ -12,13 +12,15 @@
 //! | [`identity`] | who a device is, its status and state |
 //! | [`connection`] | the values of connection attributes, defaults of the predefined connection set |
 //! | [`parameter`] | the descriptors of the Parameter object |
+//! | [`scan`] | what a master must know of a slave: an entry of its scan list |
 //! | [`names`] | attributes and services of the object classes, with their types |
 //! | [`object`] | the objects of a device, and the checks that a request meets |
 //! | [`value`] | attribute values in words |
 //! | [`text`] | formatting without allocation |
+//! | `eds` | Electronic Data Sheets: parser, checker, values of parameters in words (feature `std`) |
 //!
-//! Everything is `no_std` without `alloc`. Bytes from the bus can be wrong in any way: they yield a typed error that
-//! names the field, never a panic. Codes are open: a value without a name survives a round trip and prints as a number.
+//! Everything but `eds` is `no_std` without `alloc`. Bytes from the bus can be wrong in any way: they yield a typed error
+//! that names the field, never a panic. Codes are open: a value without a name survives a round trip and prints as a number.
 //!
 //! # A request, decoded
 //!
@@ -40,19 +42,21 @@
 //!
 //! # Features
 //!
-//! All are additive. `serde` derives serialisation, `defmt` the formatting of embedded loggers, `std` passes itself on
-//! to the dependencies.
+//! All are additive. `serde` derives serialisation, `defmt` the formatting of embedded loggers, `std` has `eds` and passes
+//! itself on to the dependencies.
 
 #![no_std]
 #![forbid(unsafe_code)]
 
-#[cfg(test)]
+#[cfg(any(test, feature = "std"))]
 extern crate std;
 
 pub mod code;
 pub mod codec;
 pub mod connection;
 pub mod data_type;
+#[cfg(feature = "std")]
+pub mod eds;
 pub mod epath;
 pub mod fragment;
 pub mod identity;
@@ -60,5 +64,6 @@ pub mod message;
 pub mod names;
 pub mod object;
 pub mod parameter;
+pub mod scan;
 pub mod text;
 pub mod value;

@@ -1,0 +1,261 @@
+//! The words of a file: nothing is left out, so that they put together are the file again.
+
+use std::vec::Vec;
+
+use super::diagnostic::{Code, Findings};
+use super::encoding::{Characters, Located};
+use super::{Encoding, Span};
+
+/// A word of the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Token {
+    /// What it is.
+    pub kind: TokenKind,
+    /// Its bytes.
+    pub span: Span,
+}
+
+/// What a word of the file is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum TokenKind {
+    /// A byte order mark.
+    ByteOrderMark,
+    /// Blanks, tabs and other characters without a meaning, on one line.
+    Blank,
+    /// An end of a line: LF, CR, or both.
+    NewLine,
+    /// `$` and the rest of the line.
+    Comment,
+    /// `[` and `]` with a name between.
+    Section,
+    /// Characters without blanks: a keyword, a number, a name.
+    Word,
+    /// Characters in double quotes.
+    String,
+    /// `=`
+    Equals,
+    /// `,`
+    Comma,
+    /// `;`
+    Semicolon,
+}
+
+impl TokenKind {
+    /// False for what only people read.
+    #[must_use]
+    pub const fn is_significant(self) -> bool {
+        !matches!(self, Self::ByteOrderMark | Self::Blank | Self::NewLine | Self::Comment)
+    }
+}
+
+/// Cuts a file into words.
+pub(super) fn tokens(bytes: &[u8], encoding: Encoding, mark: usize, findings: &mut Findings) -> Vec<Token> {
+    let rest = Characters::of(bytes, Span { start: mark, end: bytes.len() }, encoding);
+    let mut lexer = Lexer { rest, findings, is_entry_open: false, is_line_start: true };
+    let mut tokens = Vec::new();
+    if mark > 0 {
+        tokens.push(Token { kind: TokenKind::ByteOrderMark, span: Span { start: 0, end: mark } });
+    }
+    while let Some(token) = lexer.token() {
+        tokens.push(token);
+    }
+    tokens
+}
+
+struct Lexer<'a, 'f> {
+    rest: Characters<'a>,
+    findings: &'f mut Findings,
+    /// Whether an entry has begun and not ended.
+    is_entry_open: bool,
+    /// Whether only blanks stand before on the line.
+    is_line_start: bool,
+}
+
+impl Lexer<'_, '_> {
+    fn token(&mut self) -> Option<Token> {
+        let Located { character, start, .. } = self.rest.next()?;
+        let kind = match character {
+            '\n' => TokenKind::NewLine,
+            '\r' => {
+                if self.rest.peek() == Some('\n') {
+                    self.rest.next();
+                }
+                TokenKind::NewLine
+            }
+            '$' => {
+                self.take_while(|character| !is_line_end(character));
+                TokenKind::Comment
+            }
+            ',' => TokenKind::Comma,
+            ';' => TokenKind::Semicolon,
+            '=' => TokenKind::Equals,
+            '"' => {
+                self.string(start);
+                TokenKind::String
+            }
+            // Inside of an entry a bracket is part of a word, unless the line begins with it: then a `;` is missing.
+            '[' if self.is_line_start || !self.is_entry_open => {
+                self.section(start);
+                TokenKind::Section
+            }
+            blank if is_blank(blank) => {
+                self.take_while(is_blank);
+                TokenKind::Blank
+            }
+            _ => {
+                self.take_while(is_word);
+                TokenKind::Word
+            }
+        };
+        match kind {
+            TokenKind::NewLine => self.is_line_start = true,
+            TokenKind::Blank | TokenKind::ByteOrderMark => {}
+            TokenKind::Semicolon | TokenKind::Section => {
+                (self.is_entry_open, self.is_line_start) = (false, false);
+            }
+            TokenKind::Comment => self.is_line_start = false,
+            TokenKind::Word | TokenKind::String | TokenKind::Equals | TokenKind::Comma => {
+                (self.is_entry_open, self.is_line_start) = (true, false);
+            }
+        }
+        Some(Token { kind, span: Span { start, end: self.rest.at() } })
+    }
+
+    fn take_while(&mut self, accepts: impl Fn(char) -> bool) {
+        while self.rest.peek().is_some_and(&accepts) {
+            self.rest.next();
+        }
+    }
+
+    /// The rest of a string, up to its closing quote. Without one, the string ends where its author probably meant it
+    /// to: before a `,` or `;` that ends the line, else with the line.
+    fn string(&mut self, start: usize) {
+        let mut look = self.rest.clone();
+        let mut is_escaped = false;
+        let mut after_escaped_quote = None;
+        while let Some(located) = look.next().filter(|located| !is_line_end(located.character)) {
+            match located.character {
+                '"' if !is_escaped => {
+                    self.rest = look;
+                    return;
+                }
+                '"' => after_escaped_quote = Some(look.clone()),
+                _ => {}
+            }
+            is_escaped = located.character == '\\' && !is_escaped;
+        }
+        if let Some(end) = after_escaped_quote {
+            self.rest = end;
+            let span = Span { start, end: self.rest.at() };
+            self.findings.add(
+                Code::EscapedQuote,
+                span,
+                format_args!(
+                    "the string ends with `\\\"`, which is a quote inside of a string; write `\\\\\"`"
+                ),
+            );
+            return;
+        }
+        self.unterminated_string(start);
+    }
+
+    fn unterminated_string(&mut self, start: usize) {
+        loop {
+            let here = self.rest.clone();
+            let Some(located) = self.rest.next() else { break };
+            let ends_line = || {
+                let mut after = self.rest.clone();
+                let next = after.find(|located| !is_blank(located.character));
+                next.is_none_or(|next| is_line_end(next.character) || next.character == '$')
+            };
+            let ends_string = match located.character {
+                ',' | ';' => ends_line(),
+                character => is_line_end(character),
+            };
+            if ends_string {
+                self.rest = here;
+                break;
+            }
+        }
+        let span = Span { start, end: self.rest.at() };
+        self.findings.add(
+            Code::UnterminatedString,
+            span,
+            format_args!("the string has no end on its line; close it with `\"`, and go on in a second string if it is long"),
+        );
+    }
+
+    fn section(&mut self, start: usize) {
+        self.take_while(|character| !is_line_end(character) && character != ']' && character != '$');
+        if self.rest.peek() == Some(']') {
+            self.rest.next();
+            return;
+        }
+        let span = Span { start, end: self.rest.at() };
+        self.findings.add(
+            Code::UnterminatedSection,
+            span,
+            format_args!("the name of the section has no end; close it with `]`"),
+        );
+    }
+}
+
+const fn is_line_end(character: char) -> bool {
+    matches!(character, '\n' | '\r')
+}
+
+fn is_blank(character: char) -> bool {
+    !is_line_end(character) && (character.is_whitespace() || character.is_control())
+}
+
+fn is_word(character: char) -> bool {
+    !matches!(character, '$' | ',' | ';' | '=' | '"') && !is_line_end(character) && !is_blank(character)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::string::String;
+
+    /// The words without blanks.
+    fn words(text: &str) -> Vec<(TokenKind, &str)> {
+        let tokens = tokens(text.as_bytes(), Encoding::Utf8, 0, &mut Findings::default());
+        let whole: String = tokens.iter().map(|token| &text[token.span.start..token.span.end]).collect();
+        assert_eq!(whole, text);
+        let shown = tokens.iter().filter(|token| token.kind.is_significant());
+        shown.map(|token| (token.kind, &text[token.span.start..token.span.end])).collect()
+    }
+
+    #[test]
+    fn an_entry() {
+        use TokenKind::{Comma, Equals, Section, Semicolon, String, Word};
+        let expected = [
+            (Section, "[Device Classification]"),
+            (Word, "Class1"),
+            (Equals, "="),
+            (Word, "0x1F"),
+            (Comma, ","),
+            (String, "\"a $ b ; \\\" c\""),
+            (Word, "x[1]"),
+            (Semicolon, ";"),
+        ];
+        assert_eq!(words("[Device Classification] $ x\nClass1=0x1F ,\"a $ b ; \\\" c\" x[1];$ y"), expected);
+    }
+
+    #[test]
+    fn a_string_without_an_end_ends_where_it_was_meant_to() {
+        use TokenKind::{Comma, Semicolon, String, Word};
+        assert_eq!(words("\"abc;  $ d\n1"), [(String, "\"abc"), (Semicolon, ";"), (Word, "1")]);
+        assert_eq!(words("\"a,b ,\r\n1"), [(String, "\"a,b "), (Comma, ","), (Word, "1")]);
+        assert_eq!(words("\"abc\n\"d\""), [(String, "\"abc"), (String, "\"d\"")]);
+        assert_eq!(words("\"C:\\\";\n"), [(String, "\"C:\\\""), (Semicolon, ";")]);
+        assert_eq!(words("\"C:\\\\\";\n"), [(String, "\"C:\\\\\""), (Semicolon, ";")]);
+    }
+
+    #[test]
+    fn a_bracket_at_the_start_of_a_line_is_a_section() {
+        use TokenKind::{Equals, Section, Word};
+        let expected = [(Word, "A"), (Equals, "="), (Word, "1"), (Section, "[B ")];
+        assert_eq!(words("A = 1\n  [B $ c"), expected);
+    }
+}
