@@ -36,6 +36,23 @@ impl fmt::Debug for Hex<'_> {
     }
 }
 
+/// Bytes as lower-case hexadecimal digits without spaces.
+///
+/// ```
+/// # use cip_core::text::LowerHex;
+/// assert_eq!(LowerHex(&[0x0E, 0x01]).to_string(), "0e01");
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LowerHex<'a>(pub &'a [u8]);
+
+impl fmt::Display for LowerHex<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0
+            .iter()
+            .try_for_each(|&byte| write_ascii(f, &digits(byte).map(|digit| digit.to_ascii_lowercase())))
+    }
+}
+
 /// Characters of ISO 8859-1 in double quotes; what cannot be printed, the quote and the backslash are escaped.
 ///
 /// ```

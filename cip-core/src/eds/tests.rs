@@ -39,8 +39,8 @@ fn a_file_without_a_flaw() {
 fn what_it_says() {
     let eds = Eds::parse(DEMO).unwrap();
     let created = eds.file().created;
-    assert_eq!(created.0.map(|date| date.to_string()).as_deref(), Some("2026-01-15"));
-    assert_eq!(created.1.map(|time| time.to_string()).as_deref(), Some("10:00:00"));
+    assert_eq!(created.date.map(|date| date.to_string()).as_deref(), Some("2026-01-15"));
+    assert_eq!(created.time.map(|time| time.to_string()).as_deref(), Some("10:00:00"));
     assert_eq!(eds.device().product_name.as_deref(), Some("EXAMPLE-88"));
     assert_eq!(eds.classes(), ["DeviceNet"]);
     let filter = eds.param(2).unwrap();

@@ -36,8 +36,8 @@ fn identity(model: &Model, findings: &mut Findings) {
 
 fn dates(document: &Document, model: &Model, findings: &mut Findings) {
     let (created, modified) = (model.file.created, model.file.modified);
-    let (Some(created_on), Some(modified_on)) = (created.0, modified.0) else { return };
-    if (modified_on, modified.1) < (created_on, created.1) {
+    let (Some(created_on), Some(modified_on)) = (created.date, modified.date) else { return };
+    if modified < created {
         let span =
             document.section("File").and_then(|section| section.entries.iter().find(|it| it.is("ModDate")));
         let span = span.map_or(Span::at(0), |entry| entry.field_span(0));

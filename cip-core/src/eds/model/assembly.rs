@@ -20,6 +20,7 @@ pub struct Assembly {
     /// The name.
     pub name: String,
     /// The packed path to the data; empty if there is none.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "super::serialize_path"))]
     pub path: Vec<u8>,
     /// Bytes; `None` if not given.
     pub size: Option<u16>,
@@ -63,7 +64,7 @@ pub enum Reference {
     /// `BitStringVariantN`
     BitVariant(u16),
     /// A packed path.
-    Path(Vec<u8>),
+    Path(#[cfg_attr(feature = "serde", serde(serialize_with = "super::serialize_path"))] Vec<u8>),
     /// Something else, by its keyword: an array, a proxied assembly.
     Other(String),
 }

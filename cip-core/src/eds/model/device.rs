@@ -18,13 +18,23 @@ pub struct FileInfo {
     /// `DescText`
     pub description: Option<String>,
     /// `CreateDate` and `CreateTime`
-    pub created: (Option<Date>, Option<Time>),
+    pub created: Stamp,
     /// `ModDate` and `ModTime`
-    pub modified: (Option<Date>, Option<Time>),
+    pub modified: Stamp,
     /// `Revision` of the file, not of the device: major and minor.
     pub revision: Option<(u16, u16)>,
     /// `HomeURL`
     pub home_url: Option<String>,
+}
+
+/// A date and the time on it, as far as they are given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Stamp {
+    /// The date.
+    pub date: Option<Date>,
+    /// The time.
+    pub time: Option<Time>,
 }
 
 /// `[Device]`: which devices the file is for.
@@ -115,8 +125,8 @@ pub(super) fn read_file(document: &Document, findings: &mut Findings) -> FileInf
     let mut section = Scalars { entries: Entries::of(document, "File"), findings };
     FileInfo {
         description: section.string("DescText", Need::Required),
-        created: (section.date("CreateDate"), section.time("CreateTime")),
-        modified: (section.date("ModDate"), section.time("ModTime")),
+        created: Stamp { date: section.date("CreateDate"), time: section.time("CreateTime") },
+        modified: Stamp { date: section.date("ModDate"), time: section.time("ModTime") },
         revision: section.read("Revision", Need::Required, |fields| {
             fields.literal("`Revision`", Code::BadRevision, "major.minor, like 1.0", literal::revision)
         }),

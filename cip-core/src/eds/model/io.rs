@@ -57,6 +57,7 @@ pub struct IoData {
     /// The name.
     pub name: String,
     /// The packed path to it; empty if the device has no choice.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "super::serialize_path"))]
     pub path: Vec<u8>,
     /// What it is.
     pub help: String,

@@ -8,7 +8,7 @@ mod param;
 
 pub(super) use assembly::SIZE_FIELD as ASSEMBLY_SIZE_FIELD;
 pub use assembly::{Assembly, Choice, Member, Reference, Variant};
-pub use device::{Device, FileInfo};
+pub use device::{Device, FileInfo, Stamp};
 pub(super) use io::keyword as io_keyword;
 pub use io::{IoConnection, IoData, IoInfo};
 pub(super) use param::field as param_field;
@@ -69,6 +69,12 @@ impl Model {
 /// What has this number, in a list that ascends.
 fn find<T>(list: &[T], number: u16, number_of: impl Fn(&T) -> u16) -> Option<&T> {
     list.binary_search_by_key(&number, number_of).ok().and_then(|index| list.get(index))
+}
+
+/// A path as lower-case hexadecimal digits.
+#[cfg(feature = "serde")]
+fn serialize_path<S: serde::Serializer>(path: &[u8], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(&crate::text::LowerHex(path))
 }
 
 /// The spans of an entry's fields, kept by what was read from it, so that a later check can point there.

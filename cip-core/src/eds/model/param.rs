@@ -59,6 +59,7 @@ pub struct Param {
     /// The number, which is also its instance of the Parameter object.
     pub number: u16,
     /// The packed path to its value; empty if only an assembly has it.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "super::serialize_path"))]
     pub path: Vec<u8>,
     /// What it can do.
     pub descriptor: Descriptor,
@@ -173,6 +174,22 @@ impl Param {
     #[must_use]
     pub const fn is_bit_string(&self) -> bool {
         matches!(self.data_type, Some(DataType::Byte | DataType::Word | DataType::Dword | DataType::Lword))
+    }
+
+    /// Minimum, maximum or default in words. Of a string, minimum and maximum are lengths.
+    #[must_use]
+    pub fn text_of_constant(&self, constant: &Constant) -> String {
+        let number = match constant {
+            Constant::Text(text) => return std::format!("\"{text}\""),
+            Constant::Real(number) => return std::format!("{number} {}", self.units).trim_end().into(),
+            Constant::Integer(number) => *number,
+        };
+        let bytes = number.to_le_bytes();
+        let text = match self.data_type {
+            Some(DataType::Real | DataType::Lreal) | None => None,
+            Some(_) => bytes.get(..self.size.into()).and_then(|bytes| self.text_of_bytes(bytes, |_| None)),
+        };
+        text.unwrap_or_else(|| std::format!("{number}"))
     }
 
     /// The text for a value, or for a bit.
