@@ -58,8 +58,8 @@ pub use encoding::Encoding;
 pub use layout::Slot;
 pub use literal::{Date, Time};
 pub use model::{
-    Assembly, Choice, Constant, Descriptor, Device, EnumText, FileInfo, Group, GroupMember, IoConnection,
-    IoData, IoInfo, Member, Param, ParamClass, Reference, Scaling, Stamp, Variant,
+    Assembly, Choice, Constant, Device, EnumText, FileInfo, Group, GroupMember, IoConnection, IoData, IoInfo,
+    Member, Param, ParamClass, Reference, Scaling, Stamp, Variant,
 };
 pub use scan_entry::ScanEntryError;
 pub use span::{Place, Span};

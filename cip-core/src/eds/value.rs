@@ -10,9 +10,10 @@ use core::fmt;
 use std::format;
 use std::string::{String, ToString as _};
 
-use super::model::{Descriptor, Param};
+use super::model::Param;
 use crate::codec::Reader;
 use crate::data_type::{DataType, Value};
+use crate::parameter::ParameterDescriptor;
 
 /// A number with a point: `digits / 10^places`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -69,10 +70,10 @@ impl Param {
     /// The numbers that scale its value. `linked` tells the value of another parameter, where scaling is taken from one;
     /// `None` if it does not, or if the divisor is 0.
     pub fn factors(&self, linked: impl Fn(u16) -> Option<i128>) -> Option<Factors> {
-        if !self.descriptor.contains(Descriptor::SCALED) {
+        if !self.descriptor.contains(ParameterDescriptor::SCALING) {
             return Some(Factors::ONE);
         }
-        let has_links = self.descriptor.contains(Descriptor::SCALING_LINKS);
+        let has_links = self.descriptor.contains(ParameterDescriptor::SCALING_LINKS);
         let [multiplier, divisor, base, offset] = self.scaling.links;
         let scaling = &self.scaling;
         let number = |link: u16, written: Option<i128>, neutral: i128| match link {
@@ -97,15 +98,15 @@ impl Param {
         factors: &Factors,
         precision: Precision,
     ) -> Option<Decimal> {
-        if !self.descriptor.contains(Descriptor::SCALED) {
+        if !self.descriptor.contains(ParameterDescriptor::SCALING) {
             return Some(Decimal { digits: actual, places: 0 });
         }
         let places = self.decimal_places;
         let shift = 10_i128.checked_pow(places.into())?;
         let product =
             actual.checked_add(factors.offset)?.checked_mul(factors.multiplier)?.checked_mul(factors.base)?;
-        let is_extended =
-            precision == Precision::Always || self.descriptor.contains(Descriptor::EXTENDED_PRECISION);
+        let is_extended = precision == Precision::Always
+            || self.descriptor.contains(ParameterDescriptor::EXTENDED_PRECISION);
         // Digits behind the point and the power of ten in the divisor cancel out.
         let numerator = if is_extended { product } else { product.checked_mul(shift)? };
         Some(Decimal { digits: divide_rounding(numerator, factors.divisor)?, places })
@@ -139,7 +140,7 @@ impl Param {
         if let Some(text) = self.text_of(actual) {
             return format!("{text} ({actual})");
         }
-        if !self.descriptor.contains(Descriptor::SCALED) {
+        if !self.descriptor.contains(ParameterDescriptor::SCALING) {
             return self.with_units(value.to_string());
         }
         let engineering = self
@@ -188,7 +189,7 @@ impl Param {
             Value::Lreal(real) => real,
             _ => return self.with_units(value.to_string()),
         };
-        let is_scaled = self.descriptor.contains(Descriptor::SCALED);
+        let is_scaled = self.descriptor.contains(ParameterDescriptor::SCALING);
         let engineering = if is_scaled {
             self.factors(linked).and_then(|factors| scaled_real(real, &factors))
         } else {

@@ -3,10 +3,11 @@
 use std::collections::{HashMap, HashSet};
 
 use super::super::diagnostic::{Code, Findings};
-use super::super::model::{Constant, Descriptor, GroupMember, Model, Param, param_field as field};
+use super::super::model::{Constant, GroupMember, Model, Param, param_field as field};
 use crate::code::ClassId;
 use crate::data_type::DataType;
 use crate::names::{self, Access};
+use crate::parameter::{ParameterClassDescriptor, ParameterDescriptor};
 
 pub(super) fn check(model: &Model, findings: &mut Findings) {
     class(model, findings);
@@ -37,8 +38,9 @@ fn class(model: &Model, findings: &mut Findings) {
             format_args!("`MaxInst` is {max}, and the highest parameter is {highest}; write {highest}");
         findings.add(Code::ParameterCount, class.max_instance_spans.field(0), message);
     }
-    if let Some(descriptor) = class.descriptor.filter(|descriptor| descriptor & !CLASS_DESCRIPTOR != 0) {
-        let reserved = descriptor & !CLASS_DESCRIPTOR;
+    let descriptor = class.descriptor.unwrap_or_default();
+    let reserved = descriptor.difference(ParameterClassDescriptor::all()).bits();
+    if reserved != 0 {
         let message = format_args!("bits 4 to 15 of the descriptor are reserved; clear 0x{reserved:04X}");
         findings.add(Code::Reserved, class.descriptor_spans.field(0), message);
     }
@@ -164,7 +166,7 @@ fn path(param: &Param, findings: &mut Findings) {
         );
         findings.add(Code::ObjectMismatch, param.spans.field(field::DATA_TYPE), message);
     }
-    if info.access == Access::Get && !param.descriptor.contains(Descriptor::READ_ONLY) {
+    if info.access == Access::Get && !param.descriptor.contains(ParameterDescriptor::READ_ONLY) {
         let message = format_args!(
             "{class} attribute {} ({}) cannot be written; set 0x0010 (read only)",
             attribute.0, info.name
@@ -176,7 +178,7 @@ fn path(param: &Param, findings: &mut Findings) {
 fn scaling(model: &Model, param: &Param, findings: &mut Findings) {
     let scaling = &param.scaling;
     let has = |bits| param.descriptor.contains(bits);
-    if !has(Descriptor::SCALED) {
+    if !has(ParameterDescriptor::SCALING) {
         let is_neutral = |number: Option<u32>| matches!(number, None | Some(0 | 1));
         let is_unused = is_neutral(scaling.multiplier)
             && is_neutral(scaling.divisor)
@@ -195,7 +197,7 @@ fn scaling(model: &Model, param: &Param, findings: &mut Findings) {
             (scaling.base, field::BASE, "base"),
         ];
         for ((number, index, what), link) in given.into_iter().zip(scaling.links) {
-            if number.unwrap_or(0) == 0 && (link == 0 || !has(Descriptor::SCALING_LINKS)) {
+            if number.unwrap_or(0) == 0 && (link == 0 || !has(ParameterDescriptor::SCALING_LINKS)) {
                 let message = format_args!(
                     "the value is scaled (descriptor bit 2), and the {what} is missing or 0; write 1 if it shall not matter"
                 );
@@ -203,13 +205,13 @@ fn scaling(model: &Model, param: &Param, findings: &mut Findings) {
             }
         }
     }
-    if has(Descriptor::EXTENDED_PRECISION) && !has(Descriptor::SCALED) {
+    if has(ParameterDescriptor::EXTENDED_PRECISION) && !has(ParameterDescriptor::SCALING) {
         let message = format_args!(
             "extended precision (bit 6) is of scaling, which bit 2 does not announce; set 0x0004, or clear 0x0040"
         );
         findings.add(Code::ScalingLink, param.spans.field(field::DESCRIPTOR), message);
     }
-    if has(Descriptor::SCALING_LINKS) && scaling.links == [0; 4] {
+    if has(ParameterDescriptor::SCALING_LINKS) && scaling.links == [0; 4] {
         let message = format_args!(
             "scaling links (descriptor bit 3) without a link; name the parameters, or clear 0x0008"
         );
@@ -226,7 +228,7 @@ fn scaling(model: &Model, param: &Param, findings: &mut Findings) {
 
 fn enumeration(param: &Param, findings: &mut Findings) {
     let span = param.spans.field(field::DESCRIPTOR);
-    match (param.descriptor.contains(Descriptor::ENUMERATED), param.texts.is_empty()) {
+    match (param.descriptor.contains(ParameterDescriptor::ENUMERATED), param.texts.is_empty()) {
         (true, true) => {
             let number = param.number;
             let message =
@@ -322,6 +324,3 @@ fn number(constant: &Option<Constant>) -> Option<f64> {
         Some(Constant::Text(_)) | None => None,
     }
 }
-
-/// Bits 0 to 3.
-const CLASS_DESCRIPTOR: u16 = 0x000F;

@@ -12,7 +12,7 @@ pub use device::{Device, FileInfo, Stamp};
 pub(super) use io::keyword as io_keyword;
 pub use io::{IoConnection, IoData, IoInfo};
 pub(super) use param::field as param_field;
-pub use param::{Constant, Descriptor, EnumText, Group, GroupMember, Param, ParamClass, Scaling};
+pub use param::{Constant, EnumText, Group, GroupMember, Param, ParamClass, Scaling};
 
 use std::string::String;
 use std::vec::Vec;

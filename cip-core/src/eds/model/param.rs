@@ -12,6 +12,7 @@ use crate::eds::document::{Content, Document, Entry};
 use crate::eds::fields::{Entries, FieldReader, Need};
 use crate::eds::literal;
 use crate::epath::{Epath, LogicalPath};
+use crate::parameter::{ParameterClassDescriptor, ParameterDescriptor};
 
 /// `[ParamClass]`: the class attributes of the Parameter object.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -19,37 +20,14 @@ use crate::epath::{Epath, LogicalPath};
 pub struct ParamClass {
     /// `MaxInst`: the number of parameters.
     pub max_instance: Option<u16>,
-    /// `Descriptor`: bit 0 instances are supported, bit 1 with all attributes, bit 2 a save command is needed, bit 3
-    /// values are kept without power.
-    pub descriptor: Option<u16>,
+    /// `Descriptor`
+    pub descriptor: Option<ParameterClassDescriptor>,
     /// `CfgAssembly`: the configuration assembly; `None`: none.
     pub configuration_assembly: Option<u16>,
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(in crate::eds) max_instance_spans: Spans,
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(in crate::eds) descriptor_spans: Spans,
-}
-
-bitflags::bitflags! {
-    /// What a parameter can do (Parameter object, attribute 4).
-    #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-    #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-    pub struct Descriptor: u16 {
-        /// Bit 0: its path can be set.
-        const SETTABLE_PATH = 0x0001;
-        /// Bit 1: its values, or of a bit string its bits, have texts.
-        const ENUMERATED = 0x0002;
-        /// Bit 2: its value is scaled.
-        const SCALED = 0x0004;
-        /// Bit 3: scaling is taken from other parameters.
-        const SCALING_LINKS = 0x0008;
-        /// Bit 4: it cannot be written.
-        const READ_ONLY = 0x0010;
-        /// Bit 5: it changes by itself.
-        const MONITOR = 0x0020;
-        /// Bit 6: scaling has the decimal places in it.
-        const EXTENDED_PRECISION = 0x0040;
-    }
 }
 
 /// `ParamN`: a parameter.
@@ -62,7 +40,7 @@ pub struct Param {
     #[cfg_attr(feature = "serde", serde(serialize_with = "super::serialize_path"))]
     pub path: Vec<u8>,
     /// What it can do.
-    pub descriptor: Descriptor,
+    pub descriptor: ParameterDescriptor,
     /// Its type; `None` if the code means none.
     pub data_type: Option<DataType>,
     /// The size of its value in bytes. Of a string, that of a character.
@@ -231,7 +209,7 @@ pub(super) fn read_class(document: &Document, findings: &mut Findings) -> Option
     let spans = |keyword: &str| entries.find(keyword).map(Spans::of).unwrap_or_default();
     Some(ParamClass {
         max_instance: read("MaxInst", "`MaxInst`"),
-        descriptor: read("Descriptor", "`Descriptor`"),
+        descriptor: read("Descriptor", "`Descriptor`").map(ParameterClassDescriptor::from_bits_retain),
         configuration_assembly: read("CfgAssembly", "`CfgAssembly`").filter(|&number| number != 0),
         max_instance_spans: spans("MaxInst"),
         descriptor_spans: spans("Descriptor"),
@@ -271,7 +249,7 @@ fn read_param(number: u16, entry: &Entry, findings: &mut Findings) -> Param {
     let param = Param {
         number,
         path,
-        descriptor: Descriptor::from_bits_retain(descriptor),
+        descriptor: ParameterDescriptor::from_bits_retain(descriptor),
         data_type: type_code.and_then(|code| DataType::from_code(DataTypeCode(code))),
         size,
         name,
