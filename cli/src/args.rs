@@ -6,6 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use devicenet_core::monitor::Kind;
 
+use crate::eds::EdsArgs;
 use crate::scenario::Time;
 use crate::simulate::SimulateArgs;
 
@@ -24,6 +25,7 @@ Exit codes:
 
 Examples:
   devicenet decode recording.log
+  devicenet eds check valve.eds
   devicenet simulate"
 )]
 pub struct Cli {
@@ -40,6 +42,8 @@ pub struct Cli {
 pub enum Command {
     /// Decode a recording: one line a frame
     Decode(DecodeArgs),
+    /// Check and show Electronic Data Sheets
+    Eds(EdsArgs),
     /// Simulate a network on a bus that is exact to the bit
     Simulate(SimulateArgs),
 }

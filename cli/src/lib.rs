@@ -10,6 +10,7 @@
 //! |---|---|
 //! | [`args`] | the command line |
 //! | [`decode`] | `devicenet decode` |
+//! | [`eds`] | `devicenet eds` |
 //! | [`recording`] | readers and writers of recordings of a CAN bus, streaming, the format found in the content |
 //! | [`scenario`] | scenario files: model, parser, diagnostics |
 //! | [`simulate`] | `devicenet simulate` |
@@ -18,11 +19,14 @@
 
 pub mod args;
 pub mod decode;
+pub mod eds;
+mod excerpt;
 pub mod exit;
 pub mod output;
 pub mod recording;
 pub mod scenario;
 pub mod simulate;
+mod table;
 mod text;
 pub mod trace;
 
@@ -36,6 +40,7 @@ use exit::{Exit, Failure};
 pub fn run(cli: &Cli) -> Result<Exit, Failure> {
     match &cli.command {
         Command::Decode(args) => decode::run(args, cli.json),
+        Command::Eds(args) => eds::run(args, cli.json),
         Command::Simulate(args) => simulate::run(args, cli.json),
     }
 }

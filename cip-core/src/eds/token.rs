@@ -128,21 +128,33 @@ impl Lexer<'_, '_> {
     }
 
     /// The rest of a string, up to its closing quote. Without one, the string ends where its author probably meant it
-    /// to: before a `,` or `;` that ends the line, else with the line.
+    /// to: before a `,` or `;` that ends the line, else with the line. A quote that a letter or digit follows opens the
+    /// next string: then the one before ends at its first `,` or `;`.
     fn string(&mut self, start: usize) {
         let mut look = self.rest.clone();
         let mut is_escaped = false;
         let mut after_escaped_quote = None;
+        let mut separator = None;
+        let mut here = look.clone();
         while let Some(located) = look.next().filter(|located| !is_line_end(located.character)) {
             match located.character {
                 '"' if !is_escaped => {
-                    self.rest = look;
+                    let is_next_one = look.peek().is_some_and(char::is_alphanumeric);
+                    match separator.filter(|_| is_next_one) {
+                        Some(end) => {
+                            self.rest = end;
+                            self.report_unterminated(start);
+                        }
+                        None => self.rest = look,
+                    }
                     return;
                 }
                 '"' => after_escaped_quote = Some(look.clone()),
+                ',' | ';' if separator.is_none() => separator = Some(here),
                 _ => {}
             }
             is_escaped = located.character == '\\' && !is_escaped;
+            here = look.clone();
         }
         if let Some(end) = after_escaped_quote {
             self.rest = end;
@@ -177,6 +189,10 @@ impl Lexer<'_, '_> {
                 break;
             }
         }
+        self.report_unterminated(start);
+    }
+
+    fn report_unterminated(&mut self, start: usize) {
         let span = Span { start, end: self.rest.at() };
         self.findings.add(
             Code::UnterminatedString,
@@ -250,6 +266,14 @@ mod tests {
         assert_eq!(words("\"abc\n\"d\""), [(String, "\"abc"), (String, "\"d\"")]);
         assert_eq!(words("\"C:\\\";\n"), [(String, "\"C:\\\""), (Semicolon, ";")]);
         assert_eq!(words("\"C:\\\\\";\n"), [(String, "\"C:\\\\\""), (Semicolon, ";")]);
+    }
+
+    #[test]
+    fn a_quote_before_a_letter_opens_the_next_string() {
+        use TokenKind::{Comma, String, Word};
+        let expected = [(String, "\"Inputs"), (Comma, ","), (Word, "6"), (Comma, ","), (String, "\"20 04\"")];
+        assert_eq!(words("\"Inputs, 6, \"20 04\""), expected);
+        assert_eq!(words("\"a, b\" \"c\"x"), [(String, "\"a, b\""), (String, "\"c\""), (Word, "x")]);
     }
 
     #[test]

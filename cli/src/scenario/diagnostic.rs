@@ -3,6 +3,8 @@
 use core::fmt;
 use core::ops::Range;
 
+use crate::excerpt::Excerpt;
+
 /// A defect of a scenario: file, line and column, what was found and what was expected.
 ///
 /// Its `Display` shows the place, the words, and the offending line:
@@ -66,15 +68,9 @@ impl fmt::Display for ScenarioError {
         if self.line == 0 {
             return write!(f, "{}: {}", self.file, self.message);
         }
-        let number = self.line.to_string();
-        let margin = " ".repeat(number.len());
         writeln!(f, "{}:{}:{}: {}", self.file, self.line, self.column, self.message)?;
-        writeln!(f, "{margin} |")?;
-        writeln!(f, "{number} | {}", self.excerpt)?;
-        // Tabs stay tabs, so that the mark is below what it means.
-        let before = self.excerpt.chars().take(self.column - 1);
-        let indent: String = before.map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
-        write!(f, "{margin} | {indent}{}", "^".repeat(self.width))
+        let Self { line, column, width, .. } = *self;
+        Excerpt { line, text: &self.excerpt, column, width }.fmt(f)
     }
 }
 

@@ -4,7 +4,6 @@ mod connection;
 mod histogram;
 mod json;
 mod problems;
-mod table;
 mod text;
 
 use core::time::Duration;

@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use super::table::{Cell, Table};
 use crate::decode::decoder::Meaning;
 use crate::recording::RecordedFrame;
+use crate::table::{Cell, Table};
 use crate::text::push_seconds;
 
 /// One entry for each kind of problem, of which there is a fixed number.

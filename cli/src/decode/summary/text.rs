@@ -5,8 +5,8 @@ use core::time::Duration;
 use devicenet_core::monitor::NodeRecord;
 
 use super::histogram;
-use super::table::{Cell, Table};
 use super::{Bus, Connection, Count, Node, Summary};
+use crate::table::{Cell, Table};
 use crate::text::{count, printable};
 
 impl Summary {

@@ -4,34 +4,34 @@ use core::fmt;
 
 /// One cell, at the left or the right of its column.
 #[derive(Clone, Debug)]
-pub(super) struct Cell {
+pub(crate) struct Cell {
     text: String,
     is_left: bool,
 }
 
 impl Cell {
-    pub(super) fn left(text: impl Into<String>) -> Self {
+    pub(crate) fn left(text: impl Into<String>) -> Self {
         Self { text: text.into(), is_left: true }
     }
 
-    pub(super) fn right(text: impl Into<String>) -> Self {
+    pub(crate) fn right(text: impl Into<String>) -> Self {
         Self { text: text.into(), is_left: false }
     }
 }
 
 /// Rows under a heading. Columns are as wide as they must be and two blanks apart.
 #[derive(Clone, Debug)]
-pub(super) struct Table {
+pub(crate) struct Table {
     heading: Vec<String>,
     rows: Vec<Vec<Cell>>,
 }
 
 impl Table {
-    pub(super) fn new(heading: &[&str]) -> Self {
+    pub(crate) fn new(heading: &[&str]) -> Self {
         Self { heading: heading.iter().map(|&name| name.to_owned()).collect(), rows: Vec::new() }
     }
 
-    pub(super) fn row(&mut self, cells: Vec<Cell>) {
+    pub(crate) fn row(&mut self, cells: Vec<Cell>) {
         self.rows.push(cells);
     }
 }
