@@ -73,6 +73,7 @@ Examples:
   devicenet decode --summary --bit-rate 500k recording.log
   devicenet decode --json recording.log | jq -r 'select(.problem) | [.n, .text] | @tsv'
   devicenet decode --mac 10 --record only-10.pcapng recording.log
+  devicenet decode --eds valve.eds --eds 10=drive.eds recording.log
   devicenet decode --record - recording.asc > recording.log
   candump -L can0 | devicenet decode -"
 )]
@@ -106,6 +107,10 @@ pub struct DecodeArgs {
     /// The bit rate of the bus, from which the summary computes the bus load
     #[arg(long, value_name = "RATE", default_value = "125k", value_parser = parse_bit_rate)]
     pub bit_rate: u32,
+    /// Name parameters and pieces of I/O data by this Electronic Data Sheet, for every node whose vendor, device type and
+    /// product code are seen to be those of the file; with MAC= for that node, whatever it is; may be given more than once
+    #[arg(long, value_name = "[MAC=]FILE", value_parser = parse_eds_file)]
+    pub eds: Vec<EdsFile>,
     /// Stop at the first line that cannot be read, instead of warning and going on
     #[arg(long)]
     pub strict: bool,
@@ -120,6 +125,15 @@ impl DecodeArgs {
     pub(crate) fn is_record_on_stdout(&self) -> bool {
         self.record.as_deref().is_some_and(|path| path.as_os_str() == "-")
     }
+}
+
+/// An Electronic Data Sheet for `decode`.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct EdsFile {
+    /// The node that it is for; without, the file finds its nodes by their identity.
+    pub mac: Option<u8>,
+    /// The file.
+    pub path: PathBuf,
 }
 
 /// The protocols that `decode` knows.
@@ -159,6 +173,15 @@ fn parse_mac_id(text: &str) -> Result<u8, String> {
     number.ok().filter(|mac| *mac <= 63).ok_or_else(|| "a MAC ID is 0 to 63".to_owned())
 }
 
+/// `valve.eds`, `10=valve.eds`.
+fn parse_eds_file(text: &str) -> Result<EdsFile, String> {
+    let is_number = |mac: &str| mac.chars().all(|character| character.is_ascii_alphanumeric());
+    match text.split_once('=').filter(|(mac, _)| is_number(mac)) {
+        Some((mac, path)) => Ok(EdsFile { mac: Some(parse_mac_id(mac)?), path: path.into() }),
+        None => Ok(EdsFile { mac: None, path: text.into() }),
+    }
+}
+
 /// `125k`, `125000`, `125_000`, `1M`.
 fn parse_bit_rate(text: &str) -> Result<u32, String> {
     let plain = text.replace('_', "");
@@ -190,6 +213,15 @@ mod tests {
         for text in ["", "0x", "64", "0x40", "-1", "abc", "1.5"] {
             assert_eq!(parse_mac_id(text), Err("a MAC ID is 0 to 63".to_owned()), "{text}");
         }
+    }
+
+    #[test]
+    fn eds_files_with_and_without_a_node() {
+        let file = |mac, path: &str| Ok(EdsFile { mac, path: path.into() });
+        assert_eq!(parse_eds_file("valve.eds"), file(None, "valve.eds"));
+        assert_eq!(parse_eds_file("0x0A=a=b.eds"), file(Some(10), "a=b.eds"));
+        assert_eq!(parse_eds_file("./10=valve.eds"), file(None, "./10=valve.eds"));
+        assert!(parse_eds_file("64=valve.eds").is_err());
     }
 
     #[test]

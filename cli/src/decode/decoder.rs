@@ -10,6 +10,7 @@ use link_core::Instant;
 use super::clock::Clock;
 use super::json;
 use super::outside::Outside;
+use super::sheets::{Note, Sheets};
 use super::summary::Summary;
 use crate::args::DecodeArgs;
 use crate::recording::{Channels, Content, RecordedFrame};
@@ -22,6 +23,7 @@ pub struct Decoder {
     filter: Filter,
     /// One for each channel: every channel is a bus of its own.
     monitors: Vec<Box<Monitor>>,
+    sheets: Sheets,
     view: View,
     node: Vec<u8>,
 }
@@ -74,7 +76,14 @@ impl Decoder {
             (false, true) => View::Json,
             (false, false) => View::Text { trace: Trace::new(coloured), clock: Clock::new(args.time) },
         };
-        Self { filter: Filter::new(args), monitors: Vec::new(), view, node: Vec::new() }
+        let (filter, sheets) = (Filter::new(args), Sheets::default());
+        Self { filter, monitors: Vec::new(), sheets, view, node: Vec::new() }
+    }
+
+    /// The same, with names from Electronic Data Sheets.
+    #[must_use]
+    pub fn with_sheets(self, sheets: Sheets) -> Self {
+        Self { sheets, ..self }
     }
 
     /// Decodes a frame, and appends its line to `out` unless there is to be a summary.
@@ -82,35 +91,44 @@ impl Decoder {
     pub fn frame(&mut self, out: &mut Vec<u8>, frame: &RecordedFrame, channels: &Channels) -> Verdict {
         let bus = frame.channel.map_or(0, |channel| channel.index());
         let meaning = match &frame.content {
-            Content::Classic(classic) => {
-                Meaning::Read(monitor(&mut self.monitors, bus).observe(frame.at, frame.n, classic))
-            }
+            Content::Classic(classic) => Meaning::Read(
+                monitor(&mut self.monitors, bus, &self.sheets).observe(frame.at, frame.n, classic),
+            ),
             Content::Error(error) => Meaning::Outside(Outside::Error(*error)),
             Content::Fd(_) => Meaning::Outside(Outside::Fd),
         };
+        let identified = meaning.reading().and_then(|reading| self.sheets.identified(reading));
+        let note = meaning.reading().and_then(|reading| self.sheets.observe(bus, reading));
         if let View::Text { clock, .. } = &mut self.view {
             clock.see(frame.at);
         }
-        if !self.filter.is_within(frame.at) {
-            return Verdict::Hidden;
-        }
-        if let View::Summary { summary, .. } = &mut self.view {
+        let is_within = self.filter.is_within(frame.at);
+        if let View::Summary { summary, .. } = &mut self.view
+            && is_within
+        {
             summary.see_time(bus, frame);
         }
-        if !self.filter.accepts(&meaning) {
-            return Verdict::Hidden;
-        }
-        let verdict = if meaning.has_problem() { Verdict::Problem } else { Verdict::Fine };
-        let name = frame.channel.map(|channel| channels.name(channel));
-        match &mut self.view {
-            View::Text { trace, clock } => {
-                write_node(&mut self.node, &meaning, name.filter(|_| bus > 0));
-                let emphasis = if meaning.has_problem() { Emphasis::Problem } else { Emphasis::Normal };
-                trace.entry(out, clock.show(frame.at), &self.node, &frame.content, emphasis, meaning);
+        let verdict = match (is_within && self.filter.accepts(&meaning), meaning.has_problem()) {
+            (false, _) => Verdict::Hidden,
+            (true, false) => Verdict::Fine,
+            (true, true) => Verdict::Problem,
+        };
+        if verdict != Verdict::Hidden {
+            let name = frame.channel.map(|channel| channels.name(channel));
+            match &mut self.view {
+                View::Text { trace, clock } => {
+                    write_node(&mut self.node, &meaning, name.filter(|_| bus > 0));
+                    let emphasis = if meaning.has_problem() { Emphasis::Problem } else { Emphasis::Normal };
+                    let words = Noted(&meaning, note);
+                    trace.entry(out, clock.show(frame.at), &self.node, &frame.content, emphasis, words);
+                }
+                View::Json => json::object(out, frame, name, &meaning, note.as_ref()),
+                View::Summary { summary, .. } => summary.observe(bus, frame, &meaning),
+                View::Silent => {}
             }
-            View::Json => json::object(out, frame, name, &meaning),
-            View::Summary { summary, .. } => summary.observe(bus, frame, &meaning),
-            View::Silent => {}
+        }
+        if let Some(record) = identified.and_then(|mac| self.monitors.get(bus)?.node(mac)) {
+            self.sheets.identify(bus, &record);
         }
         verdict
     }
@@ -126,15 +144,22 @@ impl Decoder {
         out.extend_from_slice(text.as_bytes());
     }
 
+    /// Says which Electronic Data Sheets were for nothing.
+    pub fn note_unused_sheets(&self) {
+        self.sheets.finish();
+    }
+
     /// Writes nothing from now on, and says the same of every frame.
     pub fn silence(&mut self) {
         self.view = View::Silent;
     }
 }
 
-fn monitor(monitors: &mut Vec<Box<Monitor>>, bus: usize) -> &mut Monitor {
+fn monitor<'a>(monitors: &'a mut Vec<Box<Monitor>>, bus: usize, sheets: &Sheets) -> &'a mut Monitor {
     while monitors.len() <= bus {
-        monitors.push(Box::new(Monitor::new(MonitorConfig::default())));
+        let mut monitor = Box::new(Monitor::new(MonitorConfig::default()));
+        sheets.prepare(&mut monitor);
+        monitors.push(monitor);
     }
     &mut monitors[bus]
 }
@@ -157,6 +182,13 @@ impl Meaning<'_> {
     pub(super) fn source(&self) -> Option<u8> {
         match self {
             Self::Read(reading) => reading.src.map(u8::from),
+            Self::Outside(_) => None,
+        }
+    }
+
+    fn reading(&self) -> Option<&Reading<'_>> {
+        match self {
+            Self::Read(reading) => Some(reading),
             Self::Outside(_) => None,
         }
     }
@@ -190,6 +222,16 @@ impl fmt::Display for Meaning<'_> {
             Self::Read(reading) => reading.fmt(f),
             Self::Outside(outside) => outside.fmt(f),
         }
+    }
+}
+
+/// The words of a frame, and what its values are.
+struct Noted<'a>(&'a Meaning<'a>, Option<Note<'a>>);
+
+impl fmt::Display for Noted<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)?;
+        self.1.as_ref().map_or(Ok(()), |note| note.fmt(f))
     }
 }
 

@@ -5,12 +5,20 @@ use core::fmt::{self, Display, Write as _};
 use link_core::Id;
 
 use super::decoder::Meaning;
+use super::sheets::Note;
 use crate::recording::{Content, RecordedFrame};
 use crate::text::{LOWER, push_hex, push_number, push_seconds};
 
 /// Writes an object with the fields that every frame has, `t`, `n`, `id`, `ext`, `rtr`, `dlc`, `data`, then `channel`
-/// where the recording names one, then those that tell its meaning.
-pub(super) fn object(out: &mut Vec<u8>, frame: &RecordedFrame, channel: Option<&str>, meaning: &Meaning<'_>) {
+/// where the recording names one, then those that tell its meaning, and `eds` with what its values are called in an
+/// Electronic Data Sheet.
+pub(super) fn object(
+    out: &mut Vec<u8>,
+    frame: &RecordedFrame,
+    channel: Option<&str>,
+    meaning: &Meaning<'_>,
+    note: Option<&Note<'_>>,
+) {
     begin(out, frame, channel);
     match meaning {
         Meaning::Read(reading) => {
@@ -19,6 +27,13 @@ pub(super) fn object(out: &mut Vec<u8>, frame: &RecordedFrame, channel: Option<&
             // Numbers, names and words: nothing in it can fail, nor can the vector.
             let _ = serde_json::to_writer(&mut *out, reading);
             out[joint] = b',';
+            if let Some(note) = note {
+                out.pop();
+                let object = serde_json::json!({ "file": note.file, "values": note.values, "text": note.to_string().trim_start() });
+                out.extend_from_slice(b",\"eds\":");
+                let _ = serde_json::to_writer(&mut *out, &object);
+                out.push(b'}');
+            }
             out.push(b'\n');
         }
         Meaning::Outside(words) => {

@@ -6,9 +6,11 @@ mod decoder;
 mod json;
 mod outside;
 mod progress;
+mod sheets;
 mod summary;
 
 pub use decoder::{Decoder, Verdict};
+pub use sheets::Sheets;
 
 use std::cell::RefCell;
 use std::io;
@@ -30,6 +32,7 @@ use progress::Progress;
 /// failure is shown, summed up and recorded.
 pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
     check(args, json)?;
+    let sheets = Sheets::read(&args.eds)?;
     let file = shown(&args.file, "<stdin>");
     let output = Rc::new(RefCell::new(Output::new()));
     let recording = match is_standard(&args.file) {
@@ -39,7 +42,7 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
     let mut recording = recording.map_err(|error| unreadable(&file, error))?;
     let copy = args.record.as_deref().map(|path| Copy::create(path, &args.file)).transpose()?;
     let mut session = Session {
-        decoder: Decoder::new(args, json, output.borrow().is_coloured()),
+        decoder: Decoder::new(args, json, output.borrow().is_coloured()).with_sheets(sheets),
         progress: Progress::new(args, &output.borrow()),
         output: Rc::clone(&output),
         copy,
@@ -181,6 +184,7 @@ impl Session {
         let written = output.flush();
         drop(output);
         self.progress.finish();
+        self.decoder.note_unused_sheets();
         let written = self.written(written);
         let copied = self.copy.take().map_or(Ok(()), Copy::finish);
         written.and(copied)

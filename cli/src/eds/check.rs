@@ -1,10 +1,9 @@
 //! `devicenet eds check`.
 
-use std::io::Write as _;
-use std::path::Path;
+use std::io::{self, Write};
 
 use anstyle::{AnsiColor, Style};
-use cip_core::eds::{Diagnostic, Eds, Severity, Span};
+use cip_core::eds::{Code, Diagnostic, Eds, Severity, Span};
 use serde_json::json;
 
 use super::{CheckArgs, read, shown};
@@ -27,29 +26,39 @@ pub(super) fn run(args: &CheckArgs, json: bool) -> Result<Exit, Failure> {
                 continue;
             }
         };
-        let report = Report { path, eds: &eds, args };
+        let report = Report::new(shown(path), &eds, &args.allow);
         if report.findings().any(|found| found.severity() > Severity::Note) && exit == Exit::Done {
             exit = Exit::Findings;
         }
         match json {
-            true => report.json(&mut output)?,
-            false => report.text(&mut output)?,
+            true => report.json(&mut output.buffer)?,
+            false => {
+                let is_coloured = output.is_coloured();
+                report.text(&mut output.buffer, is_coloured)?;
+            }
         }
+        output.line_done()?;
     }
     output.flush()?;
     Ok(exit)
 }
 
 /// What is to be said of a file.
-struct Report<'a> {
-    path: &'a Path,
+pub struct Report<'a> {
+    file: String,
     eds: &'a Eds,
-    args: &'a CheckArgs,
+    allowed: &'a [Code],
 }
 
-impl Report<'_> {
+impl<'a> Report<'a> {
+    /// Of a file with this name, without the findings that are allowed.
+    #[must_use]
+    pub fn new(file: impl Into<String>, eds: &'a Eds, allowed: &'a [Code]) -> Self {
+        Self { file: file.into(), eds, allowed }
+    }
+
     fn findings(&self) -> impl Iterator<Item = &Diagnostic> {
-        self.eds.diagnostics().iter().filter(|found| !self.args.allow.contains(&found.code))
+        self.eds.diagnostics().iter().filter(|found| !self.allowed.contains(&found.code))
     }
 
     fn counts(&self) -> [u64; 3] {
@@ -57,30 +66,32 @@ impl Report<'_> {
         [of(Severity::Error), of(Severity::Warning), of(Severity::Note)]
     }
 
-    fn text(&self, output: &mut Output) -> Result<(), Failure> {
-        let file = shown(self.path);
-        let is_coloured = output.is_coloured();
+    /// Each finding with its line, then how many there are.
+    ///
+    /// # Errors
+    /// When `out` fails.
+    pub fn text(&self, out: &mut impl Write, is_coloured: bool) -> io::Result<()> {
+        let file = &self.file;
         for found in self.findings() {
             let style = if is_coloured { style(found.severity()) } else { Style::new() };
             let bold = if is_coloured { Style::new().bold() } else { Style::new() };
             let Diagnostic { place, message, code, .. } = found;
             writeln!(
-                output.buffer,
+                out,
                 "{bold}{file}:{}:{}:{bold:#} {style}{}[{code}]{style:#}: {message}\n{}",
                 place.line,
                 place.column,
                 found.severity(),
                 self.excerpt(found, style)
             )?;
-            output.line_done()?;
         }
         let [errors, warnings, notes] = self.counts();
         let counted = [(errors, "error"), (warnings, "warning"), (notes, "note")];
         let counted: Vec<String> =
             counted.iter().filter(|(n, _)| *n > 0).map(|(n, what)| count(*n, what)).collect();
         let summary = if counted.is_empty() { "nothing is wrong".to_owned() } else { counted.join(", ") };
-        writeln!(output.buffer, "{file}: {summary}{}", self.left_out())?;
-        Ok(output.line_done()?)
+        writeln!(out, "{file}: {summary}{}", self.left_out())?;
+        Ok(())
     }
 
     /// The line and the marks; nothing of a line that is too long to look at.
@@ -113,8 +124,8 @@ impl Report<'_> {
         }
     }
 
-    fn json(&self, output: &mut Output) -> Result<(), Failure> {
-        let file = shown(self.path);
+    fn json(&self, out: &mut impl Write) -> io::Result<()> {
+        let file = &self.file;
         for found in self.findings() {
             let object = json!({
                 "kind": "finding",
@@ -126,8 +137,7 @@ impl Report<'_> {
                 "message": found.message,
                 "text": format!("{file}:{found}"),
             });
-            writeln!(output.buffer, "{object}")?;
-            output.line_done()?;
+            writeln!(out, "{object}")?;
         }
         let [errors, warnings, notes] = self.counts();
         let object = json!({
@@ -138,8 +148,8 @@ impl Report<'_> {
             "notes": notes,
             "left_out": self.eds.diagnostics_left_out(),
         });
-        writeln!(output.buffer, "{object}")?;
-        Ok(output.line_done()?)
+        writeln!(out, "{object}")?;
+        Ok(())
     }
 }
 

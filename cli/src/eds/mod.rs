@@ -3,6 +3,9 @@
 mod check;
 mod show;
 
+pub use check::Report;
+pub use show::text;
+
 use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! `devicenet eds show`.
 
 use core::fmt::Display;
-use std::io::Write as _;
+use std::io::{self, Write};
 
 use cip_core::eds::{Assembly, Eds, GroupMember, IoData, IoInfo, Param, Reference, Severity, Stamp};
 use cip_core::epath::Epath;
@@ -74,7 +74,11 @@ fn assembly_object(eds: &Eds, assembly: &Assembly) -> Value {
     object
 }
 
-fn text(eds: &Eds, out: &mut Vec<u8>) -> Result<(), Failure> {
+/// Everything that a file says, in tables.
+///
+/// # Errors
+/// When `out` fails.
+pub fn text(eds: &Eds, out: &mut impl Write) -> io::Result<()> {
     device(eds, out)?;
     if let Some(io) = eds.io_info() {
         connections(io, out)?;
@@ -89,7 +93,7 @@ fn text(eds: &Eds, out: &mut Vec<u8>) -> Result<(), Failure> {
     Ok(())
 }
 
-fn device(eds: &Eds, out: &mut Vec<u8>) -> Result<(), Failure> {
+fn device(eds: &Eds, out: &mut impl Write) -> io::Result<()> {
     let (device, file) = (eds.device(), eds.file());
     let name = device.product_name.as_deref().unwrap_or("a device without a name");
     let catalog = device.catalog.as_deref().map(|catalog| format!(" ({catalog})"));
@@ -113,7 +117,7 @@ fn device(eds: &Eds, out: &mut Vec<u8>) -> Result<(), Failure> {
     Ok(())
 }
 
-fn connections(io: &IoInfo, out: &mut Vec<u8>) -> Result<(), Failure> {
+fn connections(io: &IoInfo, out: &mut impl Write) -> io::Result<()> {
     let mut table = Table::new(&["connection", "produces", "consumes", "together with", ""]);
     for connection in &io.connections {
         let carried = |number: Option<u16>, what: &str, find: &dyn Fn(u16) -> Option<u16>| match number {
@@ -136,7 +140,7 @@ fn connections(io: &IoInfo, out: &mut Vec<u8>) -> Result<(), Failure> {
     section("I/O connections", &table, io.connections.is_empty(), out)
 }
 
-fn data(title: &str, list: &[IoData], out: &mut Vec<u8>) -> Result<(), Failure> {
+fn data(title: &str, list: &[IoData], out: &mut impl Write) -> io::Result<()> {
     let mut table = Table::new(&["no", "bytes", "name", "path", "connections"]);
     for data in list {
         let types: Vec<&str> =
@@ -152,7 +156,7 @@ fn data(title: &str, list: &[IoData], out: &mut Vec<u8>) -> Result<(), Failure> 
     section(title, &table, list.is_empty(), out)
 }
 
-fn params(params: &[Param], out: &mut Vec<u8>) -> Result<(), Failure> {
+fn params(params: &[Param], out: &mut impl Write) -> io::Result<()> {
     let mut table = Table::new(&["no", "name", "type", "access", "range", "default", "path"]);
     for param in params {
         let text = |constant: &Option<_>| constant.as_ref().map(|constant| param.text_of_constant(constant));
@@ -174,7 +178,7 @@ fn params(params: &[Param], out: &mut Vec<u8>) -> Result<(), Failure> {
     section("Parameters", &table, params.is_empty(), out)
 }
 
-fn groups(eds: &Eds, out: &mut Vec<u8>) -> Result<(), Failure> {
+fn groups(eds: &Eds, out: &mut impl Write) -> io::Result<()> {
     let mut table = Table::new(&["no", "name", "parameters"]);
     for group in eds.groups() {
         let name = |member: &GroupMember| match member {
@@ -193,7 +197,7 @@ fn groups(eds: &Eds, out: &mut Vec<u8>) -> Result<(), Failure> {
     section("Groups", &table, eds.groups().is_empty(), out)
 }
 
-fn layout(eds: &Eds, assembly: &Assembly, out: &mut Vec<u8>) -> Result<(), Failure> {
+fn layout(eds: &Eds, assembly: &Assembly, out: &mut impl Write) -> io::Result<()> {
     let size = assembly.size.map_or("size not given".to_owned(), |size| count(u64::from(size), "byte"));
     let title = format!("Assembly {} {} ({size}; {})", assembly.number, assembly.name, path(&assembly.path));
     let mut table = Table::new(&["first bit", "bits", "member"]);
@@ -225,7 +229,7 @@ fn members(assembly: &Assembly) -> String {
     assembly.members.iter().map(|member| name(&member.reference)).collect::<Vec<_>>().join(", ")
 }
 
-fn section(title: &str, table: &Table, is_empty: bool, out: &mut Vec<u8>) -> Result<(), Failure> {
+fn section(title: &str, table: &Table, is_empty: bool, out: &mut impl Write) -> io::Result<()> {
     if is_empty {
         return Ok(());
     }

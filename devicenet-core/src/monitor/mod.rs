@@ -207,6 +207,13 @@ impl<const N: usize, const B: usize> SizedMonitor<N, B> {
         self.state.nodes().filter_map(|(mac, node)| NodeRecord::of(mac, node, self.state.now))
     }
 
+    /// What is known of a node, if it was heard or addressed.
+    #[must_use]
+    pub fn node(&self, mac: MacId) -> Option<NodeRecord> {
+        let (_, node) = self.state.nodes().find(|&(other, _)| other == mac)?;
+        NodeRecord::of(mac, node, self.state.now)
+    }
+
     /// What is known of every connection: those of the predefined set by slave, then those opened by UCMM.
     pub fn connections(&self) -> impl Iterator<Item = ConnectionRecord> {
         let predefined = self.state.nodes().flat_map(|(mac, node)| {
