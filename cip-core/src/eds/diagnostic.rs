@@ -115,6 +115,8 @@ codes! {
     UnterminatedString = "unterminated_string", Error;
     /// A string whose last quote is escaped.
     EscapedQuote = "escaped_quote", Warning;
+    /// A string stands between typographic quotes.
+    TypographicQuotes = "typographic_quotes", Error;
     /// `[` without `]`.
     UnterminatedSection = "unterminated_section", Error;
     /// An entry goes on into the next one, the next section, or the end of the file.
@@ -139,6 +141,8 @@ codes! {
     EmptySection = "empty_section", Note;
     /// Nothing is known of the section.
     UnknownSection = "unknown_section", Note;
+    /// Nothing is known of the section, and it is named nearly as one of which much is.
+    MisspeltSection = "misspelt_section", Warning;
     /// An entry is there twice.
     DuplicateKeyword = "duplicate_keyword", Error;
     /// An entry that its section needs is missing.

@@ -1,5 +1,6 @@
 //! The fields of an entry, read one after the other.
 
+use core::fmt;
 use std::string::String;
 use std::vec::Vec;
 
@@ -101,9 +102,7 @@ impl<'a, 'f> FieldReader<'a, 'f> {
         if let Content::Text(text) = &field.content {
             return Some(text.clone());
         }
-        let hint =
-            if field.as_str().contains(['“', '”']) { " (these quotes are typographic)" } else { "" };
-        let message = format_args!("{what} is {field}; put it into quotes `\"`{hint}");
+        let message = format_args!("{what} is {field}; put it into quotes `\"`");
         self.findings.add(Code::NotAString, field.span, message);
         Some(field.as_str().into())
     }
@@ -170,8 +169,8 @@ impl<'a, 'f> FieldReader<'a, 'f> {
         let Some(path) = self.path() else { return Vec::new() };
         let size = size.unwrap_or(0);
         if usize::from(size) != path.len() {
-            let found = path.len();
-            let message = format_args!("the path has {found} bytes and its size is {size}; write {found}");
+            let found = Count(path.len(), "byte");
+            let message = format_args!("the path has {found}, and its size is {size}; write {}", path.len());
             self.findings.add(Code::PathSize, size_span, message);
         }
         path
@@ -199,9 +198,9 @@ impl<'a, 'f> FieldReader<'a, 'f> {
     pub(super) fn finish(self) {
         let rest = self.entry.fields.get(self.next..).unwrap_or_default();
         if let Some(first) = rest.iter().find(|field| !field.is_empty()) {
-            let (keyword, known) = (&self.entry.keyword, self.next);
+            let (keyword, known) = (&self.entry.keyword, Count(self.next, "field"));
             let message =
-                format_args!("`{keyword}` has {known} fields; remove what follows, or a `,` too many before");
+                format_args!("`{keyword}` has {known}; remove what follows, or a `,` too many before");
             self.findings.add(Code::TooManyFields, first.span, message);
         }
     }
@@ -211,8 +210,14 @@ impl<'a, 'f> FieldReader<'a, 'f> {
         let span = self.entry.field_span(self.next);
         let field = self.field().filter(|field| !field.is_empty());
         if field.is_none() && need == Need::Required {
-            let message = format_args!("{what} is missing in `{}`; add it", self.entry.keyword);
-            self.findings.add(Code::MissingField, span, message);
+            let keyword = &self.entry.keyword;
+            let is_whole = what.trim_matches('`') == keyword;
+            let of_entry = if is_whole { String::new() } else { std::format!(" in `{keyword}`") };
+            self.findings.add(
+                Code::MissingField,
+                span,
+                format_args!("{what} is missing{of_entry}; write it here"),
+            );
         }
         field
     }
@@ -239,4 +244,14 @@ numbers! {
     u32: 0, 0xFFFF_FFFF;
     i32: -0x8000_0000, 0x7FFF_FFFF;
     i64: -0x8000_0000_0000_0000, 0x7FFF_FFFF_FFFF_FFFF;
+}
+
+/// A number of things: `1 byte`, `2 bytes`.
+pub(super) struct Count<N>(pub(super) N, pub(super) &'static str);
+
+impl<N: fmt::Display + PartialEq + From<u8>> fmt::Display for Count<N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plural = if self.0 == N::from(1) { "" } else { "s" };
+        write!(f, "{} {}{plural}", self.0, self.1)
+    }
 }

@@ -159,8 +159,8 @@ impl<'a, 'f> Parser<'a, 'f> {
     /// The characters of a string without its quotes.
     fn string(&self, span: Span) -> String {
         let text = self.text(span);
-        let inner = text.strip_prefix('"').unwrap_or(&text);
-        inner.strip_suffix('"').unwrap_or(inner.trim_end()).into()
+        let inner = text.strip_prefix(['"', '“', '”', '„']).unwrap_or(&text);
+        inner.strip_suffix(['"', '“', '”']).unwrap_or(inner.trim_end()).into()
     }
 
     /// Whether a section or an entry begins here, or the file ends.

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use std::string::ToString;
 
 /// A file without a flaw, of a device that does not exist.
-pub(super) const DEMO: &str = include_str!("demo.eds");
+pub(super) const DEMO: &str = include_str!("../../../tests/eds/block.eds");
 
 /// What is found in the file after one change.
 #[track_caller]
@@ -60,16 +60,17 @@ fn what_it_says() {
 
 #[test]
 fn structure() {
-    finds_all("[File]", "[Fille]", &[Code::MissingSection, Code::UnknownSection]);
+    finds_all("[File]", "[Fille]", &[Code::MissingSection, Code::MisspeltSection]);
     finds_all("[Device]", "[Device]\n[device]", &[Code::EmptySection, Code::DuplicateSection]);
-    finds_all("[ParamClass]", "[Parms]", &[Code::UnknownSection]);
+    finds_all("[ParamClass]", "[Parms]", &[Code::MisspeltSection]);
+    finds_all("[ParamClass]", "[Other]", &[Code::UnknownSection]);
     finds_all("[ParamClass]", "[4660_Parms]", &[]);
     finds_all("[ParamClass]", "[Connection Manager]", &[]);
     finds_all("$ A demonstration", "[1_X] A = 1; $", &[Code::SectionOrder]);
     finds(
         "[Groups]",
         "[Groupes]",
-        "42:1: note: nothing is known of section [Groupes]; is it [Groups]? [unknown_section]",
+        "42:1: warning: nothing is known of section [Groupes]; is it [Groups]? [misspelt_section]",
     );
     finds(
         "VendName",
@@ -130,7 +131,7 @@ fn fields() {
     finds(
         "ProdCode = 42;",
         "ProdCode = ;",
-        "10:16: error: `ProdCode` is missing in `ProdCode`; add it [missing_field]",
+        "10:16: error: `ProdCode` is missing; write it here [missing_field]",
     );
     finds(
         "ProdCode = 42;",
@@ -140,7 +141,7 @@ fn fields() {
     finds(
         "ProdCode = 42;",
         "ProdCode = 42, 43;",
-        "10:20: warning: `ProdCode` has 1 fields; remove what follows, or a `,` too many before [too_many_fields]",
+        "10:20: warning: `ProdCode` has 1 field; remove what follows, or a `,` too many before [too_many_fields]",
     );
     finds("\"EX88\"", "EX88", "11:41: error: `Catalog` is `EX88`; put it into quotes `\"` [not_a_string]");
     finds(
@@ -172,7 +173,7 @@ fn fields() {
     finds(
         "6, \"20 0F 24 01 30 01\"",
         "5, \"20 0F 24 01 30 01\"",
-        "27:17: error: the path has 6 bytes and its size is 5; write 6 [path_size]",
+        "27:17: error: the path has 6 bytes, and its size is 5; write 6 [path_size]",
     );
     finds_all("\"20 0F 24 01 30 01\"", "\"20 0F 24 01 FF 01\"", &[Code::PathSegments]);
 }

@@ -93,6 +93,7 @@ impl Lexer<'_, '_> {
                 self.string(start);
                 TokenKind::String
             }
+            '“' | '”' | '„' if self.typographic_string(start) => TokenKind::String,
             // Inside of an entry a bracket is part of a word, unless the line begins with it: then a `;` is missing.
             '[' if self.is_line_start || !self.is_entry_open => {
                 self.section(start);
@@ -169,6 +170,25 @@ impl Lexer<'_, '_> {
             return;
         }
         self.unterminated_string(start);
+    }
+
+    /// The rest of a string between quotes that are no quotes to a tool. False, and nothing is taken, if none closes it.
+    fn typographic_string(&mut self, start: usize) -> bool {
+        let mut look = self.rest.clone();
+        while let Some(located) = look.next().filter(|located| !is_line_end(located.character)) {
+            match located.character {
+                '”' | '“' => {
+                    self.rest = look;
+                    let span = Span { start, end: self.rest.at() };
+                    let message = format_args!("these quotes are typographic; write `\"` before and behind");
+                    self.findings.add(Code::TypographicQuotes, span, message);
+                    return true;
+                }
+                '"' => return false,
+                _ => {}
+            }
+        }
+        false
     }
 
     fn unterminated_string(&mut self, start: usize) {
@@ -274,6 +294,16 @@ mod tests {
         let expected = [(String, "\"Inputs"), (Comma, ","), (Word, "6"), (Comma, ","), (String, "\"20 04\"")];
         assert_eq!(words("\"Inputs, 6, \"20 04\""), expected);
         assert_eq!(words("\"a, b\" \"c\"x"), [(String, "\"a, b\""), (String, "\"c\""), (Word, "x")]);
+    }
+
+    #[test]
+    fn typographic_quotes_are_quotes_all_the_same() {
+        use TokenKind::{Comma, Semicolon, String, Word};
+        assert_eq!(
+            words("“a, b”, „c“;"),
+            [(String, "“a, b”"), (Comma, ","), (String, "„c“"), (Semicolon, ";")]
+        );
+        assert_eq!(words("“a b"), [(Word, "“a"), (Word, "b")]);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::vec::Vec;
 
 use super::super::diagnostic::{Code, Findings};
+use super::super::fields::Count;
 use super::super::layout::{Sizes, param_bits};
 use super::super::model::{Assembly, Member, Model, Reference};
 use super::super::span::Span;
@@ -88,7 +89,9 @@ fn sum(assembly: &Assembly, sizes: &mut Sizes<'_>, findings: &mut Findings) {
     let expected = u32::from(size).saturating_mul(8);
     if bits != expected {
         let message = format_args!(
-            "the members have {bits} bits, and {size} bytes are {expected}; correct the size, or fill up with a member `bits,` without a reference"
+            "the members have {}, and {} are {expected}; correct the size, or fill up with a member `bits,` without a reference",
+            Count(bits, "bit"),
+            Count(size, "byte")
         );
         findings.add(Code::AssemblySize, span, message);
     }

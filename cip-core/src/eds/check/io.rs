@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::super::diagnostic::{Code, Findings};
+use super::super::fields::Count;
 use super::super::layout::Sizes;
 use super::super::model::{Assembly, IoConnection, IoData, IoInfo, Model};
 use crate::code::{ClassId, InstanceId};
@@ -119,8 +120,9 @@ fn size(data: &IoData, what: &str, findings: &mut Findings) {
     }
     if u32::from(data.significant_bits) > u32::from(size).saturating_mul(8) {
         let message = format_args!(
-            "{} significant bits do not fit into {size} bytes; write 0 for all",
-            data.significant_bits
+            "{} significant bits do not fit into {}; write 0 for all",
+            data.significant_bits,
+            Count(size, "byte")
         );
         findings.add(Code::SignificantBits, data.spans.field(1), message);
     }
@@ -139,8 +141,10 @@ fn same_data(list: &[IoData], what: &str, findings: &mut Findings) {
         let first = *seen.entry(&data.path).or_insert(data);
         if first.size != data.size {
             let message = format_args!(
-                "`{what}{}` has {} bytes at the same path, and this has {}",
-                first.number, first.size, data.size
+                "`{what}{}` has {} at the same path, and this has {}",
+                first.number,
+                Count(first.size, "byte"),
+                data.size
             );
             findings.add(Code::SizesDiffer, data.spans.field(0), message);
         }
@@ -181,9 +185,9 @@ fn described(model: &Model, io: &IoInfo, findings: &mut Findings) {
         };
         let Some(bits) = bits.filter(|&bits| bits.div_ceil(8) != u32::from(data.size)) else { continue };
         let message = format_args!(
-            "`{what}{}` has {} bytes, and `Assem{}` at its path has {}; correct one of them",
+            "`{what}{}` has {}, and `Assem{}` at its path has {}; correct one of them",
             data.number,
-            data.size,
+            Count(data.size, "byte"),
             assembly.number,
             bits.div_ceil(8)
         );

@@ -3,6 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::super::diagnostic::{Code, Findings};
+use super::super::fields::Count;
 use super::super::model::{Constant, GroupMember, Model, Param, param_field as field};
 use crate::code::ClassId;
 use crate::data_type::DataType;
@@ -61,8 +62,11 @@ fn data_type(param: &Param, findings: &mut Findings) {
         findings.add(Code::OldDataType, span, message);
     }
     if let Some(size) = ty.size().filter(|&size| size != usize::from(param.size)) {
-        let message =
-            format_args!("{canonical} has {size} bytes, and the data size is {}; write {size}", param.size);
+        let message = format_args!(
+            "{canonical} has {}, and the data size is {}; write {size}",
+            Count(size, "byte"),
+            param.size
+        );
         findings.add(Code::DataSize, param.spans.field(field::SIZE), message);
     }
 }

@@ -126,7 +126,7 @@ fn unknown_section(section: &Section, findings: &mut Findings) {
     match similar(&section.name, names) {
         Some(name) => {
             let message = format_args!("nothing is known of section [{}]; is it [{name}]?", section.name);
-            findings.add(Code::UnknownSection, section.span, message);
+            findings.add(Code::MisspeltSection, section.span, message);
         }
         None => {
             let message = format_args!(

@@ -145,7 +145,10 @@ impl Sheets {
                 && device.device_type == Some(ty)
                 && device.product_code == Some(product)
         };
-        if let Some(index) = self.files.iter().position(is_for) {
+        // A file that the command line gives to a node is for that node only.
+        let is_free = |index: &usize| !self.fixed.values().any(|fixed| fixed == index);
+        let matching = (0..self.files.len()).filter(is_free).find(|&index| is_for(&self.files[index]));
+        if let Some(index) = matching {
             self.nodes.entry((bus, record.mac.number())).or_default().sheet = Some(index);
         }
     }
