@@ -16,6 +16,7 @@ pub(crate) fn of(target: &str) -> Seeds {
     match target {
         "bus_paths" => bus_paths(),
         "dn_access" => dn_access(),
+        "eds" => eds(),
         "frame_decode" => frame_decode(),
         "monitor" => monitor(),
         "text" => text(),
@@ -222,6 +223,31 @@ fn bus_paths() -> Seeds {
     .to_vec()
 }
 
+/// The beginning of each file of `tests/eds`, after the head that they have in common, and characters of every encoding.
+fn eds() -> Seeds {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/eds");
+    let mut seeds: Seeds = ["syntax", "structure", "device", "io", "params", "assemblies", "old"]
+        .map(|name| {
+            let bytes = std::fs::read(folder.join(format!("{name}.eds"))).unwrap();
+            let head = b"Class1 = DeviceNet;\n";
+            let start =
+                bytes.windows(head.len()).position(|window| window == head).map_or(0, |at| at + head.len());
+            let end = bytes.len().min(start + EDS_SEED);
+            (format!("{name}.eds"), bytes[start..end].to_vec())
+        })
+        .to_vec();
+    let short = "[Device]\r\nVendCode = 4660; ProdName = \"°\";\r\n[Params]\nParam1 = 0,,,4,0xC7,2,\"a\",\"b\",\"\",0,9,1,1,10,1,0;\n";
+    let wide = |bytes: fn(u16) -> [u8; 2]| {
+        [0xFEFF].into_iter().chain(short.encode_utf16()).flat_map(bytes).collect()
+    };
+    seeds.push(("utf-8.eds".to_owned(), short.as_bytes().to_vec()));
+    seeds.push(("utf-16-le.eds".to_owned(), wide(u16::to_le_bytes)));
+    seeds.push(("utf-16-be.eds".to_owned(), wide(u16::to_be_bytes)));
+    seeds
+        .push(("windows-1252.eds".to_owned(), b"[File]\n\x93x\x94 = \x93Maker\x92s\x94, \"\\\"\";".to_vec()));
+    seeds
+}
+
 /// A few lines of each format; scenarios with everything that they can have.
 fn text() -> Seeds {
     let texts: [(&str, &str); 9] = [
@@ -293,6 +319,9 @@ fn capture(name: &str) -> impl Iterator<Item = (Instant, Frame)> + use<> {
 fn captures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/captures")
 }
+
+/// A seed is short.
+const EDS_SEED: usize = 512;
 
 /// Frames from manuals, captures and fixtures: name, identifier, data field.
 const VECTORS: &[(&str, u16, &[u8])] = &[
