@@ -56,7 +56,7 @@ fn a_finding_shows_its_line() {
     let output = run(&["eds", "check", "-"], b"[File]\n\tDescText = \"x\"\n\tRevision = 1.0;\n");
     assert_exit(&output, 1);
     let expected = "<stdin>:2:16: error[missing_semicolon]: `DescText` does not end; put a `;` here\n  |\n\
-                    2 |  DescText = \"x\"\n  |                ^\n";
+                    2 | \tDescText = \"x\"\n  | \t              ^\n";
     assert!(stdout(&output).contains(expected), "{}", stdout(&output));
 }
 
