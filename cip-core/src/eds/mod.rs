@@ -26,7 +26,7 @@
 //! ```
 //! use cip_core::eds::{Code, Eds};
 //!
-//! let eds = Eds::parse("`[Device]`\nVendCode = 4660\nProdCode = 42;\n")?;
+//! let eds = Eds::parse("[Device]\nVendCode = 4660\nProdCode = 42;\n")?;
 //! assert_eq!(eds.device().product_code, Some(42));
 //! let first = &eds.diagnostics()[0];
 //! assert_eq!(first.code, Code::MissingSection);

@@ -117,7 +117,7 @@ impl Param {
     /// ```
     /// use cip_core::eds::Eds;
     ///
-    /// let file = "`[Params]` Param1 = 0, 6, \"20 0F 24 01 30 01\", 0x0004, 0xC7, 2, \"Speed\", \"Hz\", \"\",
+    /// let file = "[Params] Param1 = 0, 6, \"20 0F 24 01 30 01\", 0x0004, 0xC7, 2, \"Speed\", \"Hz\", \"\",
     ///     0, 4000, 0, 1, 10, 1, 0, 0, 0, 0, 0, 1;";
     /// let eds = Eds::parse(file)?;
     /// let speed = eds.param(1).ok_or("no parameter")?;
