@@ -10,7 +10,7 @@ use crate::scenario::values::Comparison;
 pub struct Expectation {
     /// The line of the file.
     pub line: usize,
-    /// Of whom; empty is every node that it [can be expected of](Role::can_be), and then only what [`When::Never`]
+    /// Of whom; empty is every node that it [can be expected of](super::Role::can_be), and then only what [`When::Never`]
     /// says.
     pub nodes: Vec<NodeIndex>,
     /// When.
