@@ -7,6 +7,12 @@
 //!
 //! A poll is not held up by the response to the one before: responses carry the slave's MAC ID. Source: Networking with
 //! DeviceNet (Circuit Cellar 99, 1998); 1771-SDN manual (interscan delay, foreground to background poll ratio).
+//!
+//! Without an interscan delay the scan alone would fill the bus, and what has a higher identifier than its commands
+//! (explicit messages, heartbeats and duplicate MAC ID checks of most nodes) would lose every arbitration. So a scan
+//! gives way before the next begins: until nobody has begun to send for a moment and the master's own explicit messages
+//! are answered, but for no more frames than those that take their share of the scan, and one more. The master itself
+//! sends no more explicit messages in a scan than their share, unless the interscan delay leaves them time.
 
 use super::scan_list::{IoInstance, ScanRate};
 use super::slot::Slot;
@@ -23,8 +29,16 @@ pub(super) struct Cycle {
     pub(super) delay_over: bool,
     /// So is the wait for missing responses.
     pub(super) wait_over: bool,
-    /// An explicit message was handed out since the scan began.
-    pub(super) explicit_given: bool,
+    /// Explicit messages that were handed out since the scan began.
+    pub(super) explicit_given: u16,
+    /// Frames outside of the scan that the bus carried since all commands were out.
+    given_way: u16,
+    /// Explicit messages of this scan that are to be answered.
+    pub(super) unanswered: u16,
+    /// Nobody has sent for a moment.
+    pub(super) quiet: bool,
+    /// How many explicit messages the master may send in this scan.
+    share: u16,
     commanded: bool,
 }
 
@@ -52,7 +66,11 @@ impl Cycle {
             awaited: [0; 4],
             delay_over: false,
             wait_over: false,
-            explicit_given: false,
+            explicit_given: 0,
+            given_way: 0,
+            unanswered: 0,
+            quiet: false,
+            share: 1,
             commanded: false,
         }
     }
@@ -67,7 +85,12 @@ impl Cycle {
         self.awaited = [0; 4];
         self.delay_over = false;
         self.wait_over = false;
-        self.explicit_given = false;
+        self.explicit_given = 0;
+        self.given_way = 0;
+        self.unanswered = 0;
+        self.quiet = false;
+        let polled = slots.iter().filter(|slot| takes_part(slot, IoInstance::Poll)).count();
+        self.share = u16::try_from(polled).unwrap_or(u16::MAX).wrapping_div(POLLS_PER_EXPLICIT).max(1);
         self.commanded = false;
         self.seek(slots, Position::BitStrobe, ratio);
     }
@@ -129,10 +152,28 @@ impl Cycle {
         self.commanded
     }
 
+    /// A frame outside of the scan was on the bus.
+    pub(super) fn gave_way(&mut self) {
+        if self.position == Position::Pause {
+            self.given_way = self.given_way.saturating_add(1);
+        }
+    }
+
+    /// Whether the master may send one more explicit message.
+    pub(super) fn explicit_may_pass(&self) -> bool {
+        let alone = match self.position {
+            Position::Stopped => true,
+            Position::Pause => !self.delay_over,
+            Position::BitStrobe | Position::Multicast { .. } | Position::Poll { .. } => false,
+        };
+        alone || self.explicit_given < self.share
+    }
+
     /// Whether the next scan may begin.
     pub(super) fn is_over(&self) -> bool {
         let complete = self.awaited.iter().all(|&awaited| awaited == 0);
-        self.position == Position::Pause && self.delay_over && (complete || self.wait_over)
+        let gave_way = self.quiet || self.given_way > self.share.saturating_mul(2);
+        self.position == Position::Pause && self.delay_over && (complete || self.wait_over) && gave_way
     }
 }
 
@@ -150,3 +191,6 @@ pub(super) fn takes_part<const N: usize>(slot: &Slot<N>, instance: IoInstance) -
 fn bit(slave: MacId) -> u64 {
     1_u64.checked_shl(slave.number().into()).unwrap_or(0)
 }
+
+/// A scan of so many slaves has room for one explicit message of the master, and for its response.
+const POLLS_PER_EXPLICIT: u16 = 8;

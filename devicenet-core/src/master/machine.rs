@@ -37,7 +37,7 @@ pub struct Master<const SLAVES: usize, const MESSAGE: usize> {
     pub(super) candidate: Candidate<MESSAGE>,
     pub(super) cycle: Cycle,
     pub(super) lanes: Lanes,
-    pub(super) timers: Timers<Timer, 2>,
+    pub(super) timers: Timers<Timer, 3>,
     pub(super) counters: Counters,
     /// Missing responses of the scan that was completed.
     pub(super) scan_done: Option<u8>,
@@ -50,15 +50,17 @@ pub struct Master<const SLAVES: usize, const MESSAGE: usize> {
 pub(super) enum Timer {
     Interscan,
     ResponseWait,
+    Quiet,
 }
 
-impl TimerKey<2> for Timer {
-    const ALL: [Self; 2] = [Self::Interscan, Self::ResponseWait];
+impl TimerKey<3> for Timer {
+    const ALL: [Self; 3] = [Self::Interscan, Self::ResponseWait, Self::Quiet];
 
     fn index(self) -> usize {
         match self {
             Self::Interscan => 0,
             Self::ResponseWait => 1,
+            Self::Quiet => 2,
         }
     }
 
@@ -66,6 +68,7 @@ impl TimerKey<2> for Timer {
         match self {
             Self::Interscan => "interscan delay",
             Self::ResponseWait => "I/O responses",
+            Self::Quiet => "frames of lower priority",
         }
     }
 }
@@ -81,9 +84,17 @@ impl<const SLAVES: usize, const MESSAGE: usize> Machine for Master<SLAVES, MESSA
             Input::Frame(frame) => {
                 self.node.input(now, input);
                 self.follow_access();
+                if !super::receive::is_response_of_scan(&frame) {
+                    self.cycle.gave_way();
+                    self.cycle.unanswered = self.cycle.unanswered.saturating_sub(1);
+                }
                 self.frame(&frame);
+                self.give_way();
             }
-            Input::TxDone(token, outcome) if Lanes::own(token) => self.tx_done(token, outcome),
+            Input::TxDone(token, outcome) if Lanes::own(token) => {
+                self.tx_done(token, outcome);
+                self.give_way();
+            }
             Input::TxDone(..) | Input::Tick => self.node.input(now, input),
             Input::Link(event) => {
                 self.node.input(now, input);
@@ -173,6 +184,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             match timer {
                 Timer::Interscan => self.cycle.delay_over = true,
                 Timer::ResponseWait => self.cycle.wait_over = true,
+                Timer::Quiet => self.cycle.quiet = true,
             }
         }
         let own = self.access().mac_id();
@@ -337,6 +349,18 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             self.timers.set_after(Timer::Interscan, delay.max(SHORTEST_EMPTY_SCAN));
         }
         self.timers.set_after(Timer::ResponseWait, self.config.response_wait);
+        self.give_way();
+    }
+
+    /// A frame was on the bus, or is handed out: another one may follow. An interscan delay that is long enough for
+    /// several is enough.
+    pub(super) fn give_way(&mut self) {
+        if self.cycle.position != super::cycle::Position::Pause {
+            return;
+        }
+        self.cycle.quiet = self.config.interscan_delay >= ANSWERED;
+        let is_talking = self.cycle.unanswered != 0 || self.lanes.carries_explicit();
+        self.timers.set_after(Timer::Quiet, if is_talking { ANSWERED } else { QUIET });
     }
 
     fn end_scan(&mut self) {
@@ -394,3 +418,7 @@ impl<const N: usize> Slot<N> {
 
 /// Between two scans in which nobody is polled.
 const SHORTEST_EMPTY_SCAN: Duration = Duration::from_millis(1);
+/// The bus is quiet when nobody has begun to send for so long: four bits at 125 kbit/s, one more than the intermission.
+const QUIET: Duration = Duration::from_micros(32);
+/// The longest frame at 125 kbit/s, and some time for the reaction of the one who answers.
+const ANSWERED: Duration = Duration::from_millis(2);

@@ -6,8 +6,7 @@
 //! | scan | 0x1002 | bit-strobe, multicast poll and poll commands |
 //! | explicit | 0x1003 | requests, fragments and acknowledges; every slave in its turn |
 //!
-//! An explicit message waits while a scan sends its commands, but for one in each scan, so that neither starves the
-//! other.
+//! A scan has room for some explicit messages, so that neither starves the other: see [`cycle`](super::cycle).
 
 use core::time::Duration;
 
@@ -76,6 +75,10 @@ impl Lanes {
         lanes
             .into_iter()
             .find_map(|(token, lane)| core::mem::take(&mut lane.withdraw).then_some(Action::Withdraw(token)))
+    }
+
+    pub(super) const fn carries_explicit(&self) -> bool {
+        self.explicit.carries.is_some()
     }
 
     const fn must_withdraw(&self) -> bool {
@@ -180,8 +183,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         if self.lanes.explicit.carries.is_some() {
             return None;
         }
-        let free = matches!(self.cycle.position, Position::Stopped | Position::Pause);
-        if !free && self.cycle.explicit_given {
+        if !self.cycle.explicit_may_pass() {
             return None;
         }
         let turn = self.lanes.turn;
@@ -205,11 +207,15 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         let frame = conversation.poll()?;
         self.lanes.explicit.carries = Some(Carried::Explicit { slave });
         self.lanes.turn = if place < self.slots.len() { place.saturating_add(1) } else { 0 };
-        self.cycle.explicit_given = true;
+        self.cycle.explicit_given = self.cycle.explicit_given.saturating_add(1);
+        self.give_way();
         Some(Action::Transmit(EXPLICIT, frame))
     }
 
     pub(super) fn tx_done(&mut self, token: TxToken, outcome: TxOutcome) {
+        if token != SCAN {
+            self.cycle.gave_way();
+        }
         let lane = match token {
             ANSWERS => &mut self.lanes.answers,
             SCAN => &mut self.lanes.scan,
@@ -234,6 +240,8 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
                 if let Some(slot) = self.slot_mut(slave) {
                     slot.conversation.tx_done(outcome);
                     slot.keep_time();
+                    let asks = slot.conversation.is_busy() && outcome == TxOutcome::Sent;
+                    self.cycle.unanswered = self.cycle.unanswered.saturating_add(asks.into());
                 } else {
                     self.candidate.conversation.tx_done(outcome);
                     self.candidate.keep_time();

@@ -180,6 +180,16 @@ impl<const N: usize> Slot<N> {
     }
 }
 
+/// Whether a frame is what a scan waits for: all others it gives way to.
+pub(super) fn is_response_of_scan(frame: &Frame) -> bool {
+    Identifier::of_frame(frame).is_some_and(|id| {
+        matches!(
+            id.purpose(),
+            Purpose::PollResponse | Purpose::BitStrobeResponse | Purpose::MulticastPollResponse
+        )
+    })
+}
+
 /// From a duplicate MAC ID check request to the moment at which its sender is on line, if it was its second, and a
 /// little for its reaction.
 pub(super) const AFTER_CHECK: Duration = Duration::from_millis(1005);

@@ -55,6 +55,9 @@ fn without_interscan_delay_the_next_scan_follows_the_last_response() {
         bus.sends("455:");
         bus.sends_nothing();
         bus.hears("3CA: 01");
+        // Who has something to send with a higher identifier begins now.
+        bus.sends_nothing();
+        bus.wait(1);
     }
     bus.sends("455:");
     bus.wait(10);
@@ -90,6 +93,31 @@ fn an_explicit_message_fits_into_every_scan() {
     bus.sends("455:");
     bus.sends("4A4: 44 0E 01 01 01");
     bus.hears("3CA: 01");
+    // The answer has its time.
+    bus.sends_nothing();
+    bus.wait(2);
+    bus.sends("455:");
+    bus.hears("4A3: 44 8E 01 00");
+    bus.sends("4A4: 04 0E 01 01 02");
+    bus.hears("3CA: 01");
+    bus.sends_nothing();
+    // It is there: the next request belongs to the next scan.
+    bus.hears("4A3: 04 8E 01 00");
+    bus.sends("455:");
+    bus.sends("4A4: 44 0E 01 01 03");
+}
+
+#[test]
+fn a_scan_gives_way_to_a_few_frames_only() {
+    let mut bus = Bus::online(Config { interscan_delay: Duration::ZERO, ..quick() }, &[entry(10)]);
+    bus.answers_everything(&[entry(10)]);
+    bus.sends("455:");
+    bus.hears("3CA: 01");
+    // Of nodes that never stop.
+    bus.hears("4A3: 04 8E 01 00");
+    bus.hears("4AB: 04 8E 01 00");
+    bus.sends_nothing();
+    bus.hears("4A3: 04 8E 01 00");
     bus.sends("455:");
 }
 
