@@ -185,7 +185,7 @@ impl Access {
     }
 
     /// Whether a wait is over at `now`.
-    pub(crate) fn deadline_is_over(&self, now: Instant) -> bool {
+    pub(crate) fn deadline_is_over(&mut self, now: Instant) -> bool {
         self.timers.is_due(now)
     }
 

@@ -76,7 +76,10 @@ impl Access {
         let units = byte_of(&response, offset);
         let State::CommFault { offline, .. } = &mut self.state else { return };
         offline.who = WhoAnswer::Delayed;
-        self.timers.set_after(Timer::Who, self.config.who_delay_unit.saturating_mul(units.into()));
+        // By addition: a product of a span costs a division of 64 bits.
+        let unit = self.config.who_delay_unit;
+        let due = (0..units).fold(self.timers.now(), |at, _| at.saturating_add(unit));
+        self.timers.set(Timer::Who, due);
     }
 
     fn answer_identify(&mut self, nodes: NodeSelection) {

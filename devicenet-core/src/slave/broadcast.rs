@@ -10,7 +10,7 @@ use super::application::Application;
 use super::departure::Departure;
 use super::lines::Sent;
 use super::machine::Slave;
-use super::node::Timer;
+use super::timer::Timer;
 use crate::message::{DeviceState, Heartbeat, HeartbeatFlags, Shutdown, ShutdownCode, Wire};
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {

@@ -10,7 +10,7 @@ use super::application::Application;
 use super::bit_rate;
 use super::event::SlaveEvent;
 use super::machine::Slave;
-use super::node::Timer;
+use super::timer::Timer;
 
 /// How far it is.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]

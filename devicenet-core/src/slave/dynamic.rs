@@ -6,7 +6,8 @@ use cip_core::message::BodyFormat;
 use link_core::timers::TimerKey;
 
 use super::event::{SlaveEvent, count};
-use super::node::{Changed, Node, apply};
+use super::node::{Changed, Node};
+use super::timer::apply;
 use crate::id::{Identifier, MacId};
 
 /// One of them, open or not.

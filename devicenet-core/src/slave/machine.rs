@@ -1,6 +1,5 @@
 //! The machine: what it is made of, and where each input goes.
 
-use cip_core::fragment::IO_MESSAGE_MAX;
 use cip_core::message::{AllocationChoice, BodyFormat};
 use cip_core::object::{AcknowledgeSettings, FailureOptions};
 use heapless::Vec;
@@ -9,17 +8,17 @@ use link_core::{Action, Deadline, Frame, Input, Instant, LinkEvent, Machine, TxO
 
 use super::allocation::Offer;
 use super::application::{Application, IoKind};
-use super::config::{Config, Options};
+use super::config::Options;
 use super::departure::Departure;
 use super::detection::Detection;
 use super::devicenet_object::{Port, Switches};
 use super::dynamic::DynamicTimer;
 use super::event::{Counters, Event, SlaveEvent, count, count_wide};
 use super::indicator::ModuleStatus;
-use super::io::LongMessages;
 use super::lines::{self, Line};
-use super::node::{Changed, Node, Timer};
+use super::node::{Changed, Node};
 use super::server::offered;
+use super::timer::Timer;
 use super::transfer::{Piece, Rules, Transfer};
 use super::unconnected::Answer;
 use crate::access::{Access, NetworkStatus};
@@ -47,7 +46,7 @@ pub struct Slave<A: Application, const MESSAGE: usize, const DYNAMIC: usize> {
     pub(super) heartbeat_due: bool,
     /// The bit rate is to be told to the controller.
     pub(super) mode_due: bool,
-    online: bool,
+    pub(super) online: bool,
     pub(super) shown: NetworkStatus,
     pub(super) module: ModuleStatus,
     pub(super) receive_time_out: u16,
@@ -67,98 +66,7 @@ pub(super) struct DynamicTransfer<const MESSAGE: usize> {
     pub(super) unwanted: bool,
 }
 
-/// Why a slave cannot be made.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum InvalidSlave {
-    /// See [`Application::Long`].
-    #[error(
-        "{connection} has {size} bytes, and there is room for {room}: let Application::Long be Fragmented<{size}>, at most 448"
-    )]
-    TooLong {
-        /// Which connection.
-        connection: IoKind,
-        /// What it produces or consumes.
-        size: usize,
-        /// What [`Application::Long`] holds.
-        room: usize,
-    },
-    /// The answer to Allocate and every error response must fit, and the heartbeat of the application's data.
-    #[error("explicit messages of {0} bytes are too short: use at least 8")]
-    MessageTooShort(usize),
-    /// There are only so many Message IDs.
-    #[error("{0} dynamic connections are more than the message groups have room for: use at most 16")]
-    TooManyConnections(usize),
-}
-
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
-    /// A slave without power: the first [`LinkEvent::Up`] starts it.
-    ///
-    /// # Errors
-    /// See [`InvalidSlave`].
-    pub fn new(config: Config, mut application: A) -> Result<Self, InvalidSlave> {
-        if MESSAGE < 8 {
-            return Err(InvalidSlave::MessageTooShort(MESSAGE));
-        }
-        if DYNAMIC > 16 {
-            return Err(InvalidSlave::TooManyConnections(DYNAMIC));
-        }
-        check_sizes(&mut application)?;
-        Ok(Self::assembled(config, application))
-    }
-
-    /// The same without checks, for a node whose sizes are known to be right.
-    pub(crate) fn assembled(config: Config, application: A) -> Self {
-        let device = application.identity().device;
-        let (vendor, serial) = (device.vendor, device.serial);
-        let identity = application.identity();
-        let module = ModuleStatus::of(
-            identity.state.unwrap_or(cip_core::identity::DeviceState::OPERATIONAL),
-            identity.status,
-        );
-        let mut access = config.access;
-        access.device = crate::message::DeviceIdentity { vendor, serial };
-        let limit = if config.options.contains(Options::SIZE_COUNTS_HEADER) {
-            MESSAGE.saturating_sub(1)
-        } else {
-            MESSAGE
-        };
-        let transfer = DynamicTransfer {
-            transfer: Transfer::new(limit),
-            in_flight: false,
-            piece: None,
-            unwanted: false,
-        };
-        Self {
-            application,
-            access: Access::new(access),
-            node: Node::new(config.options, config.resolution),
-            port: Port {
-                stored: config.bit_rate.rate,
-                active: config.bit_rate.rate,
-                rate_from_switches: config.bit_rate.from_switches,
-                switches: None,
-                diagnostics: super::Diagnostics::default(),
-            },
-            explicit: Transfer::new(limit),
-            transfers: [(); DYNAMIC].map(|()| transfer.clone()),
-            long: A::Long::default(),
-            acknowledge: AcknowledgeSettings::default(),
-            answers: Vec::new(),
-            departure: None,
-            detection: Detection::new(config.bit_rate.detect),
-            heartbeat_interval: config.heartbeat_interval,
-            heartbeat_due: false,
-            mode_due: false,
-            online: false,
-            shown: NetworkStatus::Off,
-            module,
-            receive_time_out: config.receive_time_out,
-            group: config.multicast_group,
-            failures: config.failures,
-        }
-    }
-
     /// Its network access.
     #[must_use]
     pub const fn access(&self) -> &Access {
@@ -320,11 +228,11 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
     }
 
-    fn is_due(&self, now: Instant) -> bool {
+    fn is_due(&mut self, now: Instant) -> bool {
         self.node.timers.is_due(now)
             || self.explicit.is_over(now)
             || self.node.dynamic_timers.is_due(now)
-            || self.transfers.iter().any(|dynamic| dynamic.transfer.is_over(now))
+            || self.transfers.iter_mut().any(|dynamic| dynamic.transfer.is_over(now))
             || self.access.deadline_is_over(now)
     }
 
@@ -461,29 +369,4 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
         // Network access, four I/O connections, the explicit line, that of the UCMM, and the dynamic ones.
         if DYNAMIC == 0 { 6 } else { DYNAMIC.saturating_add(7) }
     }
-}
-
-fn check_sizes<A: Application>(application: &mut A) -> Result<(), InvalidSlave> {
-    for connection in IoKind::ALL {
-        if !A::IO.intersects(super::node::bits_of(connection)) {
-            continue;
-        }
-        let room = match connection {
-            IoKind::BitStrobe => cip_core::fragment::IO_UNFRAGMENTED_LEN,
-            IoKind::Poll | IoKind::ChangeOfState | IoKind::MulticastPoll => {
-                A::Long::CAPACITY.min(IO_MESSAGE_MAX)
-            }
-        };
-        let consumed = match connection {
-            IoKind::ChangeOfState => 0,
-            IoKind::Poll | IoKind::BitStrobe | IoKind::MulticastPoll => {
-                application.consumed(connection).len()
-            }
-        };
-        let size = consumed.max(application.produced_size(connection).into());
-        if size > room {
-            return Err(InvalidSlave::TooLong { connection, size, room });
-        }
-    }
-    Ok(())
 }

@@ -6,7 +6,6 @@ use cip_core::connection::{
     TimerResolution, Watchdog,
 };
 use cip_core::message::AllocationChoice;
-use link_core::timers::TimerKey;
 use link_core::{Instant, Timers};
 
 use super::application::{IoKind, IoMode};
@@ -14,6 +13,7 @@ use super::config::Options;
 use super::dynamic::{Dynamic, DynamicTimer};
 use super::event::{Events, SlaveEvent, count};
 use super::lines::Lines;
+use super::timer::{Timer, apply};
 use crate::id::MacId;
 
 /// Everything in a slave that its objects look at and change.
@@ -66,65 +66,6 @@ bitflags::bitflags! {
         const FILTER = 0x40;
         /// The heartbeat interval.
         const HEARTBEAT = 0x80;
-    }
-}
-
-/// The waits of a slave, besides those of network access and of messages in fragments.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(super) enum Timer {
-    /// Of instance 1.
-    Explicit,
-    /// Of instances 2 to 5.
-    Io(IoKind),
-    /// Transmission trigger of instance 4.
-    Trigger,
-    /// Production inhibit of instance 4.
-    Inhibit,
-    /// Acknowledge of the production of instance 4.
-    Acknowledge,
-    /// Heartbeat interval; before the node is on line, the bit rate that is being tried.
-    Heartbeat,
-}
-
-impl TimerKey<9> for Timer {
-    const ALL: [Self; 9] = [
-        Self::Explicit,
-        Self::Io(IoKind::Poll),
-        Self::Io(IoKind::BitStrobe),
-        Self::Io(IoKind::ChangeOfState),
-        Self::Io(IoKind::MulticastPoll),
-        Self::Trigger,
-        Self::Inhibit,
-        Self::Acknowledge,
-        Self::Heartbeat,
-    ];
-
-    fn index(self) -> usize {
-        match self {
-            Self::Explicit => 0,
-            Self::Io(IoKind::Poll) => 1,
-            Self::Io(IoKind::BitStrobe) => 2,
-            Self::Io(IoKind::ChangeOfState) => 3,
-            Self::Io(IoKind::MulticastPoll) => 4,
-            Self::Trigger => 5,
-            Self::Inhibit => 6,
-            Self::Acknowledge => 7,
-            Self::Heartbeat => 8,
-        }
-    }
-
-    fn why(self) -> &'static str {
-        match self {
-            Self::Explicit => "time-out of the explicit connection",
-            Self::Io(IoKind::Poll) => "time-out of poll",
-            Self::Io(IoKind::BitStrobe) => "time-out of bit-strobe",
-            Self::Io(IoKind::ChangeOfState) => "time-out of change of state",
-            Self::Io(IoKind::MulticastPoll) => "time-out of multicast poll",
-            Self::Trigger => "transmission trigger",
-            Self::Inhibit => "production inhibit time",
-            Self::Acknowledge => "acknowledge of change of state",
-            Self::Heartbeat => "heartbeat or bit rate detection",
-        }
     }
 }
 
@@ -451,14 +392,6 @@ pub(super) const fn mode_bit(kind: IoKind) -> Changed {
         IoKind::ChangeOfState => 0x04,
         IoKind::MulticastPoll => 0x08,
     })
-}
-
-pub(super) fn apply<K: TimerKey<N>, const N: usize>(timers: &mut Timers<K, N>, key: K, watchdog: Watchdog) {
-    match watchdog {
-        Watchdog::Keep => {}
-        Watchdog::Stop => timers.clear(key),
-        Watchdog::Start { millis } => timers.set_after_millis(key, millis),
-    }
 }
 
 /// Instance 4 by either trigger.

@@ -248,7 +248,7 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
     }
 
     /// Whether a timer has run out.
-    pub(super) fn is_over(&self, now: Instant) -> bool {
+    pub(super) fn is_over(&mut self, now: Instant) -> bool {
         self.timers.is_due(now)
     }
 
@@ -273,9 +273,9 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
         abandoned
     }
 
-    /// The connection is gone. A response in one frame still goes out: it may be the one that told so.
+    /// The connection is gone. A response in one frame, and the acknowledge before it, still go out: they may belong to the
+    /// request that ended it.
     pub(super) fn close(&mut self) {
-        self.acknowledge = None;
         self.forget();
         if self.transmit.is_sending() {
             self.abort();
@@ -285,6 +285,7 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
     /// Nothing goes out any more.
     pub(super) fn clear(&mut self) {
         self.close();
+        self.acknowledge = None;
         self.abort();
     }
 

@@ -20,7 +20,8 @@ use crate::id::Identifier;
 use crate::slave::application::{Application, IoKind};
 use crate::slave::event::SlaveEvent;
 use crate::slave::machine::Slave;
-use crate::slave::node::{Node, Timer};
+use crate::slave::node::Node;
+use crate::slave::timer::Timer;
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
     /// The data that are produced by change of state have changed, for a reason other than a message. They are sent as

@@ -307,3 +307,19 @@ fn a_request_while_the_response_is_in_flight() {
     bus.done(TxOutcome::Sent);
     bus.sends_nothing();
 }
+
+/// A Release in fragments, which nobody needs, is acknowledged and answered although it ends the connection.
+#[test]
+fn the_last_request_is_answered() {
+    for request in [&[0x4C, 3, 1, 1][..], &[0x09, 5, 1]] {
+        let mut bus = G2o::g2o().allocated(0x01);
+        bus.hears(REQUEST, &[0x84, 0x00, request[0]]);
+        bus.sends(RESPONSE, &[0x84, 0xC0, 0]);
+        bus.hears(REQUEST, &[&[0x84, 0x81], &request[1..]].concat());
+        bus.sends(RESPONSE, &[0x84, 0xC1, 0]);
+        bus.sends(RESPONSE, &[4, request[0] | 0x80]);
+        assert_eq!(bus.allocation(), (0, None));
+        bus.hears(REQUEST, &[4, 0x0E, 1, 1, 1]);
+        bus.sends_nothing();
+    }
+}

@@ -1,0 +1,133 @@
+//! Making a slave.
+
+use cip_core::fragment::{IO_MESSAGE_MAX, IO_UNFRAGMENTED_LEN};
+use cip_core::identity::DeviceState;
+use cip_core::object::AcknowledgeSettings;
+use heapless::Vec;
+
+use super::Diagnostics;
+use super::application::{Application, IoKind};
+use super::config::{Config, Options};
+use super::detection::Detection;
+use super::devicenet_object::Port;
+use super::indicator::ModuleStatus;
+use super::io::LongMessages;
+use super::machine::{DynamicTransfer, Slave};
+use super::node::{Node, bits_of};
+use super::transfer::Transfer;
+use crate::access::{Access, NetworkStatus};
+
+/// Why a slave cannot be made.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum InvalidSlave {
+    /// See [`Application::Long`].
+    #[error(
+        "{connection} has {size} bytes, and there is room for {room}: let Application::Long be Fragmented<{size}>, at most 448"
+    )]
+    TooLong {
+        /// Which connection.
+        connection: IoKind,
+        /// What it produces or consumes.
+        size: usize,
+        /// What [`Application::Long`] holds.
+        room: usize,
+    },
+    /// The answer to Allocate and every error response must fit, and the heartbeat of the application's data.
+    #[error("explicit messages of {0} bytes are too short: use at least 8")]
+    MessageTooShort(usize),
+    /// There are only so many Message IDs.
+    #[error("{0} dynamic connections are more than the message groups have room for: use at most 16")]
+    TooManyConnections(usize),
+}
+
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
+    /// A slave without power: the first [`LinkEvent::Up`] starts it.
+    ///
+    /// # Errors
+    /// See [`InvalidSlave`].
+    pub fn new(config: Config, mut application: A) -> Result<Self, InvalidSlave> {
+        if MESSAGE < 8 {
+            return Err(InvalidSlave::MessageTooShort(MESSAGE));
+        }
+        if DYNAMIC > 16 {
+            return Err(InvalidSlave::TooManyConnections(DYNAMIC));
+        }
+        check_sizes(&mut application)?;
+        Ok(Self::assembled(config, application))
+    }
+
+    /// The same without checks, for a node whose sizes are known to be right.
+    pub(crate) fn assembled(config: Config, application: A) -> Self {
+        let device = application.identity().device;
+        let (vendor, serial) = (device.vendor, device.serial);
+        let identity = application.identity();
+        let module = ModuleStatus::of(identity.state.unwrap_or(DeviceState::OPERATIONAL), identity.status);
+        let mut access = config.access;
+        access.device = crate::message::DeviceIdentity { vendor, serial };
+        let limit = if config.options.contains(Options::SIZE_COUNTS_HEADER) {
+            MESSAGE.saturating_sub(1)
+        } else {
+            MESSAGE
+        };
+        let transfer = DynamicTransfer {
+            transfer: Transfer::new(limit),
+            in_flight: false,
+            piece: None,
+            unwanted: false,
+        };
+        Self {
+            application,
+            access: Access::new(access),
+            node: Node::new(config.options, config.resolution),
+            port: Port {
+                stored: config.bit_rate.rate,
+                active: config.bit_rate.rate,
+                rate_from_switches: config.bit_rate.from_switches,
+                switches: None,
+                diagnostics: Diagnostics::default(),
+            },
+            explicit: Transfer::new(limit),
+            transfers: [(); DYNAMIC].map(|()| transfer.clone()),
+            long: A::Long::default(),
+            acknowledge: AcknowledgeSettings::default(),
+            answers: Vec::new(),
+            departure: None,
+            detection: Detection::new(config.bit_rate.detect),
+            heartbeat_interval: config.heartbeat_interval,
+            heartbeat_due: false,
+            mode_due: false,
+            online: false,
+            shown: NetworkStatus::Off,
+            module,
+            receive_time_out: config.receive_time_out,
+            group: config.multicast_group,
+            failures: config.failures,
+        }
+    }
+}
+
+fn check_sizes<A: Application>(application: &mut A) -> Result<(), InvalidSlave> {
+    for connection in IoKind::ALL {
+        if !A::IO.intersects(bits_of(connection)) {
+            continue;
+        }
+        let room = match connection {
+            IoKind::BitStrobe => IO_UNFRAGMENTED_LEN,
+            IoKind::Poll | IoKind::ChangeOfState | IoKind::MulticastPoll => {
+                A::Long::CAPACITY.min(IO_MESSAGE_MAX)
+            }
+        };
+        let consumed = match connection {
+            IoKind::ChangeOfState => 0,
+            IoKind::Poll | IoKind::BitStrobe | IoKind::MulticastPoll => {
+                application.consumed(connection).len()
+            }
+        };
+        let size = consumed.max(application.produced_size(connection).into());
+        if size > room {
+            return Err(InvalidSlave::TooLong { connection, size, room });
+        }
+    }
+    Ok(())
+}

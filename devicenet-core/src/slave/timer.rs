@@ -1,0 +1,75 @@
+//! The waits of a slave.
+
+use cip_core::connection::Watchdog;
+use link_core::Timers;
+use link_core::timers::TimerKey;
+
+use super::application::IoKind;
+
+/// The waits of a slave, besides those of network access and of messages in fragments.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) enum Timer {
+    /// Of instance 1.
+    Explicit,
+    /// Of instances 2 to 5.
+    Io(IoKind),
+    /// Transmission trigger of instance 4.
+    Trigger,
+    /// Production inhibit of instance 4.
+    Inhibit,
+    /// Acknowledge of the production of instance 4.
+    Acknowledge,
+    /// Heartbeat interval; before the node is on line, the bit rate that is being tried.
+    Heartbeat,
+}
+
+impl TimerKey<9> for Timer {
+    const ALL: [Self; 9] = [
+        Self::Explicit,
+        Self::Io(IoKind::Poll),
+        Self::Io(IoKind::BitStrobe),
+        Self::Io(IoKind::ChangeOfState),
+        Self::Io(IoKind::MulticastPoll),
+        Self::Trigger,
+        Self::Inhibit,
+        Self::Acknowledge,
+        Self::Heartbeat,
+    ];
+
+    fn index(self) -> usize {
+        match self {
+            Self::Explicit => 0,
+            Self::Io(IoKind::Poll) => 1,
+            Self::Io(IoKind::BitStrobe) => 2,
+            Self::Io(IoKind::ChangeOfState) => 3,
+            Self::Io(IoKind::MulticastPoll) => 4,
+            Self::Trigger => 5,
+            Self::Inhibit => 6,
+            Self::Acknowledge => 7,
+            Self::Heartbeat => 8,
+        }
+    }
+
+    fn why(self) -> &'static str {
+        match self {
+            Self::Explicit => "time-out of the explicit connection",
+            Self::Io(IoKind::Poll) => "time-out of poll",
+            Self::Io(IoKind::BitStrobe) => "time-out of bit-strobe",
+            Self::Io(IoKind::ChangeOfState) => "time-out of change of state",
+            Self::Io(IoKind::MulticastPoll) => "time-out of multicast poll",
+            Self::Trigger => "transmission trigger",
+            Self::Inhibit => "production inhibit time",
+            Self::Acknowledge => "acknowledge of change of state",
+            Self::Heartbeat => "heartbeat or bit rate detection",
+        }
+    }
+}
+
+/// Does with a timer what a connection says.
+pub(super) fn apply<K: TimerKey<N>, const N: usize>(timers: &mut Timers<K, N>, key: K, watchdog: Watchdog) {
+    match watchdog {
+        Watchdog::Keep => {}
+        Watchdog::Stop => timers.clear(key),
+        Watchdog::Start { millis } => timers.set_after_millis(key, millis),
+    }
+}
