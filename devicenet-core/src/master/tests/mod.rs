@@ -10,3 +10,4 @@ mod io;
 mod loss;
 mod node;
 mod replacement;
+mod storage;
