@@ -9,16 +9,23 @@
 //! A scan list of one slave, and a bus that is played by hand: the slave answers each request as its device would.
 //!
 //! ```
+//! use cip_core::code::DeviceType;
+//! use cip_core::identity::{DeviceIdentity, ProductName, Revision};
 //! use devicenet_core::master::{Config, ElectronicKey, IoInstance, Master, PollConnection, ScanEntry};
-//! use devicenet_core::message::{DeviceIdentity, PortNumber};
-//! use devicenet_core::{Identifier, MacId, access};
+//! use devicenet_core::{Identifier, MacId};
 //! use link_core::{Action, Input, Instant, LinkEvent, Machine, TxOutcome};
 //!
 //! // A fictitious vendor: the identity is never defaulted.
-//! let device = DeviceIdentity { vendor: 0x1234.into(), serial: 0x0000_2345 };
-//! let access = access::Config::new(device, PortNumber::ZERO, MacId::try_from(4)?);
+//! let device = DeviceIdentity {
+//!     vendor: 0x1234.into(),
+//!     device_type: DeviceType::COMMUNICATIONS_ADAPTER,
+//!     product_code: 1,
+//!     revision: Revision { major: 1, minor: 1 },
+//!     serial: 0x0000_2345,
+//!     name: ProductName::new("Example Master").expect("fourteen characters"),
+//! };
 //! // Up to eight slaves, and messages of up to 64 bytes.
-//! let mut master = Master::<8, 64>::new(Config::new(access));
+//! let mut master = Master::<8, 64>::new(Config::new(device, MacId::try_from(4)?));
 //!
 //! let slave = MacId::try_from(63)?;
 //! master.add_slave(Instant::ZERO, ScanEntry {
@@ -76,7 +83,7 @@
 //! | no outputs to a device that the key does not match, or that does not run | they are taken back from the controller if they wait there when the slave is lost |
 //! | no input data of a slave that does not run | [`Master::input_data`] is `None`, late frames are counted |
 //! | a message is sent and received whole or not at all | data that change meanwhile go with the next message |
-//! | four frames in flight at most | one of network access, one of each lane: answers, scan, explicit |
+//! | few frames in flight | those of the node that it is, and one of each lane: answers, scan, explicit |
 //! | an attempt that failed is repeated | after pauses that double, up to [`Config::retry_at_most`] |
 //!
 //! The states of a slave and what leads from one to the next are the table [`EDGES`]; what a slave and the scanner itself
