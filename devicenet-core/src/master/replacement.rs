@@ -26,6 +26,7 @@ use super::config::Config;
 use super::event::MasterEvent;
 use super::machine::Master;
 use super::slot::Slot;
+use super::state::Stage;
 use super::status::ScannerStatus;
 use crate::client::{Conversation, Progress, Route, TimerChange, Waits};
 use crate::id::MacId;
@@ -354,7 +355,8 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 
 /// In the scan list, may be replaced, and nobody answers.
 fn is_missing<const N: usize>(slot: &Slot<N>) -> bool {
-    slot.entry.replaceable && slot.absent
+    let absent = matches!(slot.status, ScannerStatus::NOT_FOUND | ScannerStatus::REPLACEMENT_FAILED);
+    slot.entry.replaceable && absent && slot.stage != Stage::Running
 }
 
 /// Whether a device can stand in for a slave: a key that asks for nothing fits nobody.

@@ -4,7 +4,6 @@ use core::time::Duration;
 
 use cip_core::code::{AttributeId, ClassId, InstanceId, ServiceCode};
 use cip_core::fragment::IoReassembly;
-use cip_core::message::BodyFormat;
 use heapless::Vec;
 use link_core::Timers;
 use link_core::timers::TimerKey;
@@ -27,10 +26,6 @@ pub(super) struct Slot<const N: usize> {
     pub(super) conversation: Conversation<N>,
     /// The connection that the UCMM opened.
     pub(super) opened: Option<InstanceId>,
-    /// The body format of the explicit connection of the predefined set.
-    pub(super) format: BodyFormat,
-    /// Nobody answered when it was last contacted.
-    pub(super) absent: bool,
     /// It answered to the UCMM, not on the unconnected port, when it was last contacted.
     pub(super) ucmm: bool,
     /// The other door has not been tried in this attempt.
@@ -41,7 +36,7 @@ pub(super) struct Slot<const N: usize> {
     pub(super) output: Output<N>,
     pub(super) inputs: [Input<N>; 4],
     pub(super) acknowledge_due: bool,
-    pub(super) timers: Timers<SlotTimer, 8>,
+    pub(super) timers: Timers<SlotTimer, 7>,
     pub(super) counters: SlaveCounters,
     pub(super) events: Vec<SlaveEvent, EVENTS>,
     pub(super) events_lost: u16,
@@ -80,19 +75,10 @@ pub(super) struct Output<const N: usize> {
     /// As it is being sent, so that no message is torn.
     pub(super) sent: Vec<u8, N>,
     pub(super) strobe_bit: bool,
-    /// Without poll: what is to be sent by itself.
-    pub(super) sending: Sending,
-    /// Without poll: it changed while it was sent.
+    /// Without poll: a message is to be sent, from this fragment on.
+    pub(super) due: Option<usize>,
+    /// It changed while it was sent.
     pub(super) changed: bool,
-}
-
-/// Where a message is that is sent without being part of the scan.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(super) enum Sending {
-    Idle,
-    /// From this fragment on.
-    Due(usize),
-    HandedOut,
 }
 
 /// What the slave produces over one instance.
@@ -103,8 +89,6 @@ pub(super) struct Input<const N: usize> {
     pub(super) received: bool,
     /// The expected packet rate that the slave said it uses, in ms.
     pub(super) rate: u16,
-    /// What the last message was like.
-    pub(super) status: ScannerStatus,
 }
 
 /// The waits for one slave.
@@ -115,12 +99,10 @@ pub(super) enum SlotTimer {
     Watchdog(IoInstance),
     /// The transmission trigger of the output data.
     Trigger,
-    /// A check of its MAC ID was heard while it ran, and nobody has objected.
-    Restart,
 }
 
-impl TimerKey<8> for SlotTimer {
-    const ALL: [Self; 8] = [
+impl TimerKey<7> for SlotTimer {
+    const ALL: [Self; 7] = [
         Self::Conversation,
         Self::Retry,
         Self::Watchdog(IoInstance::Poll),
@@ -128,7 +110,6 @@ impl TimerKey<8> for SlotTimer {
         Self::Watchdog(IoInstance::StateChange),
         Self::Watchdog(IoInstance::MulticastPoll),
         Self::Trigger,
-        Self::Restart,
     ];
 
     fn index(self) -> usize {
@@ -137,7 +118,6 @@ impl TimerKey<8> for SlotTimer {
             Self::Retry => 1,
             Self::Watchdog(instance) => instance.index().saturating_add(2),
             Self::Trigger => 6,
-            Self::Restart => 7,
         }
     }
 
@@ -147,7 +127,6 @@ impl TimerKey<8> for SlotTimer {
             Self::Retry => "next attempt at a slave",
             Self::Watchdog(_) => "slave watchdog",
             Self::Trigger => "output transmission trigger",
-            Self::Restart => "objection to a duplicate MAC ID check",
         }
     }
 }
@@ -156,13 +135,7 @@ impl<const N: usize> Slot<N> {
     pub(super) fn new(entry: ScanEntry, own: MacId) -> Self {
         let input = |instance| {
             let size = entry.agreed(instance).and_then(|agreed| agreed.produce).unwrap_or(0);
-            Input {
-                reassembly: IoReassembly::new(size.into()),
-                data: Vec::new(),
-                received: false,
-                rate: 0,
-                status: ScannerStatus::NORMAL,
-            }
+            Input { reassembly: IoReassembly::new(size.into()), data: Vec::new(), received: false, rate: 0 }
         };
         Self {
             entry,
@@ -171,8 +144,6 @@ impl<const N: usize> Slot<N> {
             status: ScannerStatus::INITIALISING,
             conversation: Conversation::new(Route::group2_unconnected(own, entry.mac_id), Waits::UNCONNECTED),
             opened: None,
-            format: BodyFormat::Class8Instance8,
-            absent: false,
             ucmm: false,
             other_door: false,
             failures: 0,
@@ -219,22 +190,17 @@ impl<const N: usize> Slot<N> {
             EDGES.iter().any(|edge| (edge.from, edge.cause, edge.to) == (from, cause, to)),
             "{from} -> {to}: {cause} is not in the table"
         );
-        #[cfg(test)]
-        super::tests::edges::record(from, cause, to);
         if to != SlaveState::Running {
             for instance in IoInstance::ALL {
                 self.timers.clear(SlotTimer::Watchdog(instance));
                 if let Some(input) = self.input_mut(instance) {
                     input.reassembly.discard();
                     input.received = false;
-                    input.status = ScannerStatus::NORMAL;
                 }
             }
             self.timers.clear(SlotTimer::Trigger);
-            self.timers.clear(SlotTimer::Restart);
             self.acknowledge_due = false;
-            self.output.sending = Sending::Idle;
-            self.output.changed = false;
+            self.output.due = None;
         }
         self.stage = next;
         self.raise(SlaveEvent::StateChanged { from, to, cause });
@@ -245,16 +211,6 @@ impl<const N: usize> Slot<N> {
             self.status = status;
             self.raise(SlaveEvent::Status(status));
         }
-    }
-
-    /// What a message over one instance was like. The slave shows the first instance that is not as it should be.
-    pub(super) fn set_io_status(&mut self, instance: IoInstance, status: ScannerStatus) {
-        if let Some(input) = self.input_mut(instance) {
-            input.status = status;
-        }
-        let mut statuses = self.inputs.iter().map(|input| input.status);
-        let shown = statuses.find(|status| *status != ScannerStatus::NORMAL).unwrap_or_default();
-        self.set_status(shown);
     }
 
     pub(super) fn raise(&mut self, event: SlaveEvent) {
@@ -288,7 +244,7 @@ impl<const N: usize> Output<N> {
         let mut wanted = Vec::new();
         let fits = wanted.resize(len, 0);
         debug_assert!(fits.is_ok(), "the scan list was checked");
-        Self { wanted, sent: Vec::new(), strobe_bit: false, sending: Sending::Idle, changed: false }
+        Self { wanted, sent: Vec::new(), strobe_bit: false, due: None, changed: false }
     }
 }
 

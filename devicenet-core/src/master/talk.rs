@@ -102,16 +102,14 @@ impl<const N: usize> Slot<N> {
             (false, Response::Success { data, .. }) => {
                 let format = data.first().and_then(|&byte| BodyFormat::from_code(byte & 0x0F));
                 let Some(format) = format else { return false };
-                self.format = format;
                 self.conversation.reroute(Route::predefined(own, slave, format), config.connected);
                 true
             }
-            // It was there all the time: the request was lost, or only its response. What may not be carried out twice is
-            // not sent twice.
+            // It was there all the time: the request itself was lost.
             (false, Response::Error { status: GeneralStatus::ALREADY_IN_REQUESTED_STATE, .. }) => {
-                let route = Route::predefined(own, slave, self.format);
+                let route = Route::predefined(own, slave, BodyFormat::Class8Instance8);
                 self.conversation.reroute(route, config.connected);
-                self.talk.tries > 1
+                true
             }
             (_, Response::Error { .. }) => false,
         }

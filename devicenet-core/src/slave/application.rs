@@ -107,7 +107,7 @@ pub enum End {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 pub enum IoMode {
-    /// No message was consumed since the connection was allocated.
+    /// No message was consumed since the connection was established.
     #[default]
     Inactive,
     /// The master runs.

@@ -316,6 +316,10 @@ impl<A: Application, const DYNAMIC: usize> ConnectionObject<'_, A, DYNAMIC> {
     fn reset(&mut self, which: Which) -> Result<(), Failure> {
         match which {
             Which::Explicit => self.node.explicit_step(ExplicitCause::Reset)?,
+            // Nobody owns the slave any more: the data would flow for nobody.
+            Which::Io(_) if self.node.master.is_none() => {
+                return Err(GeneralStatus::OBJECT_STATE_CONFLICT.into());
+            }
             Which::Io(kind) => self.node.io_step(kind, IoCause::Reset)?,
             Which::Dynamic(index) => self.node.dynamic_step(index, ExplicitCause::Reset)?,
         }

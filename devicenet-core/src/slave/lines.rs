@@ -37,6 +37,8 @@ pub(super) struct Lines {
     pub(super) in_flight: Line,
     /// It must be withdrawn.
     unwanted: Line,
+    /// It is of a connection that has ended.
+    stale: Line,
     /// What is in flight on the explicit line, if it matters.
     pub(super) explicit: Option<Sent>,
     /// The same on the line of the UCMM.
@@ -112,7 +114,9 @@ impl Lines {
         let line = of(kind);
         self.due.remove(line);
         self.continued.remove(line);
-        self.unwanted.insert(self.in_flight.intersection(line));
+        let wanted = self.in_flight.intersection(line).difference(self.stale);
+        self.unwanted.insert(wanted);
+        self.stale.insert(wanted);
     }
 
     /// The node leaves the network. What is in flight is withdrawn, unless the controller has dropped it by itself.
@@ -121,6 +125,7 @@ impl Lines {
         self.continued = Line::empty();
         (self.explicit, self.ucmm) = (None, None);
         self.unwanted = if dropped { Line::empty() } else { self.in_flight };
+        self.stale = self.in_flight;
     }
 
     pub(super) fn must_withdraw(&self) -> bool {
@@ -134,14 +139,16 @@ impl Lines {
         Some(token(line))
     }
 
-    /// A frame of the line is with the controller no longer; `None` if it was not.
-    pub(super) fn done(&mut self, line: Line) -> Option<()> {
+    /// A frame of the line is with the controller no longer; `None` if it was not. False if nobody waits for it any more.
+    pub(super) fn done(&mut self, line: Line) -> Option<bool> {
         if !self.in_flight.contains(line) {
             return None;
         }
         self.in_flight.remove(line);
         self.unwanted.remove(line);
-        Some(())
+        let wanted = !self.stale.contains(line);
+        self.stale.remove(line);
+        Some(wanted)
     }
 }
 

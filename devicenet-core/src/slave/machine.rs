@@ -179,13 +179,15 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     fn line_done(&mut self, now: Instant, line: Line, outcome: TxOutcome) -> Option<()> {
-        self.node.lines.done(line)?;
+        let wanted = self.node.lines.done(line)?;
         let sent = outcome == TxOutcome::Sent;
         if outcome == TxOutcome::Dropped && self.online {
             self.not_sent(lines::identifier(line, self.access.mac_id()), outcome);
         }
         match lines::io_of(line) {
-            Some(kind) => self.produced(kind, sent),
+            Some(kind) if wanted => self.produced(kind, sent),
+            // Of a connection that has ended since.
+            Some(_) => {}
             None => self.explicit_done(now, line),
         }
         Some(())

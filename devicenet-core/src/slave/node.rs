@@ -121,15 +121,18 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
     }
 
     pub(super) fn set_mode(&mut self, kind: IoKind, mode: IoMode) {
+        if core::mem::replace(self.mode_mut(kind), mode) != mode {
+            self.changed.insert(mode_bit(kind));
+        }
+    }
+
+    const fn mode_mut(&mut self, kind: IoKind) -> &mut IoMode {
         let [poll, strobe, change_of_state, multicast] = &mut self.modes;
-        let slot = match kind {
+        match kind {
             IoKind::Poll => poll,
             IoKind::BitStrobe => strobe,
             IoKind::ChangeOfState => change_of_state,
             IoKind::MulticastPoll => multicast,
-        };
-        if core::mem::replace(slot, mode) != mode {
-            self.changed.insert(mode_bit(kind));
         }
     }
 
@@ -311,14 +314,18 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
         }
         self.events.raise(SlaveEvent::Io { connection: kind, from, to, cause });
         self.changed.insert(Changed::CONNECTIONS);
-        if cause == IoCause::WatchdogExpired || to == IoState::TimedOut {
+        if cause == IoCause::WatchdogExpired || from == IoState::TimedOut {
             self.changed.insert(Changed::ALLOCATION);
         }
         if from == IoState::Established {
             self.io_ended(kind, cause);
         }
-        if kind == IoKind::ChangeOfState && to == IoState::Established {
-            self.begin_production();
+        if to == IoState::Established {
+            // Nothing is told: the outputs are as they were. The end of the connection is a change again.
+            *self.mode_mut(kind) = IoMode::Inactive;
+            if kind == IoKind::ChangeOfState {
+                self.begin_production();
+            }
         }
     }
 

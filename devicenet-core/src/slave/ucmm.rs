@@ -32,6 +32,7 @@ use super::dynamic::{Dynamic, DynamicTimer, FIRST_INSTANCE, Group, instance};
 use super::event::{Event, Ignored};
 use super::lines::{self, Line, Sent};
 use super::machine::Slave;
+use super::node::Changed;
 use super::server::Server;
 use super::transfer::Incoming;
 use super::unconnected::complete_request;
@@ -158,6 +159,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             if let Some(index) = forgotten {
                 let _ = self.node.dynamic_step(index, ExplicitCause::Released);
                 self.drop_transfer(index);
+                // What hung on it ends now: the new connection may get its place.
+                self.node.settle();
+                self.node.changed.insert(Changed::CONNECTIONS);
             }
         }
         let index = self

@@ -59,12 +59,16 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if self.node.io(IoKind::ChangeOfState).state() != IoState::Established {
             return;
         }
+        if self.node.is_acknowledged() {
+            self.node.timers.set_after_millis(Timer::Acknowledge, self.acknowledge.timer.into());
+        }
         if self.node.lines.retries == 0 {
             self.node.start_trigger();
             self.node.start_inhibit();
         }
-        if self.node.is_acknowledged() {
-            self.node.timers.set_after_millis(Timer::Acknowledge, self.acknowledge.timer.into());
+        // What changed while the message was on its way is not in it.
+        if self.node.timers.at(Timer::Inhibit).is_none() {
+            self.node.inhibit_over();
         }
     }
 }
@@ -128,8 +132,7 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
 
     fn start_inhibit(&mut self) {
         match self.io(IoKind::ChangeOfState).settings().production_inhibit_time() {
-            // What changed while the message was on its way is not in it.
-            0 => self.inhibit_over(),
+            0 => self.timers.clear(Timer::Inhibit),
             millis => self.timers.set_after_millis(Timer::Inhibit, millis.into()),
         }
     }

@@ -186,8 +186,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
                 IoMode::Idle | IoMode::Fault => self.application.rest(kind, mode),
                 IoMode::Inactive | IoMode::Run => {}
             }
-            if mode != IoMode::Run && mode != IoMode::Idle {
+            if mode == IoMode::Fault || self.node.io(kind).state() != IoState::Established {
                 self.long.discard(kind);
+            }
+            if self.node.io(kind).state() != IoState::Established {
                 self.long.unload(kind);
             }
             self.node.events.raise(SlaveEvent::Mode(kind, mode));

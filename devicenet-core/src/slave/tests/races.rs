@@ -276,3 +276,54 @@ fn the_size_of_the_machine() {
     let application = size_of::<super::bus::Block>();
     assert_eq!(size_of::<crate::slave::Group2OnlyServer<super::bus::Block>>() - application, 1008);
 }
+
+/// Attribute 5 is told whenever it changes, also when a connection that timed out is reset.
+#[test]
+fn a_reset_connection_is_allocated_again() {
+    let mut bus = G2o::g2o().established(0x03, &[2]);
+    bus.hears(POLL, &[1]);
+    bus.sends(POLL_RESPONSE, &ANSWER);
+    bus.wait(320);
+    bus.events.clear();
+    bus.asks(&[0x05, 5, 2], &[0x85]);
+    let choice = cip_core::message::AllocationChoice::from_bits_retain(0x03);
+    bus.tells(SlaveEvent::Allocation { choice, master: crate::MacId::new(MASTER) });
+}
+
+/// What timed out stays readable when nobody owns the slave any more; data do not flow for nobody.
+#[test]
+fn a_connection_of_nobody_cannot_be_reset() {
+    let mut bus = super::bus::Ucmm::ucmm_server().established(0x03, &[2]);
+    bus.hears(POLL, &[1]);
+    bus.skip();
+    bus.wait(320);
+    bus.asks(&[0x4C, 3, 1, 1], &[0xCC]);
+    assert_eq!(bus.allocation(), (0, None));
+    // A client of the UCMM, with Message ID 0 of group 3.
+    bus.hears(0x785, &[0x3F, 0x4B, 0, 0x30]);
+    bus.skip();
+    bus.hears(0x605, &[0x3F, 0x05, 5, 2]);
+    bus.sends(0x63F, &[0x05, 0x94, 0x0C, 0xFF]);
+    bus.hears(0x605, &[0x3F, 0x0E, 5, 2, 1]);
+    bus.sends(0x63F, &[0x05, 0x8E, 4]);
+}
+
+/// A frame of a connection that has ended is with the controller still: what becomes of it is nothing to the next one.
+#[test]
+fn a_late_frame_of_an_old_connection() {
+    let mut bus = Full::full().established(0x11, &[2]);
+    bus.acknowledging = false;
+    bus.hears(REQUEST, &[MASTER, 0x10, 5, 4, 9, 80, 0]);
+    bus.sends(super::bus::COS, &ANSWER);
+    bus.skip();
+    bus.hears(REQUEST, &[MASTER, 0x4C, 3, 1, 0x10]);
+    bus.hears(UNCONNECTED, &[MASTER, 0x4B, 3, 1, 0x10, MASTER]);
+    bus.hears(REQUEST, &[MASTER, 0x10, 5, 4, 9, 80, 0]);
+    bus.done(TxOutcome::Sent);
+    assert_eq!(
+        bus.slave.node.timers.at(crate::slave::timer::Timer::Acknowledge),
+        None,
+        "nothing was sent yet"
+    );
+    bus.sends(super::bus::COS, &ANSWER);
+}
