@@ -4,7 +4,9 @@
 //! |---|---|---|
 //! | [`bus_paths`] | the simulated bus | the cheap path and the path bit by bit come to the same |
 //! | [`dn_access`] | network access | the transition table, held by a second, small program |
+//! | [`dn_slave`] | a slave | connections, ownership, time-outs and data, held by a second, small program |
 //! | [`eds`] | Electronic Data Sheets | written as read; a finding has its place; what is made of a file agrees with it |
+//! | [`fragment`] | the machines of fragmentation | each is its table, held by a second, small program |
 //! | [`frame_decode`] | identifiers, and the passive decoder on one frame | fields, line and JSON object agree |
 //! | [`monitor`] | the passive decoder on a session | what it puts together was sent, what it pairs came before |
 //! | [`text`] | readers of recordings and scenarios | an error has its place; what was written is read back |
@@ -30,7 +32,9 @@
 
 pub mod bus_paths;
 pub mod dn_access;
+pub mod dn_slave;
 pub mod eds;
+pub mod fragment;
 pub mod frame_decode;
 pub mod input;
 pub mod monitor;
@@ -51,7 +55,9 @@ pub struct Target {
 pub const TARGETS: &[Target] = &[
     Target { name: "bus_paths", run: bus_paths::run },
     Target { name: "dn_access", run: dn_access::run },
+    Target { name: "dn_slave", run: dn_slave::run },
     Target { name: "eds", run: eds::run },
+    Target { name: "fragment", run: fragment::run },
     Target { name: "frame_decode", run: frame_decode::run },
     Target { name: "monitor", run: monitor::run },
     Target { name: "text", run: text::run },

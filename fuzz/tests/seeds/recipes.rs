@@ -16,7 +16,9 @@ pub(crate) fn of(target: &str) -> Seeds {
     match target {
         "bus_paths" => bus_paths(),
         "dn_access" => dn_access(),
+        "dn_slave" => crate::slave::dn_slave(),
         "eds" => eds(),
+        "fragment" => crate::slave::fragment(),
         "frame_decode" => frame_decode(),
         "monitor" => monitor(),
         "text" => text(),
