@@ -13,6 +13,7 @@
 //! |---|---|
 //! | `workspace` | dependency directions, documents that must not drift |
 //! | `devicenet` | golden vectors, captures, traces of networks |
+//! | `exchanges` | a slave and the rest of the bus, frame by frame; the fault matrix and the table of conformance topics |
 //! | `scenarios` | the scenario files: expectations, traces, published results |
 //!
 //! Recordings are in `captures`, scenario files in `scenarios`, each with its source or purpose.

@@ -65,8 +65,13 @@ fn the_readme_begins_with_its_two_commands() {
 
 #[test]
 fn links_between_documents_lead_somewhere() {
-    for (page, folder) in [("README.md", "."), ("docs/architecture.md", "docs"), ("docs/results.md", "docs")]
-    {
+    for (page, folder) in [
+        ("README.md", "."),
+        ("docs/architecture.md", "docs"),
+        ("docs/results.md", "docs"),
+        ("docs/conformance.md", "docs"),
+        ("docs/fault-matrix.md", "docs"),
+    ] {
         let text = read(page);
         for link in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
             let path = link.split('#').next().unwrap_or_default();

@@ -1,0 +1,112 @@
+//! The devices under test, all with MAC ID 63, vendor 0x03E7 (fictitious) and serial number 0x11223344.
+
+use cip_core::code::{DeviceType, VendorId};
+use cip_core::identity::{DeviceIdentity, ProductName, Revision};
+use cip_core::message::AllocationChoice;
+use cip_core::object::{Identity, Resets};
+use devicenet_core::slave::{Application, Fragmented, IoKind};
+
+/// Two bytes in and one byte out, by poll.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub(crate) struct Block {
+    pub(crate) device: DeviceIdentity,
+    pub(crate) inputs: Vec<u8>,
+    pub(crate) outputs: Vec<u8>,
+}
+
+/// The same by every connection of the predefined set, with longer data if they are to be so.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub(crate) struct Full {
+    device: DeviceIdentity,
+    inputs: Vec<u8>,
+    outputs: [Vec<u8>; 4],
+}
+
+/// What an exchange can look at.
+pub(crate) trait Data {
+    fn set_inputs(&mut self, inputs: &[u8]);
+    /// Of poll.
+    fn outputs(&self) -> &[u8];
+}
+
+impl Block {
+    pub(crate) fn new(device: DeviceIdentity, inputs: &[u8], outputs: usize) -> Self {
+        Self { device, inputs: inputs.to_vec(), outputs: vec![0; outputs] }
+    }
+}
+
+impl Full {
+    pub(crate) fn new(inputs: &[u8], outputs: usize) -> Self {
+        let outputs = [vec![0; outputs], vec![0], Vec::new(), vec![0; 1]];
+        Self { device: device(), inputs: inputs.to_vec(), outputs }
+    }
+}
+
+impl Application for Block {
+    const IO: AllocationChoice = AllocationChoice::POLL;
+    type Long = ();
+
+    fn identity(&self) -> Identity<'_> {
+        let mut identity = Identity::new(&self.device);
+        identity.resets = Resets::OUT_OF_BOX;
+        identity
+    }
+
+    fn produced(&self, _: IoKind) -> &[u8] {
+        &self.inputs
+    }
+
+    fn consumed(&mut self, _: IoKind) -> &mut [u8] {
+        &mut self.outputs
+    }
+}
+
+impl Application for Full {
+    const IO: AllocationChoice = AllocationChoice::all();
+    type Long = Fragmented<448>;
+
+    fn identity(&self) -> Identity<'_> {
+        Identity::new(&self.device)
+    }
+
+    fn produced(&self, connection: IoKind) -> &[u8] {
+        let most = if connection == IoKind::BitStrobe { 8 } else { self.inputs.len() };
+        &self.inputs[..most.min(self.inputs.len())]
+    }
+
+    fn consumed(&mut self, connection: IoKind) -> &mut [u8] {
+        let at = IoKind::ALL.iter().position(|&kind| kind == connection).expect("one of them");
+        &mut self.outputs[at]
+    }
+}
+
+impl Data for Block {
+    fn set_inputs(&mut self, inputs: &[u8]) {
+        self.inputs.copy_from_slice(inputs);
+    }
+
+    fn outputs(&self) -> &[u8] {
+        &self.outputs
+    }
+}
+
+impl Data for Full {
+    fn set_inputs(&mut self, inputs: &[u8]) {
+        self.inputs.copy_from_slice(inputs);
+    }
+
+    fn outputs(&self) -> &[u8] {
+        &self.outputs[0]
+    }
+}
+
+pub(crate) fn device() -> DeviceIdentity {
+    DeviceIdentity {
+        vendor: VendorId(0x03E7),
+        device_type: DeviceType::GENERAL_PURPOSE_DISCRETE_IO,
+        product_code: 0x2A,
+        revision: Revision::new(1, 1).expect("not zero"),
+        serial: 0x1122_3344,
+        name: ProductName::new("Example Block 2I1O").expect("short"),
+    }
+}
