@@ -106,6 +106,12 @@ impl<const N: usize> Conversation<N> {
         self.in_flight.is_some()
     }
 
+    /// True while a frame waits for its [`tx_done`](Self::tx_done) that belongs to a cancelled transaction.
+    #[must_use]
+    pub fn is_cancelled(&self) -> bool {
+        self.in_flight == Some(Outgoing::Nothing)
+    }
+
     /// Whether [`poll`](Self::poll) has a frame.
     #[must_use]
     pub const fn has_output(&self) -> bool {

@@ -24,6 +24,46 @@
 //! | response | the request is on the bus, or its last fragment is acknowledged | [`Waits::response`] | the request is repeated, as often as [`start`](Conversation::start) allowed, then [`Failure::NoResponse`] |
 //! | next fragment | a fragment of the response was received | [`Waits::next_fragment`] | as after the wait for the response |
 //! | repetition | the response is complete | one second | its last fragment is no longer acknowledged again |
+//!
+//! # An attribute is read
+//!
+//! ```
+//! use cip_core::code::{AttributeId, ClassId, InstanceId};
+//! use cip_core::message::{AttributeRequest, BodyFormat, Response};
+//! use devicenet_core::client::{Conversation, Progress, Route, TimerChange, Waits};
+//! use devicenet_core::{Identifier, MacId};
+//! use link_core::TxOutcome;
+//!
+//! let (client, server) = (MacId::try_from(4)?, MacId::try_from(63)?);
+//! let route = Route::predefined(client, server, BodyFormat::Class8Instance8);
+//! let mut conversation = Conversation::<32>::new(route, Waits::CONNECTED);
+//!
+//! // The vendor, tried twice: reading may be repeated.
+//! let vendor = AttributeRequest::get(ClassId::IDENTITY, InstanceId(1), AttributeId(1));
+//! conversation.start_attribute(&vendor, 2)?;
+//! let request = conversation.poll().expect("a request");
+//! assert_eq!(request.to_string(), "5FC [5] 04 0E 01 01 01");
+//!
+//! // It is on the bus: now the owner's timer runs.
+//! conversation.tx_done(TxOutcome::Sent);
+//! assert_eq!(conversation.take_timer(), TimerChange::Set(Waits::CONNECTED.response));
+//!
+//! let heard = Identifier::explicit_response(server).frame(&[0x04, 0x8E, 0xE7, 0x03]).expect("four bytes");
+//! let Progress::Response(Response::Success { data, .. }) = conversation.frame(&heard) else { panic!() };
+//! assert_eq!(data, [0xE7, 0x03]);
+//! assert_eq!(conversation.take_timer(), TimerChange::Clear);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Decisions where the literature is silent
+//!
+//! | Situation | What happens |
+//! |---|---|
+//! | the response comes before the acknowledge of the request's last fragment, or before its `TxDone` | it proves both |
+//! | a frame is given back unsent | it counts as lost: it is repeated when the wait for its answer is over |
+//! | a server repeats fragments that were there already | they are acknowledged, and do not prolong the wait |
+//! | the last fragment of a complete response comes again | it is acknowledged for one second, until the next transaction |
+//! | the next transaction begins before the last acknowledge is sent | the acknowledge goes first, with its own transaction ID and identifier |
 
 mod conversation;
 mod outcome;

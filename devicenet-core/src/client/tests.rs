@@ -345,3 +345,10 @@ fn only_new_fragments_are_waited_for() {
     }
     assert_eq!(waits, [true, true, false, false, false, true]);
 }
+
+/// A change shows here first: a master has one for each slave.
+#[test]
+#[cfg(target_pointer_width = "64")]
+fn the_size_of_a_conversation() {
+    assert_eq!([size_of::<Conversation<32>>(), size_of::<Conversation<256>>()], [200, 648]);
+}

@@ -58,8 +58,8 @@ pub fn ucmm_requests() -> Filter {
 }
 
 /// A master: its own check, UCMM responses and heartbeats of all nodes (0x740-0x77F), and of each slave the explicit
-/// responses (`0x403 + 8s`) and all I/O (`0x300 + s`, `0x340 + s`, `0x380 + s`, `0x3C0 + s`). More than four slaves are
-/// not told apart from other slaves.
+/// responses (`0x403 + 8s`, and `0x600 + s` to `0x700 + s` on connections that the UCMM opened) and all I/O
+/// (`0x300 + s`, `0x340 + s`, `0x380 + s`, `0x3C0 + s`). More than three slaves are not told apart from other slaves.
 #[must_use]
 pub fn master(node: MacId, slaves: impl IntoIterator<Item = MacId>) -> FilterSet {
     let mut filters = duplicate_mac_check(node);
@@ -70,10 +70,13 @@ pub fn master(node: MacId, slaves: impl IntoIterator<Item = MacId>) -> FilterSet
             let mut widened = common;
             widened.add(Filter::standard(Identifier::multicast_poll_response(MacId::MIN).into(), 0x700));
             widened.add(Filter::standard(Identifier::explicit_response(MacId::MIN).into(), 0x607));
+            widened.add(Filter::standard(standard_id(GROUP_3), GROUP_3));
             return widened;
         }
         filters.add(Filter::standard(Identifier::multicast_poll_response(slave).into(), 0x73F));
         filters.add(exact(Identifier::explicit_response(slave)));
+        // Any Message ID of Group 3.
+        filters.add(Filter::standard(standard_id(GROUP_3 | u16::from(slave.number())), GROUP_3 | 0x3F));
     }
     filters
 }
@@ -95,8 +98,10 @@ fn exact(id: Identifier) -> Filter {
     Filter::exact(standard_id(id.raw()))
 }
 
-/// Two filters a slave, and room for what the master hears as a node.
-const SLAVES_TOLD_APART: usize = 4;
+/// Three filters a slave, and room for what the master hears as a node.
+const SLAVES_TOLD_APART: usize = 3;
+/// The two highest bits of Group 3, and of Group 4.
+const GROUP_3: u16 = 0x600;
 /// Group and Message ID count, the MAC ID does not.
 const ALL_SOURCES: u16 = 0x7C0;
 
@@ -133,7 +138,8 @@ mod tests {
     #[test]
     fn a_master_hears_its_slaves() {
         let ids = accepted(&master(mac(0), [mac(37)]));
-        let expected = [0x325, 0x365, 0x3A5, 0x3E5, 0x407, 0x52B];
+        let expected =
+            [0x325, 0x365, 0x3A5, 0x3E5, 0x407, 0x52B, 0x625, 0x665, 0x6A5, 0x6E5, 0x725, 0x7A5, 0x7E5];
         assert!(ids.iter().copied().filter(|raw| !(0x740..=0x77F).contains(raw)).eq(expected));
         assert_eq!(ids.len(), expected.len() + 64);
     }

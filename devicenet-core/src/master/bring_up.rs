@@ -8,6 +8,7 @@
 //! | watchdog action | Set instance 1 attribute 12 to deferred delete | next | next |
 //! | identity | Get vendor, device type, product code, and revision if it is in the key | next | Release, status 73 |
 //! | I/O | Allocate of the I/O connections over the explicit connection | next | Release, status 83 |
+//! | I/O | the same, answered "already in requested state" | Release of the I/O connections, then Allocate again | Release, status 83 |
 //! | sizes | Get attributes 7 and 8 of each instance | next | Release, status 77 |
 //! | configuration | the attribute writes of the entry | next | Release, status 89 |
 //! | start | Set attributes 17 and 9 of each instance | running | Release, status 83 |
@@ -22,10 +23,10 @@ use cip_core::identity::Revision;
 use cip_core::message::{AttributeRequest, Response};
 
 use super::config::Config;
-use super::contact::RELEASE;
+use super::contact::{RELEASE, released};
 use super::event::count;
 use super::scan_list::IoInstance;
-use super::slot::{Slot, SlotTimer};
+use super::slot::{Sending, Slot, SlotTimer};
 use super::state::{Cause, Stage, Step};
 use super::status::ScannerStatus;
 use super::writes::AttributeWrite;
@@ -38,9 +39,13 @@ type Outcome = Result<(), (Cause, ScannerStatus)>;
 impl<const N: usize> Slot<N> {
     /// A response while the slave is being brought up.
     pub(super) fn brought_further(&mut self, config: &Config, own: MacId, response: &Response<'_>) {
+        self.absent = false;
         match self.stage {
             Stage::Contacting(contact) => self.contacted(config, own, contact, response),
             Stage::Configuring(step) => {
+                if let Some(next) = self.released_first(step, response) {
+                    return self.go_to(config, own, next);
+                }
                 match self.configured(step, response) {
                     Ok(()) => self.go_on(config, own, Some(step)),
                     Err((cause, status)) => self.give_up(config, own, cause, status),
@@ -59,18 +64,41 @@ impl<const N: usize> Slot<N> {
 
     /// Asks for what comes after `done`, or starts the I/O.
     fn go_on(&mut self, config: &Config, own: MacId, done: Option<Step>) {
-        let mut done = done;
-        loop {
-            let Some(step) = self.step_after(config, done) else { return self.established() };
-            self.stage = Stage::Configuring(step);
-            if self.ask(config, own, step) {
-                return self.keep_time();
+        match self.step_after(config, done) {
+            Some(step) => self.go_to(config, own, step),
+            None => self.established(),
+        }
+    }
+
+    fn go_to(&mut self, config: &Config, own: MacId, step: Step) {
+        self.stage = Stage::Configuring(step);
+        if self.ask(config, own, step) {
+            return self.keep_time();
+        }
+        // A write that the connection cannot carry; everything else fits.
+        debug_assert!(matches!(step, Step::Write(_)), "{step:?}");
+        self.give_up(config, own, Cause::Refused, ScannerStatus::REPLACEMENT_FAILED);
+    }
+
+    /// I/O connections that an earlier life of this master left are released and allocated again: what is to be done
+    /// next for that.
+    fn released_first(&self, step: Step, response: &Response<'_>) -> Option<Step> {
+        let one_by_one = |bit| {
+            self.io_choice_after(bit)
+                .map_or(Step::AllocateIo { released: true }, |bit| Step::ReleaseIo { bit: Some(bit) })
+        };
+        match (step, *response) {
+            (
+                Step::AllocateIo { released: false },
+                Response::Error { status: GeneralStatus::ALREADY_IN_REQUESTED_STATE, .. },
+            ) => Some(Step::ReleaseIo { bit: None }),
+            (Step::ReleaseIo { bit: None }, Response::Success { .. }) => {
+                Some(Step::AllocateIo { released: true })
             }
-            // A write that the connection cannot carry.
-            if matches!(step, Step::Write(_)) {
-                return self.give_up(config, own, Cause::Refused, ScannerStatus::REPLACEMENT_FAILED);
-            }
-            done = Some(step);
+            // Not all of it exists: one after another, and never mind the errors.
+            (Step::ReleaseIo { bit: None }, Response::Error { .. }) => Some(one_by_one(0)),
+            (Step::ReleaseIo { bit: Some(bit) }, _) => Some(one_by_one(bit)),
+            _ => None,
         }
     }
 
@@ -97,10 +125,20 @@ impl<const N: usize> Slot<N> {
             Step::DeviceType => self.conversation.start_attribute(&identity(2), tries),
             Step::ProductCode => self.conversation.start_attribute(&identity(3), tries),
             Step::Revision => self.conversation.start_attribute(&identity(4), tries),
-            Step::AllocateIo => {
+            Step::AllocateIo { .. } => {
                 let data = [self.entry.choice().bits(), own.number()];
                 let request = cip_core::message::Request::new(
                     cip_core::code::ServiceCode::ALLOCATE,
+                    ClassId::DEVICENET,
+                    InstanceId(1),
+                    &data,
+                );
+                self.conversation.start(&request, tries)
+            }
+            Step::ReleaseIo { bit } => {
+                let data = [bit.unwrap_or(released(self.entry.choice()))];
+                let request = cip_core::message::Request::new(
+                    cip_core::code::ServiceCode(RELEASE),
                     ClassId::DEVICENET,
                     InstanceId(1),
                     &data,
@@ -162,8 +200,9 @@ impl<const N: usize> Slot<N> {
             Step::Vendor => Step::DeviceType,
             Step::DeviceType => Step::ProductCode,
             Step::ProductCode => Step::Revision,
-            Step::Revision => Step::AllocateIo,
-            Step::AllocateIo => Step::ProducedSize(IoInstance::Poll),
+            Step::Revision => Step::AllocateIo { released: false },
+            Step::ReleaseIo { .. } => Step::AllocateIo { released: true },
+            Step::AllocateIo { .. } => Step::ProducedSize(IoInstance::Poll),
             Step::ProducedSize(instance) => Step::ConsumedSize(instance),
             Step::ConsumedSize(instance) => next(instance).map_or(Step::Write(0), Step::ProducedSize),
             Step::Write(offset) => {
@@ -181,7 +220,8 @@ impl<const N: usize> Slot<N> {
             Step::WatchdogAction => config.deferred_delete && self.opened.is_none(),
             Step::Vendor | Step::DeviceType | Step::ProductCode => true,
             Step::Revision => self.entry.key.revision.is_some(),
-            Step::AllocateIo => !self.entry.choice().is_empty(),
+            Step::AllocateIo { .. } => !self.entry.choice().is_empty(),
+            Step::ReleaseIo { .. } => true,
             Step::ProducedSize(instance) => agreed(instance).is_some_and(|agreed| agreed.produce.is_some()),
             Step::ConsumedSize(instance) => agreed(instance).is_some_and(|agreed| agreed.consume.is_some()),
             Step::Write(offset) => usize::from(offset) < self.writes.len(),
@@ -202,9 +242,14 @@ impl<const N: usize> Slot<N> {
 
     /// Whether the answer to a step lets the slave go on.
     fn configured(&mut self, step: Step, response: &Response<'_>) -> Outcome {
+        if step == Step::Close {
+            self.opened = None;
+        }
         let data = match (*response, step) {
             (Response::Success { data, .. }, _) => data,
-            (Response::Error { .. }, Step::WatchdogAction | Step::Close) => return Ok(()),
+            (Response::Error { .. }, Step::WatchdogAction | Step::ReleaseIo { .. } | Step::Close) => {
+                return Ok(());
+            }
             (Response::Error { .. }, Step::Write(_)) => {
                 return Err((Cause::Refused, ScannerStatus::REPLACEMENT_FAILED));
             }
@@ -234,17 +279,20 @@ impl<const N: usize> Slot<N> {
                 return size(wanted, number());
             }
             Step::PacketRate(instance) => {
-                // Some slaves answer without the value that they use.
+                // Some slaves answer without the value that they use; and no time-out is not what was asked for.
                 let wanted = self.entry.agreed(instance).map_or(0, |agreed| agreed.expected_packet_rate);
-                let used = number().unwrap_or(wanted);
+                let used = number().filter(|&used| used != 0).unwrap_or(wanted);
                 if let Some(input) = self.input_mut(instance) {
                     input.rate = used;
                 }
                 true
             }
-            Step::WatchdogAction | Step::AllocateIo | Step::Write(_) | Step::InhibitTime(_) | Step::Close => {
-                true
-            }
+            Step::WatchdogAction
+            | Step::AllocateIo { .. }
+            | Step::ReleaseIo { .. }
+            | Step::Write(_)
+            | Step::InhibitTime(_)
+            | Step::Close => true,
         };
         if matches { Ok(()) } else { Err((Cause::KeyMismatch, ScannerStatus::WRONG_DEVICE)) }
     }
@@ -262,7 +310,7 @@ impl<const N: usize> Slot<N> {
             }
         }
         if self.sends_output() {
-            self.output.due = Some(0);
+            self.output.sending = Sending::Due(0);
         }
     }
 }

@@ -10,11 +10,11 @@ use link_core::Instant;
 use super::event::{Counters, SlaveCounters};
 use super::machine::Master;
 use super::scan_list::{IoInstance, ScanEntry, ScanListError};
-use super::slot::{Output, Slot, SlotTimer, TalkStage};
+use super::slot::{Output, Sending, Slot, SlotTimer, TalkStage};
 use super::state::{Cause, SlaveState, Stage};
 use super::status::ScannerStatus;
 use super::writes::AttributeWrite;
-use crate::access::{Access, Fault};
+use crate::access::{self, Access, Fault, StateKind};
 use crate::client::StartError;
 use crate::id::MacId;
 use crate::slave;
@@ -40,9 +40,15 @@ pub enum CommandError {
     /// One request at a time.
     #[error("a request to this slave is under way: wait for its Response or RequestFailed event")]
     Busy,
+    /// The path of the request names no class.
+    #[error("the path of the request names no object: give it a class and an instance")]
+    NoObject,
     /// The request cannot be sent.
     #[error(transparent)]
     Request(StartError),
+    /// Network access refuses it.
+    #[error(transparent)]
+    Access(#[from] access::CommandError),
 }
 
 impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
@@ -53,6 +59,13 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             return Err(ScanListError::OwnMacId(entry.mac_id));
         }
         entry.check(MESSAGE)?;
+        let group = self.slots.iter().find_map(|slot| slot.entry.multicast_poll);
+        match (entry.multicast_poll, group) {
+            (Some(poll), Some(group)) if poll.consume != group.consume => {
+                return Err(ScanListError::GroupSize { expected: group.consume, found: poll.consume });
+            }
+            _ => {}
+        }
         let Err(place) = self.slots.binary_search_by_key(&entry.mac_id, |slot| slot.entry.mac_id) else {
             return Err(ScanListError::AlreadyListed(entry.mac_id));
         };
@@ -63,15 +76,38 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             slot.timers.set_after(SlotTimer::Retry, Duration::ZERO);
         }
         self.slots.insert(place, slot).map_err(|_| ScanListError::Full(SLAVES))?;
-        self.list_changed();
+        if let (Some(poll), None) = (entry.multicast_poll, group) {
+            self.multicast_output = Output::zeroed(poll.consume.into());
+        }
+        self.filter_due = self.on_line;
         Ok(())
     }
 
-    /// Removes a slave. Its connections are not released: they time out.
+    /// Removes a slave. Its connections are not released: they time out, unless their expected packet rate is 0.
     pub fn remove_slave(&mut self, slave: MacId) -> Result<(), ScanListError> {
         let place = self.place(slave).ok_or(ScanListError::NotListed(slave))?;
         self.slots.remove(place);
-        self.list_changed();
+        self.cycle.forget(slave);
+        self.filter_due = self.on_line;
+        Ok(())
+    }
+
+    /// Starts anew, as after a power cycle: the way out of a fault of its own network access. All slaves are brought up
+    /// again.
+    pub fn reset(&mut self, now: Instant) {
+        self.advance(now);
+        self.node.reset(now);
+        self.follow_access();
+    }
+
+    /// Starts anew with another MAC ID.
+    pub fn set_mac_id(&mut self, now: Instant, mac_id: MacId) -> Result<(), CommandError> {
+        self.advance(now);
+        if self.place(mac_id).is_some() {
+            return Err(ScanListError::AlreadyListed(mac_id).into());
+        }
+        self.node.set_mac_id(now, mac_id)?;
+        self.follow_access();
         Ok(())
     }
 
@@ -123,15 +159,8 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         Ok(())
     }
 
-    /// The output data of the multicast poll group.
+    /// The output data of the multicast poll group: as many bytes as its slaves consume.
     pub fn set_multicast_output(&mut self, data: &[u8]) -> Result<(), CommandError> {
-        let most = MESSAGE;
-        if data.len() > most {
-            return Err(CommandError::OutputLength { expected: most, found: data.len() });
-        }
-        if data.len() != self.multicast_output.wanted.len() {
-            self.multicast_output = Output::zeroed(data.len());
-        }
         self.multicast_output.set(data).map(|_| ())
     }
 
@@ -153,7 +182,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         tries: u8,
     ) -> Result<(), CommandError> {
         let (Some(class), Some(instance)) = (request.target.class(), request.target.instance()) else {
-            return Err(CommandError::Request(StartError::Empty));
+            return Err(CommandError::NoObject);
         };
         self.talk(now, slave, tries, |talk| {
             talk.service = request.service;
@@ -203,9 +232,18 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         }
         let data = fill(&mut slot.talk);
         slot.talk.tries = tries;
-        slot.talk.data = Vec::from_slice(data)
-            .map_err(|_| CommandError::Request(StartError::TooLong { capacity: MESSAGE }))?;
-        slot.begin_talk(&self.config, own).map_err(CommandError::Request)
+        let started = match Vec::from_slice(data) {
+            Ok(data) => {
+                slot.talk.data = data;
+                slot.begin_talk(&self.config, own)
+            }
+            Err(_) => Err(StartError::TooLong { capacity: MESSAGE }),
+        };
+        if started.is_err() {
+            // It is no response either.
+            slot.talk.data.clear();
+        }
+        started.map_err(CommandError::Request)
     }
 
     /// The response that the last [`Response`](super::SlaveEvent::Response) event told of.
@@ -265,14 +303,27 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         self.slot(slave).map(|slot| slot.status)
     }
 
-    /// The scanner's own status: 70 and 91 off line, 80 when it is idle.
+    /// The scanner's own status.
+    ///
+    /// | Status | When |
+    /// |---|---|
+    /// | 70 | another node has its MAC ID |
+    /// | 91 | bus-off |
+    /// | 92 | the link is down |
+    /// | 79 | nobody acknowledges what it sends |
+    /// | 84 | it checks its MAC ID |
+    /// | 75, 76 | the scan list is empty; with 76 other nodes were heard |
+    /// | 80 | it is idle |
     #[must_use]
     pub fn own_status(&self) -> ScannerStatus {
         match self.access().fault() {
             Some(Fault::DuplicateMacId) => ScannerStatus::DUPLICATE_MAC_ID,
             Some(Fault::BusOff) => ScannerStatus::BUS_OFF,
+            None if self.access().state().kind() == StateKind::NonExistent => ScannerStatus::NO_NETWORK_POWER,
+            None if self.unacknowledged => ScannerStatus::TRANSMIT_FAILED,
             None if !self.on_line => ScannerStatus::INITIALISING,
-            None if self.slots.is_empty() => ScannerStatus::NO_TRAFFIC,
+            None if self.slots.is_empty() && self.counters.unrelated == 0 => ScannerStatus::NO_TRAFFIC,
+            None if self.slots.is_empty() => ScannerStatus::NO_DIRECT_TRAFFIC,
             None if !self.run => ScannerStatus::SCANNER_IDLE,
             None => ScannerStatus::NORMAL,
         }
@@ -304,7 +355,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         self.slots.binary_search_by_key(&slave, |slot| slot.entry.mac_id).ok()
     }
 
-    fn slot(&self, slave: MacId) -> Option<&Slot<MESSAGE>> {
+    pub(super) fn slot(&self, slave: MacId) -> Option<&Slot<MESSAGE>> {
         self.slots.get(self.place(slave)?)
     }
 
@@ -312,21 +363,13 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         let place = self.place(slave)?;
         self.slots.get_mut(place)
     }
-
-    /// The places of the slaves are others: a new scan, and another filter.
-    fn list_changed(&mut self) {
-        self.filter_due = self.on_line;
-        self.cycle.stop();
-        self.timers.clear_all();
-    }
 }
 
 impl<const N: usize> Slot<N> {
     fn output_changed(&mut self) {
-        if self.output.due.is_some() {
-            self.output.changed = true;
-        } else {
-            self.output.due = Some(0);
+        match self.output.sending {
+            Sending::Idle | Sending::Due(0) => self.output.sending = Sending::Due(0),
+            Sending::Due(_) | Sending::HandedOut => self.output.changed = true,
         }
     }
 }

@@ -80,6 +80,7 @@ impl<const N: usize> Slot<N> {
                 };
                 let route = Route::predefined(own, self.entry.mac_id, format);
                 self.conversation.reroute(route, config.connected);
+                self.format = format;
                 self.opened = None;
                 self.ucmm = false;
                 self.connected(config, own);
@@ -99,8 +100,7 @@ impl<const N: usize> Slot<N> {
                 self.contact(config, own, Contact::ReleaseOne { bit: AllocationChoice::EXPLICIT.bits() });
             }
             (Contact::ReleaseOne { bit }, _) => {
-                let wanted = released(self.entry.choice());
-                let next = IO_CHOICES.into_iter().find(|&choice| choice > bit && wanted & choice != 0);
+                let next = self.io_choice_after(bit);
                 self.contact(
                     config,
                     own,
@@ -120,6 +120,12 @@ impl<const N: usize> Slot<N> {
                 self.give_up(config, own, Cause::Refused, ScannerStatus::INITIALISATION_REFUSED);
             }
         }
+    }
+
+    /// The I/O connections of the entry one by one, each as a release choice.
+    pub(super) fn io_choice_after(&self, bit: u8) -> Option<u8> {
+        let wanted = released(self.entry.choice());
+        IO_CHOICES.into_iter().find(|&choice| choice > bit && wanted & choice != 0)
     }
 
     /// The connection that the data of an Open response describe.
@@ -157,6 +163,7 @@ impl<const N: usize> Slot<N> {
             }
             (Stage::Contacting(_), _) => {
                 self.ucmm = false;
+                self.absent = true;
                 self.give_up(config, own, Cause::NoAnswer, ScannerStatus::NOT_FOUND);
             }
             (Stage::Configuring(_), Failure::NoResponse | Failure::NotAcknowledged) => {
@@ -214,7 +221,7 @@ fn back_off(config: &Config, failures: u8) -> Duration {
 }
 
 /// A release choice: acknowledge suppression is no connection.
-fn released(choice: AllocationChoice) -> u8 {
+pub(super) fn released(choice: AllocationChoice) -> u8 {
     choice.difference(AllocationChoice::ACK_SUPPRESSION).bits()
 }
 

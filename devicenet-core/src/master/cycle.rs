@@ -22,7 +22,7 @@ use crate::id::MacId;
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub(super) struct Cycle {
     pub(super) position: Position,
-    number: u32,
+    pub(super) number: u32,
     /// The slaves whose responses are missing, by instance: bit n for MAC ID n.
     awaited: [u64; 4],
     /// The interscan delay is over.
@@ -32,7 +32,7 @@ pub(super) struct Cycle {
     /// Explicit messages that were handed out since the scan began.
     pub(super) explicit_given: u16,
     /// Frames outside of the scan that the bus carried since all commands were out.
-    given_way: u16,
+    pub(super) given_way: u16,
     /// Explicit messages of this scan that are to be answered.
     pub(super) unanswered: u16,
     /// Nobody has sent for a moment.
@@ -51,7 +51,7 @@ pub(super) enum Position {
         fragment: usize,
     },
     Poll {
-        slot: usize,
+        slave: MacId,
         fragment: usize,
     },
     /// All commands are out.
@@ -92,26 +92,41 @@ impl Cycle {
         let polled = slots.iter().filter(|slot| takes_part(slot, IoInstance::Poll)).count();
         self.share = u16::try_from(polled).unwrap_or(u16::MAX).wrapping_div(POLLS_PER_EXPLICIT).max(1);
         self.commanded = false;
-        self.seek(slots, Position::BitStrobe, ratio);
+        self.position = Position::BitStrobe;
+        self.skip_idle(slots, ratio);
     }
 
-    /// Goes to the first command at or after `from`.
-    pub(super) fn seek<const N: usize>(&mut self, slots: &[Slot<N>], from: Position, ratio: u16) {
+    /// Goes on to the next command that has somebody to go to.
+    pub(super) fn skip_idle<const N: usize>(&mut self, slots: &[Slot<N>], ratio: u16) {
         let uses = |instance| slots.iter().any(|slot| takes_part(slot, instance));
-        let mut position = from;
-        self.position = loop {
-            position = match position {
-                Position::BitStrobe if !uses(IoInstance::BitStrobe) => Position::Multicast { fragment: 0 },
-                Position::Multicast { .. } if !uses(IoInstance::MulticastPoll) => {
-                    Position::Poll { slot: 0, fragment: 0 }
-                }
-                Position::Poll { slot, fragment: 0 } => {
-                    let next = slots.iter().enumerate().skip(slot).find(|(_, slot)| self.polls(slot, ratio));
-                    break next.map_or(Position::Pause, |(slot, _)| Position::Poll { slot, fragment: 0 });
-                }
-                found => break found,
-            };
+        let is_polled = |slave| {
+            slots
+                .binary_search_by_key(&slave, |slot| slot.entry.mac_id)
+                .is_ok_and(|place| slots.get(place).is_some_and(|slot| takes_part(slot, IoInstance::Poll)))
         };
+        if self.position == Position::BitStrobe && !uses(IoInstance::BitStrobe) {
+            self.position = Position::Multicast { fragment: 0 };
+        }
+        if matches!(self.position, Position::Multicast { .. }) && !uses(IoInstance::MulticastPoll) {
+            self.position = self.poll_after(slots, None, ratio);
+        }
+        if let Position::Poll { slave, .. } = self.position
+            && !is_polled(slave)
+        {
+            self.position = self.poll_after(slots, Some(slave), ratio);
+        }
+    }
+
+    /// The first poll command, or the one after that of a slave.
+    pub(super) fn poll_after<const N: usize>(
+        &self,
+        slots: &[Slot<N>],
+        after: Option<MacId>,
+        ratio: u16,
+    ) -> Position {
+        let mut rest = slots.iter().filter(|slot| after.is_none_or(|after| slot.entry.mac_id > after));
+        rest.find(|slot| self.polls(slot, ratio))
+            .map_or(Position::Pause, |slot| Position::Poll { slave: slot.entry.mac_id, fragment: 0 })
     }
 
     /// Whether anybody would be scanned.
@@ -139,6 +154,13 @@ impl Cycle {
     /// It is there, or will never be.
     pub(super) fn satisfy(&mut self, instance: IoInstance, slave: MacId) {
         if let Some(awaited) = self.awaited.get_mut(instance.index()) {
+            *awaited &= !bit(slave);
+        }
+    }
+
+    /// Nothing of that slave is expected any more.
+    pub(super) fn forget(&mut self, slave: MacId) {
+        for awaited in &mut self.awaited {
             *awaited &= !bit(slave);
         }
     }

@@ -4,20 +4,21 @@ use core::time::Duration;
 
 use heapless::Vec;
 use link_core::timers::TimerKey;
-use link_core::{Action, Deadline, FilterSet, Input, Instant, LinkCommand, LinkEvent, Machine, Timers};
+use link_core::{
+    Action, BusErrorKind, Deadline, FilterSet, Input, Instant, LinkCommand, LinkEvent, Machine, Timers,
+};
 
 use super::config::Config;
 use super::cycle::Cycle;
 use super::event::{Counters, MasterEvent, count32};
 use super::node::{OwnNode, Scanner};
 use super::output::Lanes;
-use super::replacement::Candidate;
-use super::scan_list::IoInstance;
+use super::replacement::{Candidate, ReplacementMode};
 use super::slot::{Output, Slot, SlotTimer};
 use super::state::{Cause, Stage};
 use super::status::ScannerStatus;
 use crate::access::NetworkStatus;
-use crate::id;
+use crate::id::{self, MacId};
 use crate::slave;
 
 /// A DeviceNet master; see the [module](super) text.
@@ -43,6 +44,8 @@ pub struct Master<const SLAVES: usize, const MESSAGE: usize> {
     pub(super) scan_done: Option<u8>,
     pub(super) filter_due: bool,
     pub(super) shown: NetworkStatus,
+    /// Nobody acknowledges what it sends.
+    pub(super) unacknowledged: bool,
 }
 
 /// The waits of the scan.
@@ -88,10 +91,13 @@ impl<const SLAVES: usize, const MESSAGE: usize> Machine for Master<SLAVES, MESSA
                     self.cycle.gave_way();
                     self.cycle.unanswered = self.cycle.unanswered.saturating_sub(1);
                 }
+                self.unacknowledged = false;
                 self.frame(&frame);
                 self.give_way();
             }
             Input::TxDone(token, outcome) if Lanes::own(token) => {
+                self.node.input(now, Input::Tick);
+                self.follow_access();
                 self.tx_done(token, outcome);
                 self.give_way();
             }
@@ -109,15 +115,13 @@ impl<const SLAVES: usize, const MESSAGE: usize> Machine for Master<SLAVES, MESSA
 
     fn poll(&mut self, now: Instant) -> Option<Action<MasterEvent>> {
         self.advance(now);
-        let action = self
-            .lanes
+        self.scan();
+        self.lanes
             .withdraw()
             .or_else(|| self.poll_node(now))
             .or_else(|| self.set_filter())
             .or_else(|| self.event().map(Action::Event))
-            .or_else(|| self.transmit());
-        self.scan();
-        action
+            .or_else(|| self.transmit())
     }
 
     fn deadline(&self) -> Option<Deadline> {
@@ -139,6 +143,10 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     /// [`set_run`](Self::set_run).
     #[must_use]
     pub fn new(config: Config) -> Self {
+        const {
+            assert!(SLAVES <= 63, "there are 64 MAC IDs, and one is the master's own");
+            assert!(MESSAGE >= 16, "the master's own requests take up to 16 bytes");
+        }
         Self {
             node: OwnNode::assembled(config.node.clone(), Scanner { device: config.device.clone() }),
             on_line: false,
@@ -153,15 +161,18 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             scan_done: None,
             filter_due: false,
             shown: NetworkStatus::Off,
+            unacknowledged: false,
             config,
         }
     }
 
     /// What it must hear: its own duplicate MAC ID check and those of its slaves, UCMM responses and heartbeats, and of
-    /// each slave the explicit responses and all I/O.
+    /// each slave, and of a device that may replace one, the explicit responses and all I/O.
     #[must_use]
     pub fn filter(&self) -> FilterSet {
-        let mut filters = id::master(self.access().mac_id(), self.slots.iter().map(|slot| slot.entry.mac_id));
+        let candidate = (self.config.replacement != ReplacementMode::Off).then_some(MacId::MAX);
+        let slaves = self.slots.iter().map(|slot| slot.entry.mac_id).chain(candidate);
+        let mut filters = id::master(self.access().mac_id(), slaves);
         filters.add(id::duplicate_mac_checks());
         let node = if self.on_line { self.node.filter() } else { self.access().filter() };
         filters.extend(node.as_slice().iter().copied());
@@ -197,9 +208,8 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
                             slot.begin(&self.config, own);
                         }
                     }
-                    SlotTimer::Watchdog(instance) => {
-                        slot.lost(instance);
-                    }
+                    SlotTimer::Watchdog(_) => slot.lost(Cause::TimedOut),
+                    SlotTimer::Restart => slot.lost(Cause::CheckHeard),
                     SlotTimer::Trigger => slot.trigger_output(),
                 }
             }
@@ -208,7 +218,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     }
 
     /// Follows network access on line and off line.
-    fn follow_access(&mut self) {
+    pub(super) fn follow_access(&mut self) {
         let on_line = self.access().is_online();
         if on_line == self.on_line {
             return;
@@ -216,8 +226,9 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         self.on_line = on_line;
         if on_line {
             self.filter_due = true;
+            let own = self.access().mac_id();
             for slot in &mut self.slots {
-                slot.master_on_line();
+                slot.master_on_line(own);
             }
         } else {
             for slot in &mut self.slots {
@@ -234,17 +245,17 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         match event {
             // A port that is up has no filter yet.
             LinkEvent::Up => self.filter_due = true,
-            LinkEvent::Down
-            | LinkEvent::BusOff
-            | LinkEvent::ErrorWarning
+            LinkEvent::BusError(BusErrorKind::Ack) => self.unacknowledged = true,
+            LinkEvent::Down | LinkEvent::BusOff => self.unacknowledged = false,
+            LinkEvent::Refused(_) => super::event::count(&mut self.counters.refused),
+            LinkEvent::ErrorWarning
             | LinkEvent::ErrorPassive
             | LinkEvent::ErrorActive
             | LinkEvent::BusError(_)
             | LinkEvent::Counters { .. }
             | LinkEvent::Overrun { .. }
             | LinkEvent::ModeSet(_)
-            | LinkEvent::FilterSet
-            | LinkEvent::Refused(_) => {}
+            | LinkEvent::FilterSet => {}
         }
     }
 
@@ -316,8 +327,12 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     /// Moves the scan on where it waits for nothing.
     pub(super) fn scan(&mut self) {
         use super::cycle::Position;
+        self.follow_slaves();
         if !self.on_line {
             return;
+        }
+        if !self.lanes.carries_command() {
+            self.skip_idle();
         }
         let ratio = self.config.background_ratio;
         if self.cycle.position == Position::Stopped {
@@ -358,7 +373,11 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         if self.cycle.position != super::cycle::Position::Pause {
             return;
         }
-        self.cycle.quiet = self.config.interscan_delay >= ANSWERED;
+        if self.config.interscan_delay >= ANSWERED {
+            self.cycle.quiet = true;
+            return;
+        }
+        self.cycle.quiet = false;
         let is_talking = self.cycle.unanswered != 0 || self.lanes.carries_explicit();
         self.timers.set_after(Timer::Quiet, if is_talking { ANSWERED } else { QUIET });
     }
@@ -378,7 +397,11 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 }
 
 impl<const N: usize> Slot<N> {
-    fn master_on_line(&mut self) {
+    fn master_on_line(&mut self, own: MacId) {
+        // A tool gave the master the MAC ID of one of its slaves.
+        if self.entry.mac_id == own {
+            return self.set_status(ScannerStatus::ILLEGAL_SCAN_LIST);
+        }
         self.enter(Stage::Waiting, Cause::MasterOnLine);
         self.set_status(ScannerStatus::INITIALISING);
         // Unless its own check was heard a moment ago.
@@ -392,10 +415,13 @@ impl<const N: usize> Slot<N> {
         self.conversation.cancel();
         self.timers.clear_all();
         self.failures = 0;
-        self.enter(Stage::Offline, Cause::MasterOffLine);
+        self.absent = false;
+        if self.stage != Stage::Offline {
+            self.enter(Stage::Offline, Cause::MasterOffLine);
+        }
     }
 
-    fn conversation_expired(&mut self, config: &Config, own: crate::MacId) {
+    fn conversation_expired(&mut self, config: &Config, own: MacId) {
         let failure = self.conversation.timer_expired();
         self.keep_time();
         let Some(failure) = failure else { return };
@@ -406,12 +432,12 @@ impl<const N: usize> Slot<N> {
         }
     }
 
-    /// Nothing came over an instance for too long.
-    fn lost(&mut self, _instance: IoInstance) {
+    /// Nothing came over an instance for too long, or it starts anew.
+    fn lost(&mut self, cause: Cause) {
         if self.is_running() {
             super::event::count(&mut self.counters.timeouts);
             self.abandon_talk();
-            self.wait(Cause::TimedOut, ScannerStatus::STOPPED_COMMUNICATING, Duration::ZERO);
+            self.wait(cause, ScannerStatus::STOPPED_COMMUNICATING, Duration::ZERO);
         }
     }
 }

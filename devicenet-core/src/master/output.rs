@@ -17,7 +17,7 @@ use super::cycle::{Position, takes_part};
 use super::event::{MasterEvent, count, count32};
 use super::machine::Master;
 use super::scan_list::IoInstance;
-use super::slot::{Output, Slot, SlotTimer};
+use super::slot::{Output, Sending, Slot, SlotTimer};
 use crate::id::{Identifier, MacId};
 use crate::message::{self, BitStrobeCommand, Wire};
 
@@ -27,14 +27,24 @@ pub(super) struct Lanes {
     answers: Lane,
     scan: Lane,
     explicit: Lane,
-    /// The slave whose turn it is in the explicit lane.
+    /// The place in the scan list whose turn it is in the explicit lane, and among the answers.
     turn: usize,
+    answer_turn: usize,
 }
 
 #[derive(Clone, PartialEq, Eq, Hash, Debug, Default)]
 struct Lane {
     carries: Option<Carried>,
-    withdraw: bool,
+    withdrawal: Withdrawal,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+enum Withdrawal {
+    #[default]
+    None,
+    Due,
+    /// Its `TxDone` tells what came of it.
+    Told,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -46,10 +56,27 @@ enum Carried {
         slave: MacId,
         fragment: usize,
     },
-    Command,
+    BitStrobe,
+    Multicast {
+        fragment: usize,
+    },
+    Poll {
+        slave: MacId,
+        fragment: usize,
+    },
     Explicit {
         slave: MacId,
     },
+    /// To the device at MAC ID 63 that may replace a slave.
+    Candidate,
+}
+
+impl Lane {
+    const fn withdraw(&mut self) {
+        if let Withdrawal::None = self.withdrawal {
+            self.withdrawal = Withdrawal::Due;
+        }
+    }
 }
 
 impl Lanes {
@@ -64,25 +91,36 @@ impl Lanes {
     /// Nothing that is in flight is wanted any more.
     pub(super) fn abandon(&mut self) {
         for lane in [&mut self.answers, &mut self.scan, &mut self.explicit] {
-            if lane.carries.is_some() {
-                *lane = Lane { carries: Some(Carried::Abandoned), withdraw: true };
+            match lane.carries {
+                // The conversation waits for its frame.
+                Some(Carried::Explicit { .. } | Carried::Candidate) => lane.withdraw(),
+                Some(_) => {
+                    lane.carries = Some(Carried::Abandoned);
+                    lane.withdraw();
+                }
+                None => {}
             }
         }
     }
 
-    pub(super) fn withdraw(&mut self) -> Option<Action<MasterEvent>> {
-        let lanes = [(ANSWERS, &mut self.answers), (SCAN, &mut self.scan), (EXPLICIT, &mut self.explicit)];
-        lanes
-            .into_iter()
-            .find_map(|(token, lane)| core::mem::take(&mut lane.withdraw).then_some(Action::Withdraw(token)))
+    /// Whether a command of the scan is in flight.
+    pub(super) const fn carries_command(&self) -> bool {
+        self.scan.carries.is_some()
     }
 
     pub(super) const fn carries_explicit(&self) -> bool {
         self.explicit.carries.is_some()
     }
 
-    const fn must_withdraw(&self) -> bool {
-        self.answers.withdraw || self.scan.withdraw || self.explicit.withdraw
+    pub(super) fn withdraw(&mut self) -> Option<Action<MasterEvent>> {
+        let lanes = [(ANSWERS, &mut self.answers), (SCAN, &mut self.scan), (EXPLICIT, &mut self.explicit)];
+        let (token, lane) = lanes.into_iter().find(|(_, lane)| lane.withdrawal == Withdrawal::Due)?;
+        lane.withdrawal = Withdrawal::Told;
+        Some(Action::Withdraw(token))
+    }
+
+    fn must_withdraw(&self) -> bool {
+        [&self.answers, &self.scan, &self.explicit].iter().any(|lane| lane.withdrawal == Withdrawal::Due)
     }
 }
 
@@ -110,7 +148,12 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         if self.lanes.answers.carries.is_some() {
             return None;
         }
-        self.slots.iter().position(|slot| slot.acknowledge_due || slot.output.due.is_some())
+        let due = |&(_, slot): &(usize, &Slot<MESSAGE>)| {
+            slot.acknowledge_due || matches!(slot.output.sending, Sending::Due(_))
+        };
+        let mut slots = self.slots.iter().enumerate();
+        let after = slots.clone().skip(self.lanes.answer_turn).find(due);
+        after.or_else(|| slots.find(due)).map(|(place, _)| place)
     }
 
     fn answer(&mut self) -> Option<Action<MasterEvent>> {
@@ -118,11 +161,13 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         let run = self.run;
         let slot = self.slots.get_mut(place)?;
         let slave = slot.entry.mac_id;
+        self.lanes.answer_turn = place.saturating_add(1);
         let (carried, frame) = if core::mem::take(&mut slot.acknowledge_due) {
             let frame = Identifier::change_of_state_acknowledge(slave).frame(&[])?;
             (Carried::Acknowledge, frame)
         } else {
-            let fragment = slot.output.due.take()?;
+            let Sending::Due(fragment) = slot.output.sending else { return None };
+            slot.output.sending = Sending::HandedOut;
             let fragmented = slot.output.is_fragmented();
             let data = slot.output.message(run, fragment);
             let frame = io_frame(Identifier::poll_command(slave), data, fragmented, fragment)?;
@@ -145,22 +190,25 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             return None;
         }
         let own = self.access().mac_id();
-        let frame = match self.cycle.position {
+        let (carried, frame) = match self.cycle.position {
             Position::Stopped | Position::Pause => return None,
-            Position::BitStrobe => self.strobe()?,
+            Position::BitStrobe => (Carried::BitStrobe, self.strobe()?),
             Position::Multicast { fragment } => {
                 let fragmented = self.multicast_output.is_fragmented();
                 let data = self.multicast_output.message(self.run, fragment);
-                io_frame(Identifier::multicast_poll_command(own), data, fragmented, fragment)?
+                let id = Identifier::multicast_poll_command(own);
+                (Carried::Multicast { fragment }, io_frame(id, data, fragmented, fragment)?)
             }
-            Position::Poll { slot, fragment } => {
-                let slot = self.slots.get_mut(slot)?;
-                let id = Identifier::poll_command(slot.entry.mac_id);
+            Position::Poll { slave, fragment } => {
+                let run = self.run;
+                let slot = self.slot_mut(slave)?;
                 let fragmented = slot.output.is_fragmented();
-                io_frame(id, slot.output.message(self.run, fragment), fragmented, fragment)?
+                let data = slot.output.message(run, fragment);
+                let frame = io_frame(Identifier::poll_command(slave), data, fragmented, fragment)?;
+                (Carried::Poll { slave, fragment }, frame)
             }
         };
-        self.lanes.scan.carries = Some(Carried::Command);
+        self.lanes.scan.carries = Some(carried);
         Some(Action::Transmit(SCAN, frame))
     }
 
@@ -200,12 +248,12 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 
     fn explicit(&mut self) -> Option<Action<MasterEvent>> {
         let place = self.explicit_due()?;
-        let (slave, conversation) = match self.slots.get_mut(place) {
-            Some(slot) => (slot.entry.mac_id, &mut slot.conversation),
-            None => (MacId::MAX, &mut self.candidate.conversation),
+        let (carried, conversation) = match self.slots.get_mut(place) {
+            Some(slot) => (Carried::Explicit { slave: slot.entry.mac_id }, &mut slot.conversation),
+            None => (Carried::Candidate, &mut self.candidate.conversation),
         };
         let frame = conversation.poll()?;
-        self.lanes.explicit.carries = Some(Carried::Explicit { slave });
+        self.lanes.explicit.carries = Some(carried);
         self.lanes.turn = if place < self.slots.len() { place.saturating_add(1) } else { 0 };
         self.cycle.explicit_given = self.cycle.explicit_given.saturating_add(1);
         self.give_way();
@@ -222,87 +270,109 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             EXPLICIT => &mut self.lanes.explicit,
             _ => return count(&mut self.counters.stray_tx_done),
         };
-        lane.withdraw = false;
+        lane.withdrawal = Withdrawal::None;
         let Some(carried) = lane.carries.take() else { return count(&mut self.counters.stray_tx_done) };
-        if outcome != TxOutcome::Sent {
+        let sent = outcome == TxOutcome::Sent;
+        if sent {
+            self.unacknowledged = false;
+        } else {
             count32(&mut self.counters.not_sent);
         }
         match carried {
-            Carried::Acknowledge => {}
-            Carried::Abandoned => self.forget_explicit(),
+            Carried::Acknowledge | Carried::Abandoned => {}
             Carried::Output { slave, fragment } => {
                 if let Some(slot) = self.slot_mut(slave) {
-                    slot.output_sent(fragment);
+                    slot.output_sent(fragment, sent);
                 }
             }
-            Carried::Command => self.command_sent(),
+            Carried::BitStrobe => {
+                if sent {
+                    self.expect_all(IoInstance::BitStrobe);
+                }
+                self.next_command(Position::Multicast { fragment: 0 });
+            }
+            Carried::Multicast { fragment } => self.multicast_sent(fragment, sent),
+            Carried::Poll { slave, fragment } => self.poll_sent(slave, fragment, sent),
             Carried::Explicit { slave } => {
                 if let Some(slot) = self.slot_mut(slave) {
                     slot.conversation.tx_done(outcome);
                     slot.keep_time();
-                    let asks = slot.conversation.is_busy() && outcome == TxOutcome::Sent;
+                    let asks = slot.conversation.is_busy() && sent;
                     self.cycle.unanswered = self.cycle.unanswered.saturating_add(asks.into());
-                } else {
-                    self.candidate.conversation.tx_done(outcome);
-                    self.candidate.keep_time();
                 }
             }
-        }
-    }
-
-    /// A conversation that was cancelled still waits for its frame.
-    fn forget_explicit(&mut self) {
-        if self.lanes.explicit.carries.is_none() {
-            for slot in &mut self.slots {
-                if slot.conversation.is_in_flight() {
-                    slot.conversation.tx_done(TxOutcome::Dropped);
-                    slot.keep_time();
-                }
-            }
-            if self.candidate.conversation.is_in_flight() {
-                self.candidate.conversation.tx_done(TxOutcome::Dropped);
+            Carried::Candidate => {
+                self.candidate.conversation.tx_done(outcome);
                 self.candidate.keep_time();
             }
         }
     }
 
-    /// The next fragment, or the next command. A command that was given back unsent is not repeated: the next scan comes
-    /// soon enough.
-    fn command_sent(&mut self) {
-        let ratio = self.config.background_ratio;
-        match self.cycle.position {
-            Position::Stopped | Position::Pause => {}
-            Position::BitStrobe => {
-                self.expect_all(IoInstance::BitStrobe);
-                self.cycle.seek(&self.slots, Position::Multicast { fragment: 0 }, ratio);
-            }
-            Position::Multicast { fragment } => {
-                if let Some(fragment) = self.multicast_output.next_fragment(fragment) {
-                    self.cycle.position = Position::Multicast { fragment };
-                } else {
+    /// The next fragment, or the first poll. A command that was given back unsent is not repeated, nor is the rest of it
+    /// sent: the next scan comes soon enough.
+    fn multicast_sent(&mut self, fragment: usize, sent: bool) {
+        match self.multicast_output.next_fragment(fragment).filter(|_| sent) {
+            Some(fragment) => self.next_command(Position::Multicast { fragment }),
+            None => {
+                if sent {
                     self.expect_all(IoInstance::MulticastPoll);
-                    self.cycle.seek(&self.slots, Position::Poll { slot: 0, fragment: 0 }, ratio);
                 }
-            }
-            Position::Poll { slot: place, fragment } => {
-                let Some(slot) = self.slots.get_mut(place) else { return };
-                match slot.output.next_fragment(fragment) {
-                    Some(fragment) if slot.is_running() => {
-                        self.cycle.position = Position::Poll { slot: place, fragment };
-                    }
-                    _ => {
-                        if slot.is_running() {
-                            count32(&mut slot.counters.commands);
-                            self.cycle.expect(IoInstance::Poll, slot.entry.mac_id);
-                        }
-                        let next = Position::Poll { slot: place.saturating_add(1), fragment: 0 };
-                        self.cycle.seek(&self.slots, next, ratio);
-                    }
-                }
+                let first = self.cycle.poll_after(&self.slots, None, self.config.background_ratio);
+                self.next_command(first);
             }
         }
+    }
+
+    /// The same for a poll.
+    fn poll_sent(&mut self, slave: MacId, fragment: usize, sent: bool) {
+        let place = self.place(slave);
+        let slot = place.and_then(|place| self.slots.get_mut(place)).filter(|slot| sent && slot.is_running());
+        if let Some(slot) = slot {
+            if let Some(fragment) = slot.output.next_fragment(fragment) {
+                return self.next_command(Position::Poll { slave, fragment });
+            }
+            count32(&mut slot.counters.commands);
+            self.cycle.expect(IoInstance::Poll, slave);
+        }
+        let next = self.cycle.poll_after(&self.slots, Some(slave), self.config.background_ratio);
+        self.next_command(next);
+    }
+
+    fn next_command(&mut self, position: Position) {
+        self.cycle.position = position;
+        self.cycle.skip_idle(&self.slots, self.config.background_ratio);
         if self.cycle.position == Position::Pause {
             self.pause();
+        }
+    }
+
+    /// Passes over slaves that were lost or removed before their turn came.
+    pub(super) fn skip_idle(&mut self) {
+        let before = self.cycle.position;
+        self.cycle.skip_idle(&self.slots, self.config.background_ratio);
+        if self.cycle.position == Position::Pause && before != Position::Pause {
+            self.pause();
+        }
+    }
+
+    /// Takes back what is in flight to a slave that was lost or removed: no outputs for who does not run.
+    pub(super) fn follow_slaves(&mut self) {
+        let runs = |slave: &MacId| self.slot(*slave).is_some_and(Slot::is_running);
+        let speaks = |slave: &MacId| self.slot(*slave).is_some_and(|slot| !slot.conversation.is_cancelled());
+        let answer =
+            matches!(&self.lanes.answers.carries, Some(Carried::Output { slave, .. }) if !runs(slave));
+        let poll = matches!(&self.lanes.scan.carries, Some(Carried::Poll { slave, .. }) if !runs(slave));
+        let explicit =
+            matches!(&self.lanes.explicit.carries, Some(Carried::Explicit { slave }) if !speaks(slave));
+        if answer {
+            self.lanes.answers.carries = Some(Carried::Abandoned);
+            self.lanes.answers.withdraw();
+        }
+        if poll {
+            self.lanes.scan.withdraw();
+        }
+        if explicit {
+            self.lanes.explicit.withdraw();
         }
     }
 
@@ -319,26 +389,33 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 impl<const N: usize> Slot<N> {
     /// The transmission trigger of the output data is over.
     pub(super) fn trigger_output(&mut self) {
-        if self.is_running() && self.output.due.is_none() {
-            self.output.due = Some(0);
+        if self.is_running() && self.output.sending == Sending::Idle {
+            self.output.sending = Sending::Due(0);
         }
     }
 
-    fn output_sent(&mut self, fragment: usize) {
-        if !self.is_running() {
+    fn output_sent(&mut self, fragment: usize, sent: bool) {
+        // It was lost meanwhile, whether or not it runs again.
+        if self.output.sending != Sending::HandedOut {
             return;
+        }
+        if !sent {
+            self.output.sending = Sending::Idle;
+            self.output.changed = false;
+            return self.timers.set_after(SlotTimer::Trigger, GIVEN_BACK);
         }
         if let Some(next) = self.output.next_fragment(fragment) {
-            self.output.due = Some(next);
+            self.output.sending = Sending::Due(next);
             return;
         }
+        self.output.sending = Sending::Idle;
         // The trigger runs from the end of the message on.
         let rate = self.input(IoInstance::Poll).map_or(0, |input| input.rate);
         if rate != 0 {
             self.timers.set_after(SlotTimer::Trigger, Duration::from_millis(rate.into()));
         }
         if core::mem::take(&mut self.output.changed) {
-            self.output.due = Some(0);
+            self.output.sending = Sending::Due(0);
         }
     }
 }
@@ -386,6 +463,8 @@ fn io_frame(id: Identifier, data: &[u8], fragmented: bool, fragment: usize) -> O
     message::frame(id, &message::IoFragment { fragment: byte, data: part })
 }
 
+/// Before output data that the controller gave back are sent again.
+const GIVEN_BACK: Duration = Duration::from_millis(10);
 const ANSWERS: TxToken = TxToken(0x1001);
 const SCAN: TxToken = TxToken(0x1002);
 const EXPLICIT: TxToken = TxToken(0x1003);

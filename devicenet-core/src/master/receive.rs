@@ -13,7 +13,7 @@ use super::state::{Cause, Stage};
 use super::status::ScannerStatus;
 use crate::client::Progress;
 use crate::id::{Identifier, MacId, Purpose};
-use crate::message::{Heartbeat, Shutdown, Wire};
+use crate::message::{Direction, Heartbeat, Shutdown, Wire};
 
 impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     pub(super) fn frame(&mut self, frame: &Frame) {
@@ -23,7 +23,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             return self.frame_of_stranger(id, slave, frame);
         }
         match id.purpose() {
-            Purpose::DuplicateMacCheck => self.check_heard(slave),
+            Purpose::DuplicateMacCheck => self.check_heard(slave, frame.data()),
             _ if !self.on_line => {}
             Purpose::PollResponse => self.io(slave, IoInstance::Poll, frame.data()),
             Purpose::BitStrobeResponse => self.io(slave, IoInstance::BitStrobe, frame.data()),
@@ -45,8 +45,9 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     }
 
     /// A slave that checks its MAC ID is on line one second after its second request.
-    fn check_heard(&mut self, slave: MacId) {
+    fn check_heard(&mut self, slave: MacId, data: &[u8]) {
         let Some(slot) = self.slot_mut(slave) else { return };
+        let direction = data.first().map_or(Direction::Request, |&byte| Direction::of(byte));
         match slot.stage {
             Stage::Offline => slot.timers.set_after(SlotTimer::Retry, AFTER_CHECK),
             Stage::Waiting => {
@@ -54,8 +55,13 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
                 slot.enter(Stage::Waiting, Cause::CheckHeard);
                 slot.timers.set_after(SlotTimer::Retry, AFTER_CHECK);
             }
-            // Whoever it is: a slave that restarts falls silent, and is noticed by that.
-            Stage::Contacting(_) | Stage::Configuring(_) | Stage::Running => {}
+            // It may be too late for this attempt, but not for the next.
+            Stage::Contacting(_) | Stage::Configuring(_) => slot.failures = 0,
+            // The slave itself would not answer its own request, and it would object to that of a newcomer.
+            Stage::Running => match direction {
+                Direction::Request => slot.timers.set_after(SlotTimer::Restart, AFTER_CHECK),
+                Direction::Response => slot.timers.clear(SlotTimer::Restart),
+            },
         }
     }
 
@@ -138,13 +144,13 @@ impl<const N: usize> Slot<N> {
             match input.reassembly.frame(data) {
                 IoOutcome::Stored => return false,
                 IoOutcome::Complete(message) => message,
-                IoOutcome::TooLong => return self.wrong_length(),
+                IoOutcome::TooLong => return self.wrong_length(instance),
                 IoOutcome::OutOfSequence { .. }
                 | IoOutcome::IgnoredNoFirst
                 | IoOutcome::InvalidFirst { .. }
                 | IoOutcome::UnexpectedAcknowledge => {
                     count(&mut self.counters.fragment_errors);
-                    self.set_status(ScannerStatus::FRAGMENT_SEQUENCE);
+                    self.set_io_status(instance, ScannerStatus::FRAGMENT_SEQUENCE);
                     return true;
                 }
             }
@@ -153,7 +159,7 @@ impl<const N: usize> Slot<N> {
         };
         let idle = message.is_empty() && size != 0;
         if !idle && message.len() != size {
-            return self.wrong_length();
+            return self.wrong_length(instance);
         }
         let changed = !idle && (!input.received || input.data != message);
         if changed {
@@ -165,17 +171,19 @@ impl<const N: usize> Slot<N> {
         }
         count32(&mut self.counters.received);
         self.feed_watchdog(instance);
+        self.timers.clear(SlotTimer::Restart);
         self.acknowledge_due |= acknowledged;
-        self.set_status(if idle && run { ScannerStatus::SLAVE_IDLE } else { ScannerStatus::NORMAL });
+        let status = if idle && run { ScannerStatus::SLAVE_IDLE } else { ScannerStatus::NORMAL };
+        self.set_io_status(instance, status);
         if changed {
             self.raise(SlaveEvent::Input(instance));
         }
         true
     }
 
-    fn wrong_length(&mut self) -> bool {
+    fn wrong_length(&mut self, instance: IoInstance) -> bool {
         count(&mut self.counters.length_errors);
-        self.set_status(ScannerStatus::WRONG_LENGTH);
+        self.set_io_status(instance, ScannerStatus::WRONG_LENGTH);
         true
     }
 }

@@ -26,7 +26,6 @@ use super::config::Config;
 use super::event::MasterEvent;
 use super::machine::Master;
 use super::slot::Slot;
-use super::state::Stage;
 use super::status::ScannerStatus;
 use crate::client::{Conversation, Progress, Route, TimerChange, Waits};
 use crate::id::MacId;
@@ -355,8 +354,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 
 /// In the scan list, may be replaced, and nobody answers.
 fn is_missing<const N: usize>(slot: &Slot<N>) -> bool {
-    let absent = matches!(slot.status, ScannerStatus::NOT_FOUND | ScannerStatus::REPLACEMENT_FAILED);
-    slot.entry.replaceable && absent && slot.stage != Stage::Running
+    slot.entry.replaceable && slot.absent
 }
 
 /// Whether a device can stand in for a slave: a key that asks for nothing fits nobody.

@@ -142,6 +142,14 @@ pub enum ScanListError {
         /// The expected packet rate.
         rate: u16,
     },
+    /// All slaves of the multicast poll group receive the same command.
+    #[error("a multicast poll command of {found} bytes, but the group's has {expected}: make them equal")]
+    GroupSize {
+        /// As the slaves in the list have it.
+        expected: u16,
+        /// In the new entry.
+        found: u16,
+    },
     /// Nobody knows that MAC ID.
     #[error("MAC ID {0} is not in the scan list: add it first")]
     NotListed(MacId),

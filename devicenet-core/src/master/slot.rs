@@ -4,6 +4,7 @@ use core::time::Duration;
 
 use cip_core::code::{AttributeId, ClassId, InstanceId, ServiceCode};
 use cip_core::fragment::IoReassembly;
+use cip_core::message::BodyFormat;
 use heapless::Vec;
 use link_core::Timers;
 use link_core::timers::TimerKey;
@@ -26,6 +27,10 @@ pub(super) struct Slot<const N: usize> {
     pub(super) conversation: Conversation<N>,
     /// The connection that the UCMM opened.
     pub(super) opened: Option<InstanceId>,
+    /// The body format of the explicit connection of the predefined set.
+    pub(super) format: BodyFormat,
+    /// Nobody answered when it was last contacted.
+    pub(super) absent: bool,
     /// It answered to the UCMM, not on the unconnected port, when it was last contacted.
     pub(super) ucmm: bool,
     /// The other door has not been tried in this attempt.
@@ -36,7 +41,7 @@ pub(super) struct Slot<const N: usize> {
     pub(super) output: Output<N>,
     pub(super) inputs: [Input<N>; 4],
     pub(super) acknowledge_due: bool,
-    pub(super) timers: Timers<SlotTimer, 7>,
+    pub(super) timers: Timers<SlotTimer, 8>,
     pub(super) counters: SlaveCounters,
     pub(super) events: Vec<SlaveEvent, EVENTS>,
     pub(super) events_lost: u16,
@@ -75,10 +80,19 @@ pub(super) struct Output<const N: usize> {
     /// As it is being sent, so that no message is torn.
     pub(super) sent: Vec<u8, N>,
     pub(super) strobe_bit: bool,
-    /// Without poll: a message is to be sent, from this fragment on.
-    pub(super) due: Option<usize>,
-    /// It changed while it was sent.
+    /// Without poll: what is to be sent by itself.
+    pub(super) sending: Sending,
+    /// Without poll: it changed while it was sent.
     pub(super) changed: bool,
+}
+
+/// Where a message is that is sent without being part of the scan.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) enum Sending {
+    Idle,
+    /// From this fragment on.
+    Due(usize),
+    HandedOut,
 }
 
 /// What the slave produces over one instance.
@@ -89,6 +103,8 @@ pub(super) struct Input<const N: usize> {
     pub(super) received: bool,
     /// The expected packet rate that the slave said it uses, in ms.
     pub(super) rate: u16,
+    /// What the last message was like.
+    pub(super) status: ScannerStatus,
 }
 
 /// The waits for one slave.
@@ -99,10 +115,12 @@ pub(super) enum SlotTimer {
     Watchdog(IoInstance),
     /// The transmission trigger of the output data.
     Trigger,
+    /// A check of its MAC ID was heard while it ran, and nobody has objected.
+    Restart,
 }
 
-impl TimerKey<7> for SlotTimer {
-    const ALL: [Self; 7] = [
+impl TimerKey<8> for SlotTimer {
+    const ALL: [Self; 8] = [
         Self::Conversation,
         Self::Retry,
         Self::Watchdog(IoInstance::Poll),
@@ -110,6 +128,7 @@ impl TimerKey<7> for SlotTimer {
         Self::Watchdog(IoInstance::StateChange),
         Self::Watchdog(IoInstance::MulticastPoll),
         Self::Trigger,
+        Self::Restart,
     ];
 
     fn index(self) -> usize {
@@ -118,6 +137,7 @@ impl TimerKey<7> for SlotTimer {
             Self::Retry => 1,
             Self::Watchdog(instance) => instance.index().saturating_add(2),
             Self::Trigger => 6,
+            Self::Restart => 7,
         }
     }
 
@@ -127,6 +147,7 @@ impl TimerKey<7> for SlotTimer {
             Self::Retry => "next attempt at a slave",
             Self::Watchdog(_) => "slave watchdog",
             Self::Trigger => "output transmission trigger",
+            Self::Restart => "objection to a duplicate MAC ID check",
         }
     }
 }
@@ -135,7 +156,13 @@ impl<const N: usize> Slot<N> {
     pub(super) fn new(entry: ScanEntry, own: MacId) -> Self {
         let input = |instance| {
             let size = entry.agreed(instance).and_then(|agreed| agreed.produce).unwrap_or(0);
-            Input { reassembly: IoReassembly::new(size.into()), data: Vec::new(), received: false, rate: 0 }
+            Input {
+                reassembly: IoReassembly::new(size.into()),
+                data: Vec::new(),
+                received: false,
+                rate: 0,
+                status: ScannerStatus::NORMAL,
+            }
         };
         Self {
             entry,
@@ -144,6 +171,8 @@ impl<const N: usize> Slot<N> {
             status: ScannerStatus::INITIALISING,
             conversation: Conversation::new(Route::group2_unconnected(own, entry.mac_id), Waits::UNCONNECTED),
             opened: None,
+            format: BodyFormat::Class8Instance8,
+            absent: false,
             ucmm: false,
             other_door: false,
             failures: 0,
@@ -190,17 +219,22 @@ impl<const N: usize> Slot<N> {
             EDGES.iter().any(|edge| (edge.from, edge.cause, edge.to) == (from, cause, to)),
             "{from} -> {to}: {cause} is not in the table"
         );
+        #[cfg(test)]
+        super::tests::edges::record(from, cause, to);
         if to != SlaveState::Running {
             for instance in IoInstance::ALL {
                 self.timers.clear(SlotTimer::Watchdog(instance));
                 if let Some(input) = self.input_mut(instance) {
                     input.reassembly.discard();
                     input.received = false;
+                    input.status = ScannerStatus::NORMAL;
                 }
             }
             self.timers.clear(SlotTimer::Trigger);
+            self.timers.clear(SlotTimer::Restart);
             self.acknowledge_due = false;
-            self.output.due = None;
+            self.output.sending = Sending::Idle;
+            self.output.changed = false;
         }
         self.stage = next;
         self.raise(SlaveEvent::StateChanged { from, to, cause });
@@ -211,6 +245,16 @@ impl<const N: usize> Slot<N> {
             self.status = status;
             self.raise(SlaveEvent::Status(status));
         }
+    }
+
+    /// What a message over one instance was like. The slave shows the first instance that is not as it should be.
+    pub(super) fn set_io_status(&mut self, instance: IoInstance, status: ScannerStatus) {
+        if let Some(input) = self.input_mut(instance) {
+            input.status = status;
+        }
+        let mut statuses = self.inputs.iter().map(|input| input.status);
+        let shown = statuses.find(|status| *status != ScannerStatus::NORMAL).unwrap_or_default();
+        self.set_status(shown);
     }
 
     pub(super) fn raise(&mut self, event: SlaveEvent) {
@@ -244,7 +288,7 @@ impl<const N: usize> Output<N> {
         let mut wanted = Vec::new();
         let fits = wanted.resize(len, 0);
         debug_assert!(fits.is_ok(), "the scan list was checked");
-        Self { wanted, sent: Vec::new(), strobe_bit: false, due: None, changed: false }
+        Self { wanted, sent: Vec::new(), strobe_bit: false, sending: Sending::Idle, changed: false }
     }
 }
 

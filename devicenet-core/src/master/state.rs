@@ -40,7 +40,14 @@ pub(super) enum Step {
     DeviceType,
     ProductCode,
     Revision,
-    AllocateIo,
+    /// `released`: what an earlier life of this master left was released before.
+    AllocateIo {
+        released: bool,
+    },
+    /// Of all I/O connections at once, or of one after another.
+    ReleaseIo {
+        bit: Option<u8>,
+    },
     ProducedSize(IoInstance),
     ConsumedSize(IoInstance),
     /// The attribute write that begins there.
@@ -90,7 +97,7 @@ pub enum Cause {
     MasterOffLine,
     /// The pause is over.
     RetryDue,
-    /// The slave is known to be on line soon: its duplicate MAC ID check was heard.
+    /// The slave started anew, and is on line soon: its duplicate MAC ID check was heard.
     CheckHeard,
     /// The explicit connection exists.
     Connected,
@@ -174,7 +181,33 @@ impl fmt::Display for Edge {
     }
 }
 
-/// Every transition there is, in the order of the start-up sequence.
+/// Every transition, in the order of the start-up sequence. Debug builds check each step against it.
+///
+/// | From | Cause | To |
+/// |---|---|---|
+/// | Offline | master on line | Waiting |
+/// | Waiting | retry due | Contacting |
+/// | Waiting | duplicate MAC ID check heard | Waiting |
+/// | Contacting | explicit connection | Configuring |
+/// | Contacting | no answer | Waiting |
+/// | Contacting | owned by another master | Waiting |
+/// | Contacting | refused | Waiting |
+/// | Configuring | no answer | Waiting |
+/// | Configuring | owned by another master | Waiting |
+/// | Configuring | refused | Waiting |
+/// | Configuring | electronic key mismatch | Waiting |
+/// | Configuring | size mismatch | Waiting |
+/// | Configuring | connections established | Running |
+/// | Running | timed out | Waiting |
+/// | Running | duplicate MAC ID check heard | Waiting |
+/// | Waiting | commanded | Waiting |
+/// | Contacting | commanded | Waiting |
+/// | Configuring | commanded | Waiting |
+/// | Running | commanded | Waiting |
+/// | Waiting | master off line | Offline |
+/// | Contacting | master off line | Offline |
+/// | Configuring | master off line | Offline |
+/// | Running | master off line | Offline |
 pub const EDGES: &[Edge] = {
     use Cause::*;
     use SlaveState::*;
@@ -193,6 +226,7 @@ pub const EDGES: &[Edge] = {
         edge(Configuring, SizeMismatch, Waiting),
         edge(Configuring, Established, Running),
         edge(Running, TimedOut, Waiting),
+        edge(Running, CheckHeard, Waiting),
         edge(Waiting, Commanded, Waiting),
         edge(Contacting, Commanded, Waiting),
         edge(Configuring, Commanded, Waiting),

@@ -102,14 +102,16 @@ impl<const N: usize> Slot<N> {
             (false, Response::Success { data, .. }) => {
                 let format = data.first().and_then(|&byte| BodyFormat::from_code(byte & 0x0F));
                 let Some(format) = format else { return false };
+                self.format = format;
                 self.conversation.reroute(Route::predefined(own, slave, format), config.connected);
                 true
             }
-            // It was there all the time: the request itself was lost.
+            // It was there all the time: the request was lost, or only its response. What may not be carried out twice is
+            // not sent twice.
             (false, Response::Error { status: GeneralStatus::ALREADY_IN_REQUESTED_STATE, .. }) => {
-                let route = Route::predefined(own, slave, BodyFormat::Class8Instance8);
+                let route = Route::predefined(own, slave, self.format);
                 self.conversation.reroute(route, config.connected);
-                true
+                self.talk.tries > 1
             }
             (_, Response::Error { .. }) => false,
         }

@@ -98,6 +98,17 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.follow(now);
     }
 
+    /// Starts anew with another MAC ID, as an operator's command; over the network the DeviceNet object does it.
+    ///
+    /// # Errors
+    /// [`MacIdFromSwitches`](crate::access::CommandError::MacIdFromSwitches) if switches set it.
+    pub fn set_mac_id(&mut self, now: Instant, mac: MacId) -> Result<(), crate::access::CommandError> {
+        self.node.advance(now);
+        self.access.set_mac_id(now, mac)?;
+        self.follow(now);
+        Ok(())
+    }
+
     fn reset_with(&mut self, now: Instant, mac: MacId) {
         self.node.advance(now);
         if self.port.active != self.port.stored {

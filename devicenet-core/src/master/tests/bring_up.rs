@@ -329,3 +329,34 @@ fn entries_that_cannot_work_are_refused() {
     let listed: std::vec::Vec<u8> = master.scan_list().map(|entry| entry.mac_id.number()).collect();
     assert_eq!(listed, [11, 12, 63]);
 }
+
+/// The explicit connection is gone, the I/O of an earlier life is not: it is released first, all at once or bit by bit.
+#[test]
+fn io_of_an_earlier_life_is_released() {
+    for one_by_one in [false, true] {
+        let mut bus = Bus::online(Config { deferred_delete: false, ..config() }, &[polled()]);
+        for (request, response) in [
+            ("5FE: 04 4B 03 01 01 04", "5FB: 04 CB 00"),
+            ("5FC: 44 0E 01 01 01", "5FB: 44 8E E7 03"),
+            ("5FC: 04 0E 01 01 02", "5FB: 04 8E 07 00"),
+            ("5FC: 44 0E 01 01 03", "5FB: 44 8E 2A 00"),
+            ("5FC: 04 4B 03 01 02 04", "5FB: 04 94 0B 02"),
+        ] {
+            bus.sends(request);
+            bus.hears(response);
+        }
+        bus.sends("5FC: 44 4C 03 01 02");
+        if one_by_one {
+            bus.hears("5FB: 44 94 0B 02");
+            bus.sends("5FC: 04 4C 03 01 02");
+            bus.hears("5FB: 04 CC");
+            bus.sends("5FC: 44 4B 03 01 02 04");
+        } else {
+            bus.hears("5FB: 44 CC");
+            bus.sends("5FC: 04 4B 03 01 02 04");
+            // Once is enough.
+            bus.hears("5FB: 04 94 0B 02");
+            bus.is(63, SlaveState::Waiting, ScannerStatus::INITIALISATION_REFUSED);
+        }
+    }
+}

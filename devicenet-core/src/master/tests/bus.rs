@@ -151,6 +151,9 @@ impl Bus {
     }
 
     pub(super) fn input(&mut self, input: Input) {
+        if let Input::TxDone(token, _) = input {
+            self.in_flight.retain(|(other, _)| *other != token);
+        }
         self.master.input(self.now, input);
         self.drain();
     }
@@ -200,6 +203,16 @@ impl Bus {
         let (token, sent) = self.in_flight.pop_front().unwrap();
         assert_eq!(sent, frame(expected), "{sent}");
         self.input(Input::TxDone(token, TxOutcome::Dropped));
+    }
+
+    /// The frame that was handed out first, whose fate is open.
+    #[track_caller]
+    pub(super) fn takes(&mut self) -> (TxToken, Frame) {
+        self.in_flight.pop_front().unwrap()
+    }
+
+    pub(super) fn in_flight_ids(&self) -> Vec<u32> {
+        self.in_flight.iter().map(|(_, frame)| frame.raw_id()).collect()
     }
 
     #[track_caller]

@@ -115,3 +115,75 @@ fn requests_that_cannot_be_sent() {
     assert!(matches!(refused, CommandError::Request(StartError::NotAddressable(_))));
     asks(&mut bus, 1);
 }
+
+/// A request that may not be carried out twice is not repeated when only its response may have been lost.
+#[test]
+fn a_request_is_repeated_only_if_it_may_be() {
+    for tries in [1, 2] {
+        let mut bus =
+            Bus::running(Config { interscan_delay: core::time::Duration::from_secs(60), ..config() });
+        bus.sends("5FD:");
+        bus.hears("3FF: 34 12");
+        bus.command(|master, now| master.request_attribute(now, mac(63), &get(1), tries)).unwrap();
+        for _ in 0..tries {
+            bus.sends("5FC: 44 0E 01 01 01");
+            for _ in 0..25 {
+                bus.hears("3FF: 34 12");
+                bus.wait(100);
+            }
+        }
+        bus.sends("5FE: 04 4B 03 01 01 04");
+        bus.hears("5FB: 04 94 0B 02");
+        assert_eq!(bus.try_sends("5FC: 44 0E 01 01 01"), tries > 1);
+    }
+}
+
+/// What was refused is no response.
+#[test]
+fn after_a_refused_request_there_is_no_response() {
+    let mut bus = Bus::running(config());
+    // As bytes they would pass for a response.
+    let data = [0x8E, 1, 2];
+    let request = Request::new(ServiceCode(0x32), ClassId(0x300), InstanceId(1), &data);
+    bus.command(|master, now| master.request(now, mac(63), &request, 1)).unwrap_err();
+    assert_eq!(bus.master.response(mac(63)), None);
+}
+
+/// With a UCMM-capable slave: the last fragment of a long answer is acknowledged before the connection is closed, and a
+/// connection that is closed already is not closed again.
+#[test]
+fn a_connection_for_one_request() {
+    let entry = ScanEntry::explicit_only(mac(63));
+    let mut bus = Bus::online(Config { first_contact: FirstContact::Ucmm, ..config() }, &[entry]);
+    for (request, response) in [
+        ("784: 3F 4B 02 34", "77F: 04 CB 02 04 06 00"),
+        ("704: 7F 0E 01 00 01 00 01", "73F: 44 8E BB 02"),
+        ("704: 3F 0E 01 00 01 00 02", "73F: 04 8E 00 00"),
+        ("704: 7F 0E 01 00 01 00 03", "73F: 44 8E 01 00"),
+        ("784: 3F 4C 06 00", "77F: 04 CC"),
+    ] {
+        assert!(bus.master.filter().accepts(&super::bus::frame(response)), "{response}");
+        bus.sends(request);
+        bus.hears(response);
+    }
+    bus.is(63, SlaveState::Running, ScannerStatus::NORMAL);
+    asks(&mut bus, 7);
+    bus.sends("784: 7F 4B 02 34");
+    bus.hears("77F: 44 CB 02 04 07 00");
+    bus.sends("704: 3F 0E 01 00 01 00 07");
+    bus.hears("73F: 84 00 8E 08 47 52 54 31");
+    bus.sends("704: BF C0 00");
+    bus.hears("73F: 84 81 2D 44 52 54");
+    bus.tells("slave 63: response");
+    bus.sends("704: BF C1 00");
+    bus.sends("784: 7F 4C 07 00");
+    bus.hears("77F: 44 CC");
+    // Now nobody opens: there is nothing to close.
+    asks(&mut bus, 1);
+    for _ in 0..2 {
+        bus.sends("784: 3F 4B 02 34");
+        bus.wait(1000);
+    }
+    bus.tells("slave 63: request failed: no response: the node is absent, or its connection is gone");
+    bus.sends_nothing();
+}

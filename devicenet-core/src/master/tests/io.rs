@@ -5,7 +5,7 @@ use super::bus::{Bus, config, mac, polled};
 
 /// Brings up slave 10 with whatever I/O it has: each request is answered with what the scan list wants.
 #[track_caller]
-fn running(entry: ScanEntry) -> Bus {
+pub(super) fn running(entry: ScanEntry) -> Bus {
     let mut bus = Bus::online(Config { deferred_delete: false, ..config() }, &[entry]);
     bus.answers_everything(&[entry]);
     bus.is(10, SlaveState::Running, ScannerStatus::NORMAL);
@@ -13,11 +13,11 @@ fn running(entry: ScanEntry) -> Bus {
     bus
 }
 
-fn entry() -> ScanEntry {
+pub(super) fn entry() -> ScanEntry {
     ScanEntry::explicit_only(mac(10))
 }
 
-fn cos(acknowledged: bool, consume: u16) -> StateChangeConnection {
+pub(super) fn cos(acknowledged: bool, consume: u16) -> StateChangeConnection {
     StateChangeConnection {
         cyclic: false,
         acknowledged,
@@ -140,6 +140,95 @@ fn one_multicast_poll_asks_its_group() {
     bus.sends("421: 55");
 }
 
+/// All slaves of the group hear one command, so they consume as many bytes of it.
+#[test]
+fn a_multicast_group_has_one_size() {
+    let poll = |consume| PollConnection { produce: 2, consume, expected_packet_rate: 75 };
+    let mut bus = Bus::online(config(), &[ScanEntry { multicast_poll: Some(poll(3)), ..entry() }]);
+    let other = ScanEntry { multicast_poll: Some(poll(2)), ..ScanEntry::explicit_only(mac(11)) };
+    let refused = bus.command(|master, now| master.add_slave(now, other));
+    assert_eq!(refused, Err(ScanListError::GroupSize { expected: 3, found: 2 }));
+    let refused = bus.command(|master, _| master.set_multicast_output(&[1, 2]));
+    assert_eq!(refused, Err(CommandError::OutputLength { expected: 3, found: 2 }));
+    bus.command(|master, _| master.set_multicast_output(&[1, 2, 3])).unwrap();
+}
+
+/// One instance that is not as it should be is shown until it is, whatever the others are like.
+#[test]
+fn the_status_is_that_of_the_worst_instance() {
+    let strobe = BitStrobeConnection { produce: 1, expected_packet_rate: 75 };
+    let poll = PollConnection { produce: 1, consume: 1, expected_packet_rate: 75 };
+    let mut bus = running(ScanEntry { bit_strobe: Some(strobe), poll: Some(poll), ..entry() });
+    bus.hears("38A: 01 02");
+    bus.hears("3CA: 01");
+    bus.is(10, SlaveState::Running, ScannerStatus::WRONG_LENGTH);
+    bus.hears("38A: 01");
+    bus.is(10, SlaveState::Running, ScannerStatus::NORMAL);
+    assert_eq!(bus.events.iter().filter(|event| event.contains("status")).count(), 2);
+}
+
+/// New data while the first fragment of the old is in flight: the old message is finished, then the new one is sent.
+#[test]
+fn a_change_during_a_fragmented_message_is_not_lost() {
+    let change = StateChangeConnection { expected_packet_rate: 0, ..cos(true, 9) };
+    let mut bus = running(ScanEntry { state_change: Some(change), ..entry() });
+    bus.sends("455:");
+    bus.command(|master, _| {
+        master.set_run(true);
+        master.set_output(mac(10), &[1; 9]).unwrap();
+    });
+    bus.sends("455: 00 01 01 01 01 01 01 01");
+    bus.command(|master, _| master.set_output(mac(10), &[2; 9])).unwrap();
+    bus.sends("455: 81 01 01");
+    bus.sends("455: 00 02 02 02 02 02 02 02");
+    bus.command(|master, _| master.set_output(mac(10), &[3; 9])).unwrap();
+    bus.sends("455: 81 02 02");
+    bus.sends("455: 00 03 03 03 03 03 03 03");
+    bus.command(|master, _| master.set_run(false));
+    bus.sends("455: 81 03 03");
+    bus.sends("455:");
+    bus.sends_nothing();
+}
+
+/// Without a packet rate there is no second chance: what the controller gave back is sent again, a little later.
+#[test]
+fn outputs_that_were_given_back_are_sent_again() {
+    let change = StateChangeConnection { expected_packet_rate: 0, ..cos(false, 1) };
+    let mut bus = running(ScanEntry { state_change: Some(change), ..entry() });
+    for _ in 0..3 {
+        bus.drops("455:");
+        bus.sends_nothing();
+        bus.wait(10);
+    }
+    bus.sends("455:");
+    bus.wait(60_000);
+    bus.sends_nothing();
+}
+
+/// Acknowledges take turns: a slave that sends all the time does not starve those with higher MAC IDs.
+#[test]
+fn acknowledges_take_turns() {
+    let entries = [10, 11].map(|number| ScanEntry {
+        state_change: Some(cos(true, 0)),
+        ..ScanEntry::explicit_only(mac(number))
+    });
+    let mut bus = Bus::online(Config { deferred_delete: false, ..config() }, &entries);
+    bus.answers_everything(&entries);
+    while bus.try_sends("455:") || bus.try_sends("45D:") {}
+    for _ in 0..3 {
+        bus.hears("34A: 01");
+        bus.hears("34B: 01");
+        bus.hears("34A: 02");
+        bus.sends("452:");
+        bus.sends("45A:");
+        bus.hears("34B: 02");
+        bus.hears("34A: 02");
+        bus.try_sends("452:");
+        bus.try_sends("45A:");
+        bus.try_sends("452:");
+    }
+}
+
 #[test]
 fn changes_are_acknowledged_unless_that_is_suppressed() {
     for acknowledged in [true, false] {
@@ -180,7 +269,7 @@ fn output_data_have_the_size_of_the_scan_list() {
     let refused = bus.command(|master, _| master.set_output(mac(62), &[1]));
     assert_eq!(refused, Err(CommandError::ScanList(ScanListError::NotListed(mac(62)))));
     let refused = bus.command(|master, _| master.set_multicast_output(&[0; 33]));
-    assert_eq!(refused, Err(CommandError::OutputLength { expected: 32, found: 33 }));
+    assert_eq!(refused, Err(CommandError::OutputLength { expected: 0, found: 33 }));
 }
 
 /// A master that loses its place on the network takes its frames back and says no more.

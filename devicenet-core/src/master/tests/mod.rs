@@ -3,7 +3,11 @@
 mod bring_up;
 mod bus;
 mod cycle;
+pub(super) mod edges;
+mod exhaustive;
 mod explicit;
 mod io;
+mod loss;
 mod node;
 mod replacement;
+mod storage;

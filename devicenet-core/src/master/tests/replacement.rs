@@ -115,6 +115,31 @@ fn a_device_with_switches_keeps_its_mac_id() {
     bus.tells("replacement: the device at MAC ID 63 does not let its MAC ID be set");
 }
 
+/// A slave that refuses its configuration shows status 89 as well, and is there: nobody takes its place.
+#[test]
+fn a_slave_that_answers_is_not_replaced() {
+    let mut bus = Bus::online(Config { replacement: ReplacementMode::On, ..config() }, &[replaceable(10)]);
+    let write = AttributeWrite { class: 0x64.into(), instance: 1.into(), attribute: 1.into(), value: &[7] };
+    bus.command(|master, _| master.set_configuration(mac(10), &[write])).unwrap();
+    for (request, response) in [
+        ("456: 04 4B 03 01 01 04", "CB 00"),
+        ("454: 44 10 05 01 0C 03", "90"),
+        ("454: 04 0E 01 01 01", "8E E7 03"),
+        ("454: 44 0E 01 01 02", "8E 07 00"),
+        ("454: 04 0E 01 01 03", "8E 2A 00"),
+        ("454: 44 0E 01 01 04", "8E 01 03"),
+        ("454: 04 10 64 01 01 07", "94 09 FF"),
+    ] {
+        bus.sends(request);
+        bus.hears(&std::format!("453: {} {response}", &request[5..7]));
+    }
+    bus.is(10, SlaveState::Waiting, ScannerStatus::REPLACEMENT_FAILED);
+    bus.sends("456: 44 4C 03 01 01");
+    bus.hears("453: 44 CC");
+    bus.wait(900);
+    bus.sends_nothing();
+}
+
 #[test]
 fn nobody_looks_without_reason() {
     for (mode, entry) in [

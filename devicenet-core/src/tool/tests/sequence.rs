@@ -303,3 +303,10 @@ fn a_tool_can_be_repaired_or_reset() {
 }
 
 const CLAIM: &str = "7EF: 05 4B 34 12 45 23 00 00";
+
+/// A change shows here first. Half of it is network access.
+#[test]
+#[cfg(target_pointer_width = "64")]
+fn the_size_of_the_machine() {
+    assert_eq!(size_of::<OfflineTool>(), 1128);
+}
