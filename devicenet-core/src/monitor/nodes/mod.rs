@@ -1,0 +1,169 @@
+//! What is known of a node.
+
+mod access;
+mod ownership;
+mod record;
+
+use core::time::Duration;
+
+use cip_core::code::{DeviceType, VendorId};
+use cip_core::message::AllocationChoice;
+use link_core::Instant;
+
+use super::connection::{Connection, Side};
+use super::connections::Predefined;
+use super::explicit::Channel;
+use super::pairing::{Seen, Waiting};
+use crate::id::MacId;
+use crate::message::DeviceIdentity;
+
+pub use access::AccessState;
+pub(super) use ownership::Allocation;
+pub use record::{NAME_CAPACITY, NodeRecord, Roles};
+
+/// A command to many slaves, and who has answered it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Volley {
+    pub(super) seen: Seen,
+    pub(super) answered: u64,
+}
+
+/// What Identity object and duplicate MAC ID check have told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub(super) struct Identity {
+    pub(super) vendor: Option<VendorId>,
+    pub(super) serial: Option<u32>,
+    pub(super) device_type: Option<DeviceType>,
+    pub(super) product: Option<u16>,
+    pub(super) revision: Option<(u8, u8)>,
+}
+
+/// The counters of a node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub(super) struct Counters {
+    pub(super) frames: u64,
+    pub(super) bytes: u64,
+    pub(super) responses: u64,
+    pub(super) error_responses: u64,
+    pub(super) problems: u64,
+}
+
+/// All that is known of a MAC ID.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct Node {
+    pub(super) access: AccessState,
+    pub(super) access_since: Instant,
+    pub(super) roles: Roles,
+    pub(super) identity: Identity,
+    pub(super) name: heapless::Vec<u8, NAME_CAPACITY>,
+    /// `None`: no Allocate, Release or allocation information was seen.
+    pub(super) allocation: Option<Allocation>,
+    pub(super) connections: [Connection; 5],
+    /// Who was answered on the explicit connection: the owner as long as no allocation was seen.
+    pub(super) client: Option<MacId>,
+    /// The multicast group, from attribute 5 of instance 5 or by its answers; `None`: the owner's MAC ID.
+    pub(super) group: Option<MacId>,
+    /// The explicit connection of the predefined set.
+    pub(super) explicit: Channel,
+    /// Requests on the Group 2 Only unconnected port.
+    pub(super) port: Waiting<4>,
+    /// UCMM requests to this node.
+    pub(super) ucmm: Waiting<4>,
+    /// The duplicate MAC ID check request that a response answers.
+    pub(super) check: Option<Seen>,
+    /// It takes part after a single check: if the second follows, by Quick Connect.
+    pub(super) half_checked: bool,
+    /// The device that has sent it, if it is not the one known by this MAC ID.
+    pub(super) rival: Option<DeviceIdentity>,
+    /// As a master: its bit-strobe command.
+    pub(super) strobe: Option<Volley>,
+    /// As a multicast group: its poll command.
+    pub(super) multicast: Option<Volley>,
+    /// As a multicast group: its poll commands as a stream of data.
+    pub(super) multicast_side: Side,
+    pub(super) heartbeat: Option<Instant>,
+    pub(super) heartbeat_interval: Option<u8>,
+    pub(super) counters: Counters,
+    pub(super) last_latency: Option<Duration>,
+    pub(super) first_seen: Option<Instant>,
+    pub(super) last_seen: Instant,
+}
+
+impl Node {
+    pub(super) const NEW: Self = Self {
+        access: AccessState::Unknown,
+        access_since: Instant::ZERO,
+        roles: Roles::empty(),
+        identity: Identity { vendor: None, serial: None, device_type: None, product: None, revision: None },
+        name: heapless::Vec::new(),
+        allocation: None,
+        client: None,
+        group: None,
+        connections: [Connection::NEW; 5],
+        explicit: Channel::NEW,
+        port: Waiting::new(),
+        ucmm: Waiting::new(),
+        check: None,
+        half_checked: false,
+        rival: None,
+        strobe: None,
+        multicast: None,
+        multicast_side: Side::NEW,
+        heartbeat: None,
+        heartbeat_interval: None,
+        counters: Counters { frames: 0, bytes: 0, responses: 0, error_responses: 0, problems: 0 },
+        last_latency: None,
+        first_seen: None,
+        last_seen: Instant::ZERO,
+    };
+
+    pub(super) fn connection(&mut self, which: Predefined) -> &mut Connection {
+        let [explicit, poll, strobe, cos, multicast] = &mut self.connections;
+        match which {
+            Predefined::Explicit => explicit,
+            Predefined::Poll => poll,
+            Predefined::BitStrobe => strobe,
+            Predefined::CosCyclic => cos,
+            Predefined::MulticastPoll => multicast,
+        }
+    }
+
+    pub(super) const fn peek(&self, which: Predefined) -> &Connection {
+        let [explicit, poll, strobe, cos, multicast] = &self.connections;
+        match which {
+            Predefined::Explicit => explicit,
+            Predefined::Poll => poll,
+            Predefined::BitStrobe => strobe,
+            Predefined::CosCyclic => cos,
+            Predefined::MulticastPoll => multicast,
+        }
+    }
+
+    /// Keeps as much of a product name as there is room for.
+    pub(super) fn set_name(&mut self, name: &[u8]) {
+        self.name.clear();
+        self.name.extend(name.iter().copied().take(NAME_CAPACITY));
+    }
+
+    /// Lets the watchdogs of the predefined set expire.
+    pub(super) fn settle(&mut self, now: Instant) {
+        let [explicit, io @ ..] = &mut self.connections;
+        for connection in io.iter_mut() {
+            connection.settle(now, false, false);
+        }
+        let io_alive = io.iter().any(Connection::is_alive);
+        explicit.settle(now, true, io_alive);
+    }
+
+    /// The node has left the network or restarted: its connections are gone.
+    pub(super) fn drop_connections(&mut self, at: Instant) {
+        for connection in &mut self.connections {
+            connection.end(at);
+        }
+        self.allocation = Some(Allocation { choice: AllocationChoice::empty(), master: None });
+        self.group = None;
+        self.explicit = Channel::NEW;
+        self.port = Waiting::new();
+        self.ucmm = Waiting::new();
+    }
+}

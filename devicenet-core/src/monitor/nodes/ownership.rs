@@ -1,0 +1,74 @@
+//! Who owns the predefined connection set of a node.
+
+use cip_core::message::AllocationChoice;
+
+use super::super::connection::Connection;
+use super::super::connections::ConnectionState;
+use super::Node;
+use crate::id::MacId;
+
+/// Who owns a predefined connection set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(in crate::monitor) struct Allocation {
+    pub(in crate::monitor) choice: AllocationChoice,
+    /// `None`: not allocated.
+    pub(in crate::monitor) master: Option<MacId>,
+}
+
+impl Node {
+    /// The master that owns the connection set, as an allocation has told or else as the traffic suggests.
+    pub(in crate::monitor) fn owner(&self) -> Option<MacId> {
+        self.allocation.map_or(self.client, |allocation| allocation.master)
+    }
+
+    /// The master that owns the connection set, if an allocation has told.
+    pub(in crate::monitor) fn told_owner(&self) -> Option<MacId> {
+        self.allocation.and_then(|allocation| allocation.master)
+    }
+
+    /// It has answered `client` on its explicit connection, which it does for the owner only.
+    pub(in crate::monitor) fn answers_owner(&mut self, client: MacId) {
+        self.client = Some(client);
+        if let Some(allocation) = &mut self.allocation
+            && allocation.master.is_some()
+        {
+            allocation.master = Some(client);
+        }
+    }
+
+    /// The multicast group that its multicast poll connection belongs to.
+    pub(in crate::monitor) fn multicast_group(&self) -> Option<MacId> {
+        self.group.or(self.owner())
+    }
+
+    /// The choice, if an allocation is known to exist.
+    pub(in crate::monitor) fn choice(&self) -> Option<AllocationChoice> {
+        self.allocation.filter(|allocation| allocation.master.is_some()).map(|allocation| allocation.choice)
+    }
+
+    /// The bits of the choice whose connections still exist.
+    pub(in crate::monitor) fn live_choice(&self) -> AllocationChoice {
+        let [explicit, poll, strobe, changes, multicast] = &self.connections;
+        let gone = |connection: &Connection| {
+            matches!(connection.state, ConnectionState::NonExistent | ConnectionState::TimedOut)
+        };
+        let choice = self.choice().unwrap_or_default();
+        let mut live = choice;
+        live.set(AllocationChoice::EXPLICIT, choice.contains(AllocationChoice::EXPLICIT) && !gone(explicit));
+        live.set(AllocationChoice::POLL, choice.contains(AllocationChoice::POLL) && !gone(poll));
+        live.set(
+            AllocationChoice::BIT_STROBE,
+            choice.contains(AllocationChoice::BIT_STROBE) && !gone(strobe),
+        );
+        let of_multicast = choice.contains(AllocationChoice::MULTICAST_POLL) && !gone(multicast);
+        live.set(AllocationChoice::MULTICAST_POLL, of_multicast);
+        if gone(changes) {
+            live.remove(
+                AllocationChoice::CHANGE_OF_STATE
+                    | AllocationChoice::CYCLIC
+                    | AllocationChoice::ACK_SUPPRESSION,
+            );
+        }
+        live
+    }
+}
