@@ -1,0 +1,117 @@
+//! The DeviceNet object: allocation and release of the predefined connection set, and the MAC ID.
+
+use cip_core::code::{AttributeId, InstanceId, ServiceCode};
+use cip_core::message::{AllocationChoice, BodyFormat};
+use link_core::Instant;
+
+use super::super::connections::{ConnectionState, Predefined};
+use super::super::explicit::{Channel, Knowledge};
+use super::super::nodes::{Allocation, Node, Roles};
+use super::super::pairing::Transaction;
+use super::super::state::State;
+use crate::id::MacId;
+
+pub(super) fn learn<const N: usize>(
+    state: &mut State<N>,
+    server: MacId,
+    request: &Transaction,
+    data: &[u8],
+    at: Instant,
+) {
+    if request.instance.is_none_or(InstanceId::is_class) {
+        return;
+    }
+    let [choice, _] = request.argument.to_le_bytes();
+    let choice = AllocationChoice::from_bits_retain(choice);
+    match request.service {
+        ServiceCode::ALLOCATE => {
+            let format = data.first().and_then(|&code| BodyFormat::from_code(code)).unwrap_or_default();
+            let master = request.allocator.unwrap_or(request.requester);
+            allocated(state.node(server), choice, master, format, at);
+            state.add_role(server, Roles::SLAVE);
+            state.add_role(master, Roles::MASTER);
+        }
+        ServiceCode::RELEASE => released(state.node(server), choice, at),
+        ServiceCode::GET_ATTRIBUTE_SINGLE if request.attribute == Some(ALLOCATION_INFORMATION) => {
+            if let &[choice, master] = data {
+                let choice = AllocationChoice::from_bits_retain(choice);
+                state.node(server).allocation = Some(Allocation { choice, master: MacId::new(master) });
+            }
+        }
+        // The node goes on under its new MAC ID.
+        ServiceCode::SET_ATTRIBUTE_SINGLE if request.attribute == Some(MAC_ID) => {
+            state.drop_connections(server, at);
+        }
+        _ => {}
+    }
+}
+
+fn allocated(node: &mut Node, choice: AllocationChoice, master: MacId, format: BodyFormat, at: Instant) {
+    node.settle(at);
+    if node.told_owner().is_some_and(|held| held != master) {
+        // Another master gets it only after all of its connections have ended.
+        node.connections.iter_mut().for_each(|connection| connection.end(at));
+        node.explicit = Channel::NEW;
+    }
+    if choice.contains(AllocationChoice::MULTICAST_POLL) {
+        node.group = None;
+    }
+    if choice.contains(AllocationChoice::EXPLICIT) {
+        node.connection(Predefined::Explicit).allocate(Predefined::Explicit, at);
+        node.explicit = Channel::told(format);
+    } else if node.explicit.knowledge == Knowledge::None {
+        node.explicit.format = format;
+        node.explicit.knowledge = Knowledge::Likely;
+    }
+    let changes = choice.intersects(AllocationChoice::CHANGE_OF_STATE | AllocationChoice::CYCLIC);
+    let poll = node.connection(Predefined::Poll);
+    if choice.contains(AllocationChoice::POLL) || (changes && poll.state != ConnectionState::Established) {
+        poll.allocate(Predefined::Poll, at);
+    }
+    for (bit, which) in [
+        (AllocationChoice::BIT_STROBE, Predefined::BitStrobe),
+        (AllocationChoice::MULTICAST_POLL, Predefined::MulticastPoll),
+    ] {
+        if choice.contains(bit) {
+            node.connection(which).allocate(which, at);
+        }
+    }
+    if changes {
+        node.connection(Predefined::CosCyclic).allocate(Predefined::CosCyclic, at);
+    }
+    let kept = node.allocation.filter(|held| held.master == Some(master)).map(|_| node.live_choice());
+    let choice = kept.unwrap_or_default() | choice;
+    node.allocation = Some(Allocation { choice, master: Some(master) });
+}
+
+fn released(node: &mut Node, choice: AllocationChoice, at: Instant) {
+    let choice = choice.difference(AllocationChoice::ACK_SUPPRESSION);
+    let kept = node.choice().map(|held| held.difference(choice));
+    let changes = AllocationChoice::CHANGE_OF_STATE | AllocationChoice::CYCLIC;
+    if choice.contains(AllocationChoice::EXPLICIT) {
+        node.connection(Predefined::Explicit).end(at);
+        node.explicit = Channel::NEW;
+    }
+    let keeps_poll = kept.is_some_and(|kept| kept.intersects(changes | AllocationChoice::POLL));
+    if choice.contains(AllocationChoice::POLL) || (choice.intersects(changes) && !keeps_poll) {
+        node.connection(Predefined::Poll).end(at);
+    }
+    if choice.contains(AllocationChoice::BIT_STROBE) {
+        node.connection(Predefined::BitStrobe).end(at);
+    }
+    if choice.contains(AllocationChoice::MULTICAST_POLL) {
+        node.connection(Predefined::MulticastPoll).end(at);
+    }
+    if choice.intersects(changes) {
+        node.connection(Predefined::CosCyclic).end(at);
+    }
+    if let Some(kept) = kept {
+        let gone = kept.difference(AllocationChoice::ACK_SUPPRESSION).is_empty();
+        let master = node.owner().filter(|_| !gone);
+        let choice = if gone { AllocationChoice::empty() } else { kept };
+        node.allocation = Some(Allocation { choice, master });
+    }
+}
+
+const MAC_ID: AttributeId = AttributeId(1);
+const ALLOCATION_INFORMATION: AttributeId = AttributeId(5);

@@ -1,0 +1,195 @@
+//! The Connection object.
+
+use cip_core::code::{InstanceId, ServiceCode};
+use cip_core::epath::Epath;
+use link_core::Instant;
+
+use super::super::connection::{Connection, EXPLICIT_EPR};
+use super::super::connections::{ConnectionState, Predefined};
+use super::super::created;
+use super::super::pairing::Transaction;
+use super::super::problem::Problem;
+use super::super::state::State;
+use crate::id::{Identifier, MacId, Purpose};
+
+pub(super) fn learn<const N: usize>(
+    state: &mut State<N>,
+    server: MacId,
+    instance: InstanceId,
+    request: &Transaction,
+    data: &[u8],
+    at: Instant,
+) -> Option<Problem> {
+    let owner = state.node(server).owner();
+    let predefined = Predefined::from_instance(instance);
+    if request.service == ServiceCode::DELETE {
+        match predefined {
+            Some(which) => state.node(server).connection(which).end(at),
+            None if instance.is_class() => state.drop_connections(server, at),
+            None => state.close_dynamic(server, instance, at),
+        }
+        return None;
+    }
+    if predefined == Some(Predefined::MulticastPoll)
+        && let Some(group) = group_of(request, data)
+    {
+        state.node(server).group = Some(group);
+    }
+    if predefined.is_none() {
+        created::learn(state, server, instance, request, data, at);
+    }
+    if request.service == ServiceCode::RESET && instance.is_class() {
+        state.reset_connections(server, at);
+        return None;
+    }
+    let held = state.instance(server, instance)?;
+    match request.service {
+        ServiceCode::GET_ATTRIBUTE_SINGLE => {
+            let attribute = request.attribute?.0;
+            got(held, attribute, data, at);
+            return wrong_identifier(predefined?, server, owner, attribute, data);
+        }
+        ServiceCode::SET_ATTRIBUTE_SINGLE => {
+            set(held, request.attribute?.0, request.argument, data, at, predefined.is_some());
+        }
+        ServiceCode::SET_ATTRIBUTES_ALL => held.forget(),
+        ServiceCode::APPLY_ATTRIBUTES | ServiceCode::RESET => held.enter(ConnectionState::Established, at),
+        _ => {}
+    }
+    None
+}
+
+/// The multicast group that attribute 5 of a multicast poll connection names: what was read, or what was set.
+fn group_of(request: &Transaction, data: &[u8]) -> Option<MacId> {
+    let (_, raw) = connection_id(request, data).filter(|&(attribute, _)| attribute == CONSUMED_ID)?;
+    let identifier = Identifier::new(raw)?;
+    identifier.mac_id().filter(|_| identifier.purpose() == Purpose::MulticastPollCommand)
+}
+
+/// Attribute 4 or 5 of the Connection object: what was read, or what was set.
+pub(in crate::monitor) fn connection_id(request: &Transaction, data: &[u8]) -> Option<(u16, u16)> {
+    let attribute = request.attribute?.0;
+    let raw = match (attribute, request.service, data) {
+        (PRODUCED_ID | CONSUMED_ID, ServiceCode::GET_ATTRIBUTE_SINGLE, &[low, high]) => {
+            u16::from_le_bytes([low, high])
+        }
+        (PRODUCED_ID | CONSUMED_ID, ServiceCode::SET_ATTRIBUTE_SINGLE, _) => request.argument,
+        _ => return None,
+    };
+    Some((attribute, raw))
+}
+
+fn got(held: &mut Connection, attribute: u16, data: &[u8], at: Instant) {
+    match (attribute, data) {
+        (STATE, &[value]) => {
+            if let Some(state) = ConnectionState::from_attribute(value)
+                && (state != held.state || held.assumed)
+            {
+                let active = held.active;
+                held.enter(state, at);
+                if state == ConnectionState::Established && active != Instant::ZERO {
+                    held.touch(at);
+                }
+            }
+        }
+        (PRODUCED_SIZE, &[low, high]) => held.produced.size = Some(u16::from_le_bytes([low, high])),
+        (CONSUMED_SIZE, &[low, high]) => held.consumed.size = Some(u16::from_le_bytes([low, high])),
+        (EXPECTED_PACKET_RATE, &[low, high]) => held.epr = Some(u16::from_le_bytes([low, high])),
+        (WATCHDOG_ACTION, &[action]) => held.watchdog_action = Some(action),
+        (PRODUCED_PATH, path) => held.produced.path = instance_of(path),
+        (CONSUMED_PATH, path) => held.consumed.path = instance_of(path),
+        (INHIBIT_TIME, &[low, high]) => held.inhibit = Some(u16::from_le_bytes([low, high])),
+        (TIMEOUT_MULTIPLIER, &[multiplier]) => held.multiplier = multiplier,
+        _ => {}
+    }
+}
+
+/// `applies`: the expected packet rate establishes a connection of the predefined set; others wait for Apply_Attributes.
+fn set(held: &mut Connection, attribute: u16, argument: u16, data: &[u8], at: Instant, applies: bool) {
+    let [low, _] = argument.to_le_bytes();
+    let path = Some(InstanceId(argument)).filter(|instance| !instance.is_class());
+    match attribute {
+        EXPECTED_PACKET_RATE => {
+            // A response without data means that the value sent is used.
+            let used = match *data {
+                [low, high] => u16::from_le_bytes([low, high]),
+                _ => argument,
+            };
+            held.epr = Some(used);
+            match held.state {
+                // A new rate does not bring a connection back that has timed out.
+                ConnectionState::TimedOut if !held.assumed => {}
+                ConnectionState::Established => held.active = at,
+                _ if applies => held.enter(ConnectionState::Established, at),
+                _ => {}
+            }
+        }
+        PRODUCED_SIZE => held.produced.size = Some(argument),
+        CONSUMED_SIZE => held.consumed.size = Some(argument),
+        WATCHDOG_ACTION => held.watchdog_action = Some(low),
+        INHIBIT_TIME => held.inhibit = Some(argument),
+        TIMEOUT_MULTIPLIER => held.multiplier = low,
+        // Another assembly: the sizes follow it and are to be learned again.
+        PRODUCED_PATH => {
+            held.produced.size = None;
+            held.produced.path = path;
+        }
+        CONSUMED_PATH => {
+            held.consumed.size = None;
+            held.consumed.path = path;
+        }
+        _ => {}
+    }
+}
+
+/// Attributes 4 and 5 of a predefined connection must name the identifiers of the set.
+fn wrong_identifier(
+    which: Predefined,
+    server: MacId,
+    owner: Option<MacId>,
+    attribute: u16,
+    data: &[u8],
+) -> Option<Problem> {
+    let &[low, high] = data else { return None };
+    let found = u16::from_le_bytes([low, high]);
+    let identifier = match (which, attribute) {
+        (Predefined::Explicit, PRODUCED_ID) => Identifier::explicit_response(server),
+        (Predefined::Explicit, CONSUMED_ID) => Identifier::explicit_request(server),
+        (Predefined::Poll, PRODUCED_ID) => Identifier::poll_response(server),
+        (Predefined::Poll, CONSUMED_ID) => Identifier::poll_command(server),
+        (Predefined::BitStrobe, PRODUCED_ID) => Identifier::bit_strobe_response(server),
+        (Predefined::BitStrobe, CONSUMED_ID) => Identifier::bit_strobe_command(owner?),
+        (Predefined::CosCyclic, PRODUCED_ID) => Identifier::change_of_state(server),
+        (Predefined::CosCyclic, CONSUMED_ID) => Identifier::change_of_state_acknowledge(server),
+        (Predefined::MulticastPoll, PRODUCED_ID) => Identifier::multicast_poll_response(server),
+        _ => return None,
+    };
+    let expected = identifier.raw();
+    // 0xFFFF: the connection does not use this direction.
+    (found != expected && found != 0xFFFF).then_some(Problem::WrongConnectionId { expected, found })
+}
+
+/// The instance that a connection path names.
+pub(in crate::monitor) fn instance_of(path: &[u8]) -> Option<InstanceId> {
+    Epath::packed(path).logical().ok()?.instance
+}
+
+/// A connection that UCMM has opened.
+pub(in crate::monitor) fn opened(at: Instant) -> Connection {
+    let mut connection = Connection::NEW;
+    connection.allocate(Predefined::Explicit, at);
+    connection.epr = Some(EXPLICIT_EPR);
+    connection
+}
+
+const STATE: u16 = 1;
+pub(in crate::monitor) const PRODUCED_ID: u16 = 4;
+pub(in crate::monitor) const CONSUMED_ID: u16 = 5;
+const PRODUCED_SIZE: u16 = 7;
+const CONSUMED_SIZE: u16 = 8;
+pub(in crate::monitor) const EXPECTED_PACKET_RATE: u16 = 9;
+const WATCHDOG_ACTION: u16 = 12;
+pub(in crate::monitor) const PRODUCED_PATH: u16 = 14;
+pub(in crate::monitor) const CONSUMED_PATH: u16 = 16;
+const INHIBIT_TIME: u16 = 17;
+const TIMEOUT_MULTIPLIER: u16 = 18;
