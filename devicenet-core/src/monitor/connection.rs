@@ -70,6 +70,8 @@ pub(super) struct Connection {
     pub(super) fresh: bool,
     /// The command or message that waits for its response or acknowledge.
     pub(super) waiting: Option<Seen>,
+    /// That command has a length which the slave may ignore.
+    pub(super) excused: bool,
     /// At least one command was answered.
     pub(super) answers: bool,
     pub(super) frames: u64,
@@ -95,6 +97,7 @@ impl Connection {
         active: Instant::ZERO,
         fresh: false,
         waiting: None,
+        excused: false,
         answers: false,
         frames: 0,
         bytes: 0,
@@ -155,10 +158,16 @@ impl Connection {
         }
     }
 
-    /// Its watchdog was started anew: Reset.
+    /// Its watchdog was started anew, with its whole time but not with the ten seconds of a new connection: Reset.
+    pub(super) fn restart(&mut self, at: Instant) {
+        self.enter(ConnectionState::Established, at);
+        self.fresh = false;
+    }
+
+    /// Every connection was reset: it has restarted if it is one that can.
     pub(super) fn reset(&mut self, at: Instant) {
         if matches!(self.state, ConnectionState::Established | ConnectionState::TimedOut) {
-            self.enter(ConnectionState::Established, at);
+            self.restart(at);
         }
     }
 
@@ -166,6 +175,12 @@ impl Connection {
     pub(super) fn end(&mut self, at: Instant) {
         self.waiting = None;
         self.enter(ConnectionState::NonExistent, at);
+    }
+
+    /// The connection must be gone, though no message has told. A slave that takes part in it shows that it is not.
+    pub(super) fn lapse(&mut self) {
+        self.waiting = None;
+        self.set(ConnectionState::NonExistent, true);
     }
 
     /// A message that restarts the watchdog was seen.

@@ -199,8 +199,8 @@ fn address<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, rout
         if route.flow == Flow::Produced {
             state.add_role(server, Roles::SLAVE);
         }
+        state.settle(server, at);
         let node = state.node(server);
-        node.settle(at);
         let owner = node.told_owner();
         let connection = node.connection(Predefined::Explicit);
         if route.flow == Flow::Consumed
@@ -219,9 +219,12 @@ fn address<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, rout
         return true;
     }
     match (connection.state, route.flow) {
-        (ConnectionState::Established, _) => connection.touch(at),
+        // The server's watchdog is restarted by what it receives.
+        (ConnectionState::Established, Flow::Consumed) => connection.touch(at),
         // The server takes it while I/O goes on.
-        (ConnectionState::DeferredDelete, _) => connection.enter(ConnectionState::Established, at),
+        (ConnectionState::DeferredDelete, Flow::Consumed) => {
+            connection.enter(ConnectionState::Established, at);
+        }
         (ConnectionState::NonExistent | ConnectionState::TimedOut, Flow::Consumed) => {
             reading.note = Some(Note::NoConnection(connection.state));
             reading.assumed |= connection.assumed;

@@ -48,8 +48,8 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
 ) -> Option<Message<'s>> {
     let Lane { slave, which, flow, .. } = lane;
     let at = reading.at;
+    state.settle(slave, at);
     let node = state.node(slave);
-    node.settle(at);
     let choice = node.choice();
     let changes = changes_only(choice);
     let acknowledged = choice.is_none_or(|choice| !choice.contains(AllocationChoice::ACK_SUPPRESSION));
@@ -135,15 +135,25 @@ fn command(reading: &mut Reading<'_>, connection: &mut Connection, answered: boo
     if reconsidered {
         connection.waiting = None;
     }
+    let excused = has_other_length(reading);
+    let before_excused = core::mem::replace(&mut connection.excused, excused);
     if let Some(before) = connection.waiting.take()
         && connection.is_alive()
+        && !before_excused
     {
         reading.flag(Problem::PollUnanswered { n: before.n });
     }
     if answered {
         connection.waiting = Some(Seen { n: reading.n, at: reading.at });
     }
-    connection.touch(reading.at);
+    if !excused {
+        connection.touch(reading.at);
+    }
+}
+
+/// A slave may ignore a command of another length than its size, or take it: only the answer tells.
+pub(super) fn has_other_length(reading: &Reading<'_>) -> bool {
+    matches!(reading.problem, Some(Problem::IoLength { .. }))
 }
 
 /// The answer to a command or message of the other side, of which at least one was `heard`.
@@ -152,6 +162,9 @@ fn response(reading: &mut Reading<'_>, connection: &mut Connection, heard: bool,
         reading.request = Some(command.answered(reading.at));
         connection.answers = true;
         prove(reading, connection);
+        if core::mem::take(&mut connection.excused) {
+            connection.touch(command.at);
+        }
     } else if reconsidered {
         // Its first fragment has been paired.
     } else if heard {

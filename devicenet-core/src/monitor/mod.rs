@@ -113,7 +113,7 @@ use state::State;
 use crate::id::{Identifier, MacId, Purpose};
 use crate::message::ExplicitHeader;
 
-/// A monitor for a whole network: 32 messages in progress of up to 512 bytes, 32 connections opened by UCMM. About 99
+/// A monitor for a whole network: 32 messages in progress of up to 512 bytes, 32 connections opened by UCMM. About 102
 /// kilobytes.
 pub type Monitor = SizedMonitor<32, 512>;
 
@@ -204,7 +204,7 @@ impl<const N: usize, const B: usize> SizedMonitor<N, B> {
 
     /// What is known of every node that was heard or addressed.
     pub fn nodes(&self) -> impl Iterator<Item = NodeRecord> {
-        self.state.nodes().filter_map(|(mac, node)| NodeRecord::of(mac, node, self.state.now))
+        self.state.settled().filter_map(|(mac, node)| NodeRecord::of(mac, &node, self.state.now))
     }
 
     /// What is known of a node, if it was heard or addressed.
@@ -216,12 +216,10 @@ impl<const N: usize, const B: usize> SizedMonitor<N, B> {
 
     /// What is known of every connection: those of the predefined set by slave, then those opened by UCMM.
     pub fn connections(&self) -> impl Iterator<Item = ConnectionRecord> {
-        let predefined = self.state.nodes().flat_map(|(mac, node)| {
+        let predefined = self.state.settled().flat_map(|(mac, node)| {
             let owner = node.owner();
-            let mut settled = node.clone();
-            settled.settle(self.state.now);
             Predefined::ALL.into_iter().filter_map(move |which| {
-                let connection = *settled.connection(which);
+                let connection = *node.peek(which);
                 let is_known = connection.states_seen != 0 || connection.frames != 0;
                 let name = ConnectionName::Predefined(which);
                 is_known.then(|| ConnectionRecord::of(name, mac, owner, &connection))

@@ -12,9 +12,8 @@ use link_core::Instant;
 use super::bodies::problem_of;
 use super::pairing::Transaction;
 use super::problem::Problem;
-use super::state::State;
+use super::state::{Link, State};
 use super::{learn, requests, responses};
-use crate::id::MacId;
 
 /// The requests inside of one, in their order; `None` for one that cannot be read.
 pub(super) type Parts = heapless::Vec<Option<Transaction>, PARTS>;
@@ -122,14 +121,14 @@ fn settings(request: &Transaction, data: &[u8]) -> Parts {
 /// returned.
 pub(super) fn answered<const N: usize>(
     state: &mut State<N>,
-    server: MacId,
+    link: Link,
     request: &Transaction,
     data: &[u8],
     at: Instant,
 ) -> Option<Problem> {
     let parts = state.packets.answer(request.seen.n);
     if request.service == ServiceCode::SET_ATTRIBUTE_LIST {
-        return set(state, server, &parts, data, at);
+        return set(state, link, &parts, data, at);
     }
     let packet = match MultipleServicePacket::parse(data) {
         Ok(packet) => packet,
@@ -141,7 +140,7 @@ pub(super) fn answered<const N: usize>(
         problem = problem.or(responses::part(Some(part), body).problem);
         match Response::parse(body) {
             Ok(Response::Success { service, data }) if service == part.service => {
-                problem = problem.or(learn::success(state, server, part, data, at));
+                problem = problem.or(learn::success(state, link, part, data, at));
             }
             Ok(Response::Success { .. }) => {
                 problem = problem.or(Some(Problem::ServiceMismatch { expected: part.service }));
@@ -159,7 +158,7 @@ pub(super) fn answered<const N: usize>(
 /// Learns what a Set_Attribute_List has set.
 fn set<const N: usize>(
     state: &mut State<N>,
-    server: MacId,
+    link: Link,
     parts: &Parts,
     data: &[u8],
     at: Instant,
@@ -168,7 +167,7 @@ fn set<const N: usize>(
     let mut problem = None;
     for (part, (attribute, status)) in parts.iter().flatten().zip(statuses.iter()) {
         if part.attribute == Some(attribute) && status == 0 {
-            problem = problem.or(learn::success(state, server, part, &[], at));
+            problem = problem.or(learn::success(state, link, part, &[], at));
         }
     }
     problem

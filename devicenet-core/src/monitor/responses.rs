@@ -66,8 +66,8 @@ pub(super) fn connected<const N: usize>(
     fill(&mut parsed, &transaction, body);
     if let Ok(Response::Success { data, .. }) = Response::parse(body) {
         let learned = match packet::has_parts(transaction.service) {
-            true => packet::answered(state, server, &transaction, data, seen.at),
-            false => learn::success(state, server, &transaction, data, seen.at),
+            true => packet::answered(state, route.link, &transaction, data, seen.at),
+            false => learn::success(state, route.link, &transaction, data, seen.at),
         };
         parsed.problem = parsed.problem.or(learned.filter(|_| !transaction.assumed));
     }

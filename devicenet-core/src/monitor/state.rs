@@ -6,7 +6,7 @@ use link_core::Instant;
 use super::connection::{Connection, Flow};
 use super::connections::{ConnectionState, DynamicConnection, Predefined};
 use super::explicit::Channel;
-use super::nodes::{Node, Roles};
+use super::nodes::{Node, Parent, Roles};
 use super::packet::Packets;
 use super::pairing::Seen;
 use super::reading::{Note, Reading};
@@ -105,6 +105,21 @@ impl<const N: usize> State<N> {
 
     pub(super) fn node(&mut self, mac: MacId) -> &mut Node {
         node(&mut self.nodes, mac)
+    }
+
+    /// Lets the watchdogs of a node's predefined set expire.
+    pub(super) fn settle(&mut self, mac: MacId, now: Instant) {
+        let Self { nodes, dynamics, .. } = self;
+        node(nodes, mac).settle(now, |parent| is_open(dynamics, mac, parent, now));
+    }
+
+    /// The nodes as they are now that the watchdogs have expired that must have.
+    pub(super) fn settled(&self) -> impl Iterator<Item = (MacId, Node)> {
+        self.nodes().map(|(mac, node)| {
+            let mut node = node.clone();
+            node.settle(self.now, |parent| is_open(&self.dynamics, mac, parent, self.now));
+            (mac, node)
+        })
     }
 
     pub(super) fn nodes(&self) -> impl Iterator<Item = (MacId, &Node)> {
@@ -274,6 +289,16 @@ impl Connection {
         self.frames = self.frames.saturating_add(1);
         self.bytes = self.bytes.saturating_add(u64::try_from(bytes).unwrap_or_default());
     }
+}
+
+/// Whether the explicit connection that UCMM has opened at a server is still there.
+fn is_open(dynamics: &[Option<Dynamic>], server: MacId, parent: Parent, now: Instant) -> bool {
+    dynamics.iter().flatten().any(|held| {
+        let mut connection = held.connection;
+        connection.settle(now, true, false);
+        let is_it = held.server == server && held.client == parent.client && held.instance == parent.instance;
+        is_it && !held.is_io && connection.state == ConnectionState::Established
+    })
 }
 
 fn node(nodes: &mut [Node; MacId::COUNT], mac: MacId) -> &mut Node {

@@ -24,7 +24,9 @@ pub(super) fn strobe<const N: usize>(state: &mut State<N>, reading: &mut Reading
     state.add_role(master, Roles::MASTER);
     if len != STROBE_LEN && len != 0 {
         let found = u16::try_from(len).unwrap_or_default();
+        // Every slave ignores it.
         reading.flag(Problem::Length { expected: 8, found });
+        return;
     }
     command(state, reading, Predefined::BitStrobe, master);
 }
@@ -82,7 +84,8 @@ fn command<const N: usize>(
 ) {
     let at = reading.at;
     let seen = Seen { n: reading.n, at };
-    let before = last(state.node(sender), which).replace(Volley { seen, answered: 0 });
+    let excused = io::has_other_length(reading);
+    let before = last(state.node(sender), which).replace(Volley { seen, answered: 0, excused });
     let mut missing = None;
     let mut count = 0_u8;
     for (mac, node) in state.nodes_mut() {
@@ -99,13 +102,16 @@ fn command<const N: usize>(
             continue;
         }
         // A slave that has joined since then was not meant.
-        let unanswered =
-            |volley: Volley| connection.active <= volley.seen.at && volley.answered & bit(mac) == 0;
+        let unanswered = |volley: Volley| {
+            !volley.excused && connection.active <= volley.seen.at && volley.answered & bit(mac) == 0
+        };
         if before.is_some_and(unanswered) {
             missing.get_or_insert(mac);
             count = count.saturating_add(1);
         }
-        connection.touch(at);
+        if !excused {
+            connection.touch(at);
+        }
     }
     match (missing, which) {
         (Some(mac), Predefined::BitStrobe) => reading.flag(Problem::StrobeUnanswered { mac, count }),
@@ -147,8 +153,13 @@ pub(super) fn polled<const N: usize>(state: &mut State<N>, reading: &mut Reading
         }
         node.multicast.as_mut()
     });
+    let excused = volley.as_deref().filter(|volley| volley.excused).map(|volley| volley.seen.at);
     answer(reading, volley, slave);
-    join(reading, state.node(slave).connection(Predefined::MulticastPoll));
+    let connection = state.node(slave).connection(Predefined::MulticastPoll);
+    join(reading, connection);
+    if let Some(taken) = excused {
+        connection.touch(taken);
+    }
 }
 
 fn answer(reading: &mut Reading<'_>, volley: Option<&mut Volley>, slave: MacId) {

@@ -4,16 +4,17 @@ use cip_core::code::{AttributeId, InstanceId, ServiceCode};
 use cip_core::message::{AllocationChoice, BodyFormat};
 use link_core::Instant;
 
+use super::super::connection::Connection;
 use super::super::connections::{ConnectionState, Predefined};
 use super::super::explicit::{Channel, Knowledge};
-use super::super::nodes::{Allocation, Node, Roles};
+use super::super::nodes::{Allocation, Node, Parent, Roles};
 use super::super::pairing::Transaction;
-use super::super::state::State;
+use super::super::state::{Link, State};
 use crate::id::MacId;
 
 pub(super) fn learn<const N: usize>(
     state: &mut State<N>,
-    server: MacId,
+    link: Link,
     request: &Transaction,
     data: &[u8],
     at: Instant,
@@ -21,17 +22,23 @@ pub(super) fn learn<const N: usize>(
     if request.instance.is_none_or(InstanceId::is_class) {
         return;
     }
+    let server = link.server;
     let [choice, _] = request.argument.to_le_bytes();
     let choice = AllocationChoice::from_bits_retain(choice);
     match request.service {
         ServiceCode::ALLOCATE => {
             let format = data.first().and_then(|&code| BodyFormat::from_code(code)).unwrap_or_default();
             let master = request.allocator.unwrap_or(request.requester);
-            allocated(state.node(server), choice, master, format, at);
+            state.settle(server, at);
+            let parent = state.held(link).map(|held| Parent { client: held.client, instance: held.instance });
+            allocated(state.node(server), choice, master, format, at, parent);
             state.add_role(server, Roles::SLAVE);
             state.add_role(master, Roles::MASTER);
         }
-        ServiceCode::RELEASE => released(state.node(server), choice, at),
+        ServiceCode::RELEASE => {
+            state.settle(server, at);
+            released(state.node(server), choice, at);
+        }
         ServiceCode::GET_ATTRIBUTE_SINGLE if request.attribute == Some(ALLOCATION_INFORMATION) => {
             if let &[choice, master] = data {
                 let choice = AllocationChoice::from_bits_retain(choice);
@@ -46,9 +53,19 @@ pub(super) fn learn<const N: usize>(
     }
 }
 
-fn allocated(node: &mut Node, choice: AllocationChoice, master: MacId, format: BodyFormat, at: Instant) {
-    node.settle(at);
-    if node.told_owner().is_some_and(|held| held != master) {
+fn allocated(
+    node: &mut Node,
+    choice: AllocationChoice,
+    master: MacId,
+    format: BodyFormat,
+    at: Instant,
+    through: Option<Parent>,
+) {
+    if node.choice().is_some() && node.told_owner().is_none() {
+        // The ownership had lapsed. What has timed out stays only until now.
+        let timed_out = |connection: &&mut Connection| connection.state == ConnectionState::TimedOut;
+        node.connections.iter_mut().filter(timed_out).for_each(Connection::lapse);
+    } else if node.told_owner().is_some_and(|held| held != master) {
         // Another master gets it only after all of its connections have ended.
         node.connections.iter_mut().for_each(|connection| connection.end(at));
         node.explicit = Channel::NEW;
@@ -63,9 +80,12 @@ fn allocated(node: &mut Node, choice: AllocationChoice, master: MacId, format: B
         node.explicit.format = format;
         node.explicit.knowledge = Knowledge::Likely;
     }
-    let changes = choice.intersects(AllocationChoice::CHANGE_OF_STATE | AllocationChoice::CYCLIC);
+    let changes = choice.intersects(CHANGES);
+    // Instance 2 serves poll and the master's changes: what it is already, it stays.
+    let shares = changes || node.choice().is_some_and(|held| held.intersects(CHANGES));
     let poll = node.connection(Predefined::Poll);
-    if choice.contains(AllocationChoice::POLL) || (changes && poll.state != ConnectionState::Established) {
+    let exists = poll.is_alive() || poll.state == ConnectionState::Configuring;
+    if (changes || choice.contains(AllocationChoice::POLL)) && !(shares && exists) {
         poll.allocate(Predefined::Poll, at);
     }
     for (bit, which) in [
@@ -79,6 +99,9 @@ fn allocated(node: &mut Node, choice: AllocationChoice, master: MacId, format: B
     if changes {
         node.connection(Predefined::CosCyclic).allocate(Predefined::CosCyclic, at);
     }
+    let explicit = node.peek(Predefined::Explicit).state;
+    let is_own = !matches!(explicit, ConnectionState::NonExistent | ConnectionState::Unknown);
+    node.parent = through.filter(|_| !is_own);
     let kept = node.allocation.filter(|held| held.master == Some(master)).map(|_| node.live_choice());
     let choice = kept.unwrap_or_default() | choice;
     node.allocation = Some(Allocation { choice, master: Some(master) });
@@ -86,14 +109,13 @@ fn allocated(node: &mut Node, choice: AllocationChoice, master: MacId, format: B
 
 fn released(node: &mut Node, choice: AllocationChoice, at: Instant) {
     let choice = choice.difference(AllocationChoice::ACK_SUPPRESSION);
-    let kept = node.choice().map(|held| held.difference(choice));
-    let changes = AllocationChoice::CHANGE_OF_STATE | AllocationChoice::CYCLIC;
+    let kept = node.choice().map(|_| node.live_choice().difference(choice));
     if choice.contains(AllocationChoice::EXPLICIT) {
         node.connection(Predefined::Explicit).end(at);
         node.explicit = Channel::NEW;
     }
-    let keeps_poll = kept.is_some_and(|kept| kept.intersects(changes | AllocationChoice::POLL));
-    if choice.contains(AllocationChoice::POLL) || (choice.intersects(changes) && !keeps_poll) {
+    let shared = CHANGES | AllocationChoice::POLL;
+    if choice.intersects(shared) && !kept.unwrap_or_default().intersects(shared) {
         node.connection(Predefined::Poll).end(at);
     }
     if choice.contains(AllocationChoice::BIT_STROBE) {
@@ -102,7 +124,7 @@ fn released(node: &mut Node, choice: AllocationChoice, at: Instant) {
     if choice.contains(AllocationChoice::MULTICAST_POLL) {
         node.connection(Predefined::MulticastPoll).end(at);
     }
-    if choice.intersects(changes) {
+    if choice.intersects(CHANGES) {
         node.connection(Predefined::CosCyclic).end(at);
     }
     if let Some(kept) = kept {
@@ -113,5 +135,7 @@ fn released(node: &mut Node, choice: AllocationChoice, at: Instant) {
     }
 }
 
+/// What needs instance 4, and instance 2 for the other direction.
+const CHANGES: AllocationChoice = AllocationChoice::CHANGE_OF_STATE.union(AllocationChoice::CYCLIC);
 const MAC_ID: AttributeId = AttributeId(1);
 const ALLOCATION_INFORMATION: AttributeId = AttributeId(5);

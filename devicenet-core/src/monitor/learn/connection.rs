@@ -53,7 +53,8 @@ pub(super) fn learn<const N: usize>(
             set(held, request.attribute?.0, request.argument, data, at, predefined.is_some());
         }
         ServiceCode::SET_ATTRIBUTES_ALL => held.forget(),
-        ServiceCode::APPLY_ATTRIBUTES | ServiceCode::RESET => held.enter(ConnectionState::Established, at),
+        ServiceCode::APPLY_ATTRIBUTES => held.enter(ConnectionState::Established, at),
+        ServiceCode::RESET => held.restart(at),
         _ => {}
     }
     None
@@ -119,7 +120,8 @@ fn set(held: &mut Connection, attribute: u16, argument: u16, data: &[u8], at: In
             match held.state {
                 // A new rate does not bring a connection back that has timed out.
                 ConnectionState::TimedOut if !held.assumed => {}
-                ConnectionState::Established => held.active = at,
+                // The ten seconds are for the first time only.
+                ConnectionState::Established => held.touch(at),
                 _ if applies => held.enter(ConnectionState::Established, at),
                 _ => {}
             }

@@ -12,27 +12,27 @@ use link_core::Instant;
 
 use super::pairing::Transaction;
 use super::problem::Problem;
-use super::state::State;
-use crate::id::MacId;
+use super::state::{Link, State};
 
 pub(super) use connection::{
     CONSUMED_PATH, EXPECTED_PACKET_RATE, PRODUCED_ID, PRODUCED_PATH, connection_id, instance_of, opened,
 };
 
-/// Learns from the response to `request`. What the response reveals to be wrong is returned.
+/// Learns from the response to `request`, which came by `link`. What the response reveals to be wrong is returned.
 pub(super) fn success<const N: usize>(
     state: &mut State<N>,
-    server: MacId,
+    link: Link,
     request: &Transaction,
     data: &[u8],
     at: Instant,
 ) -> Option<Problem> {
     let (class, instance) = (request.class?, request.instance?);
     if request.service == ServiceCode::GET_ATTRIBUTE_LIST {
-        return several(state, server, request, data, at);
+        return several(state, link, request, data, at);
     }
+    let server = link.server;
     match class {
-        ClassId::DEVICENET => allocation::learn(state, server, request, data, at),
+        ClassId::DEVICENET => allocation::learn(state, link, request, data, at),
         ClassId::IDENTITY => identity::learn(state, server, instance, request, data, at),
         ClassId::CONNECTION => return connection::learn(state, server, instance, request, data, at),
         _ => {}
@@ -43,7 +43,7 @@ pub(super) fn success<const N: usize>(
 /// Learns from the response to Get_Attribute_List as from as many single ones.
 fn several<const N: usize>(
     state: &mut State<N>,
-    server: MacId,
+    link: Link,
     request: &Transaction,
     data: &[u8],
     at: Instant,
@@ -55,7 +55,7 @@ fn several<const N: usize>(
         let Ok(value) = reply.value else { continue };
         let service = ServiceCode::GET_ATTRIBUTE_SINGLE;
         let single = Transaction { service, attribute: Some(reply.attribute), ..*request };
-        problem = problem.or(success(state, server, &single, value, at));
+        problem = problem.or(success(state, link, &single, value, at));
     }
     problem
 }

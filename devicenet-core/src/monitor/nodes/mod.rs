@@ -11,14 +11,14 @@ use cip_core::message::AllocationChoice;
 use link_core::Instant;
 
 use super::connection::{Connection, Side};
-use super::connections::Predefined;
+use super::connections::{ConnectionState, Predefined};
 use super::explicit::Channel;
 use super::pairing::{Seen, Waiting};
 use crate::id::MacId;
 use crate::message::DeviceIdentity;
 
 pub use access::AccessState;
-pub(super) use ownership::Allocation;
+pub(super) use ownership::{Allocation, Parent};
 pub use record::{NAME_CAPACITY, NodeRecord, Roles};
 
 /// A command to many slaves, and who has answered it.
@@ -26,6 +26,8 @@ pub use record::{NAME_CAPACITY, NodeRecord, Roles};
 pub(super) struct Volley {
     pub(super) seen: Seen,
     pub(super) answered: u64,
+    /// It has a length which the slaves may ignore.
+    pub(super) excused: bool,
 }
 
 /// What Identity object and duplicate MAC ID check have told.
@@ -58,6 +60,8 @@ pub(super) struct Node {
     pub(super) name: heapless::Vec<u8, NAME_CAPACITY>,
     /// `None`: no Allocate, Release or allocation information was seen.
     pub(super) allocation: Option<Allocation>,
+    /// `None`: the explicit connection of the predefined set.
+    pub(super) parent: Option<Parent>,
     pub(super) connections: [Connection; 5],
     /// Who was answered on the explicit connection: the owner as long as no allocation was seen.
     pub(super) client: Option<MacId>,
@@ -97,6 +101,7 @@ impl Node {
         identity: Identity { vendor: None, serial: None, device_type: None, product: None, revision: None },
         name: heapless::Vec::new(),
         allocation: None,
+        parent: None,
         client: None,
         group: None,
         connections: [Connection::NEW; 5],
@@ -145,14 +150,33 @@ impl Node {
         self.name.extend(name.iter().copied().take(NAME_CAPACITY));
     }
 
-    /// Lets the watchdogs of the predefined set expire.
-    pub(super) fn settle(&mut self, now: Instant) {
-        let [explicit, io @ ..] = &mut self.connections;
-        for connection in io.iter_mut() {
+    /// Lets the watchdogs of the predefined set expire. `is_open` says whether an explicit connection of UCMM exists.
+    pub(super) fn settle(&mut self, now: Instant, is_open: impl FnOnce(Parent) -> bool) {
+        let suppressed =
+            self.choice().is_some_and(|choice| choice.contains(AllocationChoice::ACK_SUPPRESSION));
+        let [explicit, poll, strobe, changes, multicast] = &mut self.connections;
+        for connection in [&mut *poll, &mut *strobe, &mut *multicast] {
             connection.settle(now, false, false);
         }
-        let io_alive = io.iter().any(Connection::is_alive);
+        if !suppressed {
+            // Only acknowledges restart its watchdog; without them it has none.
+            changes.settle(now, false, false);
+        }
+        let io = [poll, strobe, changes, multicast];
+        let io_alive = io.iter().any(|connection| connection.is_alive());
         explicit.settle(now, true, io_alive);
+        let configuring = |connection: &&mut Connection| connection.state == ConnectionState::Configuring;
+        if !io.iter().any(configuring) {
+            return;
+        }
+        let is_configured = match self.parent {
+            None => !matches!(explicit.state, ConnectionState::NonExistent | ConnectionState::TimedOut),
+            Some(parent) => is_open(parent),
+        };
+        if !is_configured {
+            // Nobody is left to configure them.
+            io.into_iter().filter(configuring).for_each(Connection::lapse);
+        }
     }
 
     /// The node has left the network or restarted: its connections are gone.
@@ -161,6 +185,7 @@ impl Node {
             connection.end(at);
         }
         self.allocation = Some(Allocation { choice: AllocationChoice::empty(), master: None });
+        self.parent = None;
         self.group = None;
         self.explicit = Channel::NEW;
         self.port = Waiting::new();

@@ -1,5 +1,6 @@
 //! Who owns the predefined connection set of a node.
 
+use cip_core::code::InstanceId;
 use cip_core::message::AllocationChoice;
 
 use super::super::connection::Connection;
@@ -15,15 +16,34 @@ pub(in crate::monitor) struct Allocation {
     pub(in crate::monitor) master: Option<MacId>,
 }
 
+/// The explicit connection that the I/O connections were allocated through, if it is one that UCMM has opened. As long as
+/// it is open they can stay in Configuring.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(in crate::monitor) struct Parent {
+    pub(in crate::monitor) client: MacId,
+    pub(in crate::monitor) instance: Option<InstanceId>,
+}
+
 impl Node {
     /// The master that owns the connection set, as an allocation has told or else as the traffic suggests.
     pub(in crate::monitor) fn owner(&self) -> Option<MacId> {
-        self.allocation.map_or(self.client, |allocation| allocation.master)
+        self.allocation.map_or(self.client, |_| self.told_owner())
     }
 
     /// The master that owns the connection set, if an allocation has told.
     pub(in crate::monitor) fn told_owner(&self) -> Option<MacId> {
-        self.allocation.and_then(|allocation| allocation.master)
+        let master = self.allocation.and_then(|allocation| allocation.master);
+        master.filter(|_| self.is_held())
+    }
+
+    /// The ownership lasts as long as a connection of the set: it lapses when the last has ended or timed out, and a slave
+    /// that goes on shows that it has not.
+    fn is_held(&self) -> bool {
+        let holds = |connection: &Connection| {
+            matches!(connection.state, ConnectionState::Established | ConnectionState::DeferredDelete)
+        };
+        self.connections.iter().any(holds)
+            || !self.live_choice().difference(AllocationChoice::ACK_SUPPRESSION).is_empty()
     }
 
     /// It has answered `client` on its explicit connection, which it does for the owner only.

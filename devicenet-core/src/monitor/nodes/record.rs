@@ -63,9 +63,10 @@ pub struct NodeRecord {
     pub revision: Option<(u8, u8)>,
     /// Identity object, attribute 7: ISO 8859-1 characters.
     pub product_name: heapless::Vec<u8, NAME_CAPACITY>,
-    /// The allocation choice, if an allocation was seen.
+    /// The allocation choice, if an allocation was seen: the bits whose connections have neither ended nor timed out.
     pub choice: Option<AllocationChoice>,
-    /// The master that owns its predefined connection set: of the allocation, or else the one that it answers.
+    /// The master that owns its predefined connection set: of the allocation as long as one of its connections lasts, or
+    /// else the one that it answers.
     pub master: Option<MacId>,
     /// Frames that it has sent.
     pub frames: u64,
@@ -98,7 +99,7 @@ impl NodeRecord {
             product: node.identity.product,
             revision: node.identity.revision,
             product_name: node.name.clone(),
-            choice: node.choice(),
+            choice: node.told_owner().map(|_| node.live_choice()),
             master: node.owner(),
             frames: node.counters.frames,
             bytes: node.counters.bytes,

@@ -68,6 +68,132 @@ fn the_explicit_connection_is_deleted_ten_seconds_after_its_last_message() {
     assert!(heard.assumed);
 }
 
+/// What the server sends does not restart its watchdog: here it answers late.
+#[test]
+fn responses_do_not_prolong_the_explicit_connection() {
+    let mut bus = Bus::with_slave(10, 0x01);
+    bus.group2(10, 4, &[0x01, 0x0E, 1, 1, 1]);
+    bus.wait(5_000).group2(10, 3, &[0x01, 0x8E, 0x34, 0x12]);
+    bus.wait(4_990).group2(11, 5, &[]);
+    assert_eq!(bus.state(10, Predefined::Explicit), ConnectionState::Established);
+    bus.wait(10).group2(11, 5, &[]);
+    assert_eq!(bus.state(10, Predefined::Explicit), ConnectionState::NonExistent);
+}
+
+#[test]
+fn the_ten_seconds_are_for_a_connection_that_was_configured() {
+    // The packet rate is set again; Reset of the instance; Reset of the class.
+    let again: [(&[u8], &[u8]); 3] = [
+        (&[0x01, 0x10, 5, 2, 9, 100, 0], &[0x01, 0x90, 100, 0]),
+        (&[0x01, 0x05, 5, 2], &[0x01, 0x85]),
+        (&[0x01, 0x05, 5, 0], &[0x01, 0x85]),
+    ];
+    for (request, response) in again {
+        let mut bus = Bus::with_slave(10, 0x03);
+        bus.establish(10, 2, 100);
+        if request.get(1) == Some(&0x05) {
+            bus.group2(10, 5, &[]);
+            bus.wait(500);
+        }
+        bus.group2(10, 4, request);
+        bus.group2(10, 3, response);
+        assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::Established, "{request:02X?}");
+        bus.wait(402).group2(11, 5, &[]);
+        assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::TimedOut, "{request:02X?}");
+    }
+}
+
+#[test]
+fn io_does_not_stay_configuring_without_the_explicit_connection() {
+    let mut bus = Bus::with_slave(10, 0x07);
+    bus.establish(10, 3, 0);
+    bus.wait(10_010).group2(11, 5, &[]);
+    let record = bus.connection(10, Predefined::Poll);
+    assert_eq!((record.state, record.assumed), (ConnectionState::NonExistent, true));
+    let node = bus.node(10);
+    assert_eq!((node.master, node.choice.map(|choice| choice.bits())), (Some(mac(1)), Some(0x04)));
+    let heard = bus.group2(10, 5, &[]);
+    assert_eq!(heard.note, Some(Note::NoConnection(ConnectionState::NonExistent)));
+    // It was released: the same.
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.group2(10, 6, &[0x01, 0x4C, 3, 1, 0x01]);
+    bus.group2(10, 3, &[0x01, 0xCC]);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::NonExistent);
+    assert_eq!(bus.node(10).master, None);
+}
+
+#[test]
+fn the_ownership_lapses_with_the_last_connection_and_comes_back_with_it() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.establish(10, 2, 1000);
+    bus.group2(10, 5, &[1]);
+    bus.wait(4_010).group2(11, 5, &[]);
+    let node = bus.node(10);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::TimedOut);
+    assert_eq!((node.master, node.choice.map(|choice| choice.bits())), (Some(mac(1)), Some(0x01)));
+    bus.wait(6_000).group2(11, 5, &[]);
+    let node = bus.node(10);
+    assert_eq!((node.master, node.choice), (None, None));
+    assert_eq!(bus.connection(10, Predefined::Poll).client, None);
+    assert_eq!(bus.group2(10, 5, &[1]).src, None);
+    // It answers: frames are missing in the recording.
+    bus.group1(15, 10, &[2]);
+    assert_eq!(bus.group2(10, 5, &[1]).src, Some(1));
+    let node = bus.node(10);
+    assert_eq!((node.master, node.choice.map(|choice| choice.bits())), (Some(mac(1)), Some(0x02)));
+}
+
+/// Timed out, it can be read until somebody allocates.
+#[test]
+fn an_allocation_after_the_ownership_has_lapsed_deletes_what_has_timed_out() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.establish(10, 2, 100);
+    bus.group2(10, 5, &[1]);
+    bus.wait(20_000).group2(10, 6, &[0x02, 0x4B, 3, 1, 0x01, 2]);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::TimedOut);
+    bus.group2(10, 3, &[0x02, 0xCB, 0]);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::NonExistent);
+    let node = bus.node(10);
+    assert_eq!((node.master, node.choice.map(|choice| choice.bits())), (Some(mac(2)), Some(0x01)));
+}
+
+/// Allocated through a connection of UCMM, I/O waits for its packet rate as long as that is open.
+#[test]
+fn the_connection_of_ucmm_keeps_what_was_allocated_through_it() {
+    let mut bus = Bus::new();
+    let check = [0x00, 0x34, 0x12, 0x45, 0x23, 0x00, 0x00];
+    bus.group2(63, 7, &check);
+    bus.wait(999).group2(63, 7, &check);
+    bus.group3(6, 0, &[63, 0x4B, 0, 0x34]);
+    bus.group3(5, 63, &[0, 0xCB, 0, 0x04, 6, 0]);
+    bus.group3(4, 0, &[63, 0x4B, 3, 1, 2, 0]);
+    bus.group3(4, 63, &[0, 0xCB, 0]);
+    bus.wait(9_000).group2(11, 5, &[]);
+    assert_eq!(bus.state(63, Predefined::Poll), ConnectionState::Configuring);
+    assert_eq!(bus.node(63).master, Some(mac(0)));
+    bus.group3(6, 0, &[63, 0x4C, 6, 0]);
+    bus.group3(5, 63, &[0, 0xCC]);
+    assert_eq!(bus.state(63, Predefined::Poll), ConnectionState::NonExistent);
+    assert_eq!(bus.node(63).master, None);
+}
+
+/// Instance 2 is there for both.
+#[test]
+fn poll_and_change_of_state_share_an_instance() {
+    let mut bus = Bus::with_slave(10, 0x11);
+    bus.establish(10, 4, 1000);
+    bus.establish(10, 2, 1000);
+    bus.group2(10, 4, &[0x01, 0x4B, 3, 1, 0x02, 1]);
+    bus.group2(10, 3, &[0x01, 0xCB, 0]);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::Established, "poll joins it");
+    bus.group2(10, 4, &[0x01, 0x4C, 3, 1, 0x02]);
+    bus.group2(10, 3, &[0x01, 0xCC]);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::Established, "poll leaves it");
+    bus.group2(10, 4, &[0x01, 0x4C, 3, 1, 0x10]);
+    bus.group2(10, 3, &[0x01, 0xCC]);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::NonExistent);
+}
+
 #[test]
 fn deferred_delete_waits_for_the_io() {
     let mut bus = Bus::with_slave(10, 0x03);

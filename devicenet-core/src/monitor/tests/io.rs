@@ -43,11 +43,74 @@ fn a_length_that_is_not_the_size() {
     bus.establish(10, 2, 1000);
     assert_eq!(bus.group2(10, 5, &[1]).problem, Some(Problem::IoLength { expected: 2, found: 1 }));
     assert_eq!(
-        bus.group2(10, 5, &[]).problem.map(|problem| problem.code()),
-        Some("poll_unanswered"),
-        "idle is valid"
+        bus.group2(10, 5, &[]).problem,
+        None,
+        "idle is valid, and a wrong length need not be answered"
     );
     assert_eq!(bus.group1(15, 10, &[1, 2, 3, 4]).problem, Some(Problem::IoLength { expected: 3, found: 4 }));
+}
+
+/// A slave may ignore it, and then its watchdog runs on; or take it, and then the answer tells.
+#[test]
+fn a_poll_of_another_length_restarts_the_watchdog_if_it_is_answered() {
+    for (is_answered, state) in [(false, ConnectionState::TimedOut), (true, ConnectionState::Established)] {
+        let mut bus = Bus::with_slave(10, 0x03);
+        bus.monitor.set_io_sizes(mac(10), Predefined::Poll, Some(2), Some(1));
+        bus.establish(10, 2, 100);
+        bus.group2(10, 5, &[1, 2]);
+        bus.group1(15, 10, &[3]);
+        let wrong = bus.wait(300).group2(10, 5, &[1]);
+        if is_answered {
+            let heard = bus.group1(15, 10, &[3]);
+            assert_eq!((heard.answers(), heard.problem), (Some(wrong.n), None));
+        }
+        bus.wait(200).group2(11, 5, &[]);
+        assert_eq!(bus.state(10, Predefined::Poll), state);
+    }
+}
+
+#[test]
+fn a_strobe_of_another_length_is_ignored_by_all() {
+    let mut bus = Bus::with_slave(5, 0x05);
+    bus.establish(5, 3, 100);
+    let strobe = bus.group2(1, 0, &[0; 8]);
+    bus.wait(300).group2(1, 0, &[0; 7]);
+    assert_eq!(bus.group1(14, 5, &[7]).answers(), Some(strobe.n), "which is later than usual");
+    bus.group2(1, 0, &[0; 7]);
+    assert_eq!(bus.group1(14, 5, &[7]).problem, Some(Problem::UnexpectedIoResponse));
+    bus.wait(100).group2(11, 5, &[]);
+    assert_eq!(bus.state(5, Predefined::BitStrobe), ConnectionState::TimedOut);
+}
+
+#[test]
+fn a_multicast_poll_of_another_length_need_not_be_answered() {
+    for is_answered in [false, true] {
+        let mut bus = Bus::with_slave(10, 0x09);
+        bus.monitor.set_io_sizes(mac(10), Predefined::MulticastPoll, Some(2), Some(1));
+        bus.establish(10, 5, 100);
+        bus.group2(1, 1, &[1, 2]);
+        bus.group1(12, 10, &[3]);
+        let wrong = bus.wait(300).group2(1, 1, &[1]);
+        assert_eq!(wrong.problem, Some(Problem::IoLength { expected: 2, found: 1 }));
+        if is_answered {
+            assert_eq!(bus.group1(12, 10, &[3]).answers(), Some(wrong.n));
+        }
+        let expected = if is_answered { ConnectionState::Established } else { ConnectionState::TimedOut };
+        bus.wait(200).group2(11, 5, &[]);
+        assert_eq!(bus.state(10, Predefined::MulticastPoll), expected);
+        assert_eq!(bus.group2(1, 1, &[1, 2]).problem, None);
+    }
+}
+
+/// Without acknowledges nothing restarts the watchdog of instance 4, and it has none.
+#[test]
+fn changes_without_acknowledges_do_not_time_out() {
+    let mut bus = Bus::with_slave(10, 0x51);
+    bus.establish(10, 4, 1000);
+    bus.group1(13, 10, &[1]);
+    bus.wait(60_000).group2(11, 5, &[]);
+    assert_eq!(bus.state(10, Predefined::CosCyclic), ConnectionState::Established);
+    assert_eq!(bus.node(10).master, Some(mac(1)), "its owner could be dead");
 }
 
 #[test]
