@@ -188,6 +188,7 @@ const PAUSE: Duration = Duration::from_millis(100);
 mod tests {
     use super::*;
     use core::cell::Cell;
+    use std::sync::mpsc::RecvTimeoutError;
 
     #[test]
     fn without_descriptors_the_acceptor_rests_before_it_asks_again() {
@@ -206,11 +207,15 @@ mod tests {
         reception.taken.store(MOST_CLIENTS, Ordering::Release);
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let mut client = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+        client.set_read_timeout(Some(PATIENCE)).unwrap();
         reception.accept(listener.incoming().take(1), || unreachable!("it is accepted"));
         let mut heard = String::new();
         client.read_to_string(&mut heard).unwrap();
         assert_eq!(heard, "< error too many clients >");
         drop(reception);
-        assert!(arrived.recv().is_err(), "nobody has the other end");
+        let end = arrived.recv_timeout(PATIENCE).err();
+        assert_eq!(end, Some(RecvTimeoutError::Disconnected), "nobody has the other end");
     }
+
+    const PATIENCE: Duration = Duration::from_secs(30);
 }
