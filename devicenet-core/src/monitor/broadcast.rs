@@ -7,7 +7,6 @@ use cip_core::codec::{ParseError, Wire};
 
 use super::bodies::problem_of;
 use super::kind::Kind;
-use super::nodes::AccessState;
 use super::problem::Problem;
 use super::reading::{Detail, Reading};
 use super::state::State;
@@ -107,8 +106,7 @@ fn shutdown<const N: usize>(
     state.drop_connections(sender, reading.at);
     let node = state.node(sender);
     node.heartbeat = None;
-    node.access = AccessState::OffLine;
-    node.access_since = reading.at;
+    node.goes_off_line(reading.at);
     let shutdown = Shutdown::parse(data)?;
     reading.fields.class = Some(shutdown.class);
     reading.fields.instance = Some(shutdown.instance);

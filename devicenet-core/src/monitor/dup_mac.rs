@@ -6,7 +6,7 @@ use cip_core::codec::{Reader, Wire};
 
 use super::bodies::problem_of;
 use super::kind::Kind;
-use super::nodes::{AccessState, Identity};
+use super::nodes::{AccessState, Identity, Node};
 use super::pairing::Seen;
 use super::problem::Problem;
 use super::reading::{Note, Reading};
@@ -55,7 +55,7 @@ fn request<const N: usize>(
     let node = state.node(mac);
     let device = (Some(check.device.vendor), Some(check.device.serial));
     let known = (node.identity.vendor, node.identity.serial);
-    let other = match known {
+    let differs = match known {
         (Some(_), Some(_)) => known != device,
         (vendor, serial) => {
             (vendor.is_some() && vendor != device.0) || (serial.is_some() && serial != device.1)
@@ -64,20 +64,22 @@ fn request<const N: usize>(
     let before = node.check.replace(Seen { n: reading.n, at });
     let unanswered = before.is_some();
     let rival = node.rival.take();
-    if other && !(unanswered && rival == Some(check.device)) {
+    // A device that has said goodbye has left its MAC ID to whoever wants it.
+    let is_free = node.access == AccessState::OffLine;
+    if differs && !is_free && !(unanswered && rival == Some(check.device)) {
         reading.flag(Problem::TwoIdentities { mac });
         node.rival = Some(check.device);
         node.access = AccessState::SuspectedDuplicate;
         node.access_since = at;
         return;
     }
-    if other {
-        // Nobody has objected to its first check: a device was replaced.
+    if differs {
+        // Nobody has objected to its first check, or nobody is there to do so: a device was replaced.
         node.identity = Identity::default();
         node.name.clear();
         node.access = AccessState::FirstCheck;
     }
-    (node.identity.vendor, node.identity.serial) = device;
+    node.is_known_as(check);
     let since = at.saturating_since(node.access_since);
     let access = node.access_at(at);
     let follows = before.is_some_and(|before| at.saturating_since(before.at) <= SECOND_CHECK_WITHIN);
@@ -98,6 +100,7 @@ fn request<const N: usize>(
     if access == AccessState::OnLine {
         reading.note = Some(Note::Restarted);
     }
+    state.moved(mac, check, at);
     if is_first {
         // Whoever checks has no connections.
         state.drop_connections(mac, at);
@@ -117,11 +120,19 @@ fn response<const N: usize>(
     }
     reading.flag(Problem::DuplicateMacId { mac });
     // Only a node on line answers, and it stays there: the other one loses.
-    node.identity.vendor = Some(check.device.vendor);
-    node.identity.serial = Some(check.device.serial);
+    node.is_known_as(check);
     node.access = AccessState::OnLine;
     node.half_checked = false;
     node.access_since = reading.at;
+    state.moved(mac, check, reading.at);
+}
+
+impl Node {
+    fn is_known_as(&mut self, check: &DuplicateMacCheck) {
+        let held = &mut self.identity;
+        held.port = Some(check.port);
+        (held.vendor, held.serial) = (Some(check.device.vendor), Some(check.device.serial));
+    }
 }
 
 const LEN: usize = 7;

@@ -141,7 +141,7 @@ pub enum FragmentationGuess {
 /// connections opened by UCMM; `B` is the longest message in bytes. [`Monitor`] has sizes for a computer.
 ///
 /// [`observe`](Self::observe) takes bounded time: it looks at one slave, at `N` connections, and for a bit-strobe
-/// command at all 64 nodes.
+/// command or a check of a MAC ID at all 64 nodes.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct SizedMonitor<const N: usize, const B: usize> {
     config: MonitorConfig,

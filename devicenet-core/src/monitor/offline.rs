@@ -5,7 +5,7 @@ use cip_core::codec::Wire;
 
 use super::bodies::problem_of;
 use super::kind::Kind;
-use super::nodes::{AccessState, Node, Roles};
+use super::nodes::{AccessState, Roles};
 use super::pairing::Seen;
 use super::problem::Problem;
 use super::reading::{Detail, Reading};
@@ -137,8 +137,8 @@ fn selected(nodes: NodeSelection) -> Option<MacId> {
 
 /// The MAC ID under which the device was heard last, if one is known.
 fn last_known<const N: usize>(state: &State<N>, device: DeviceIdentity) -> Option<MacId> {
-    let known = state.nodes().filter(|(_, node)| is(node, device));
-    // A device that was moved is known by its old MAC ID as well.
+    let known = state.nodes().filter(|(_, node)| node.is(device));
+    // A device with two ports is known by two MAC IDs.
     let last = known.max_by_key(|(_, node)| node.access_since);
     // A twin that has met the owner of its MAC ID, which stays on line.
     let twin = || state.nodes().find(|(_, node)| node.rival == Some(device));
@@ -147,14 +147,10 @@ fn last_known<const N: usize>(state: &State<N>, device: DeviceIdentity) -> Optio
 
 /// Takes note that the device is faulted.
 fn faulted<const N: usize>(state: &mut State<N>, device: DeviceIdentity) {
-    let known = state.nodes_mut().filter(|(_, node)| is(node, device));
+    let known = state.nodes_mut().filter(|(_, node)| node.is(device));
     if let Some((_, node)) = known.max_by_key(|(_, node)| node.access_since) {
         node.access = AccessState::Faulted;
     }
-}
-
-fn is(node: &Node, device: DeviceIdentity) -> bool {
-    node.identity.vendor == Some(device.vendor) && node.identity.serial == Some(device.serial)
 }
 
 fn device(reading: &mut Reading<'_>, device: DeviceIdentity) {

@@ -11,6 +11,7 @@ use super::packet::Packets;
 use super::pairing::Seen;
 use super::reading::{Note, Reading};
 use crate::id::{Identifier, MacId};
+use crate::message::DuplicateMacCheck;
 
 /// Everything learned, except the messages in progress.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -228,6 +229,20 @@ impl<const N: usize> State<N> {
             dynamic.end(at);
         }
         self.count_dynamics();
+    }
+
+    /// A device has asked for a MAC ID, or has it. What is known of it under another one is over, unless it is another port.
+    pub(super) fn moved(&mut self, to: MacId, check: &DuplicateMacCheck, at: Instant) {
+        let Self { nodes, dynamics, .. } = self;
+        for (mac, node) in MacId::all().zip(nodes).filter(|&(mac, _)| mac != to) {
+            node.rival = node.rival.filter(|&rival| rival != check.device);
+            let is_port = node.identity.port.is_none_or(|port| port == check.port);
+            if is_port && node.is(check.device) {
+                node.leaves(at);
+                let own = dynamics.iter_mut().flatten().filter(|held| held.server == mac);
+                own.for_each(|held| held.connection.lapse());
+            }
+        }
     }
 
     /// Counts the frame, for its sender.

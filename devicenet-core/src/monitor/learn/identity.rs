@@ -55,6 +55,7 @@ pub(super) fn learn<const N: usize>(
 fn identity_of(node: &mut Node, all: &IdentityAttributes) {
     let DeviceIdentity { vendor, device_type, product_code, revision, serial, name } = &all.identity;
     node.identity = Identity {
+        port: node.identity.port,
         vendor: Some(*vendor),
         serial: Some(*serial),
         device_type: Some(*device_type),

@@ -24,7 +24,7 @@ pub enum AccessState {
     SuspectedDuplicate,
     /// It has told on the offline connection set that it has a communication fault.
     Faulted,
-    /// It has said that it goes off line: Device Shutdown.
+    /// It has said that it goes off line, by Device Shutdown, or its device was heard with another MAC ID.
     OffLine,
 }
 
@@ -55,10 +55,11 @@ impl Node {
     pub(in crate::monitor) fn takes_part(&mut self, at: Instant) {
         let is_new = match self.access {
             AccessState::Unknown | AccessState::FirstCheck | AccessState::SecondCheck => true,
-            AccessState::OffLine => true,
+            // It was repaired, or another device has the MAC ID: a faulted one is silent.
+            AccessState::OffLine | AccessState::Faulted => true,
             // A newcomer would have checked a second time by now: the owner has kept its MAC ID.
             AccessState::SuspectedDuplicate => at.saturating_since(self.access_since) > SECOND_CHECK_WITHIN,
-            AccessState::OnLine | AccessState::Faulted => false,
+            AccessState::OnLine => false,
         };
         if is_new {
             if self.access == AccessState::SuspectedDuplicate {
@@ -68,6 +69,12 @@ impl Node {
             self.access = AccessState::OnLine;
             self.access_since = at;
         }
+    }
+
+    /// It has said that it goes off line, or must have gone.
+    pub(in crate::monitor) fn goes_off_line(&mut self, at: Instant) {
+        self.access = AccessState::OffLine;
+        self.access_since = at;
     }
 
     /// The access state at `now`: a second after the second check the node is on line.

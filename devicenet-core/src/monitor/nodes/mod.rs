@@ -15,7 +15,7 @@ use super::connections::{ConnectionState, Predefined};
 use super::explicit::Channel;
 use super::pairing::{Seen, Waiting};
 use crate::id::MacId;
-use crate::message::DeviceIdentity;
+use crate::message::{DeviceIdentity, PortNumber};
 
 pub use access::AccessState;
 pub(super) use ownership::{Allocation, Parent};
@@ -33,6 +33,8 @@ pub(super) struct Volley {
 /// What Identity object and duplicate MAC ID check have told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub(super) struct Identity {
+    /// The physical port: a device with two can have two MAC IDs.
+    pub(super) port: Option<PortNumber>,
     pub(super) vendor: Option<VendorId>,
     pub(super) serial: Option<u32>,
     pub(super) device_type: Option<DeviceType>,
@@ -98,7 +100,14 @@ impl Node {
         access: AccessState::Unknown,
         access_since: Instant::ZERO,
         roles: Roles::empty(),
-        identity: Identity { vendor: None, serial: None, device_type: None, product: None, revision: None },
+        identity: Identity {
+            port: None,
+            vendor: None,
+            serial: None,
+            device_type: None,
+            product: None,
+            revision: None,
+        },
         name: heapless::Vec::new(),
         allocation: None,
         parent: None,
@@ -177,6 +186,20 @@ impl Node {
             // Nobody is left to configure them.
             io.into_iter().filter(configuring).for_each(Connection::lapse);
         }
+    }
+
+    /// This device is known by the MAC ID.
+    pub(super) fn is(&self, device: DeviceIdentity) -> bool {
+        self.identity.vendor == Some(device.vendor) && self.identity.serial == Some(device.serial)
+    }
+
+    /// The device has gone to another MAC ID. It could be a twin that has: then this one goes on, and its connections with it.
+    pub(super) fn leaves(&mut self, at: Instant) {
+        self.identity = Identity::default();
+        self.name.clear();
+        self.heartbeat = None;
+        self.connections.iter_mut().for_each(Connection::lapse);
+        self.goes_off_line(at);
     }
 
     /// The node has left the network or restarted: its connections are gone.

@@ -169,6 +169,83 @@ fn a_device_that_was_replaced_is_suspected_once() {
 }
 
 #[test]
+fn a_device_that_moves_frees_its_mac_id() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.group2(10, 7, &DEVICE);
+    bus.wait(999).group2(10, 7, &DEVICE);
+    bus.group2(10, 6, &[0x01, 0x4B, 3, 1, 0x03, 1]);
+    bus.group2(10, 3, &[0x01, 0xCB, 0]);
+    bus.establish(10, 2, 0);
+    bus.wait(60_000).group2(11, 7, &DEVICE);
+    let old = bus.node(10);
+    assert_eq!((old.access, old.serial, old.master), (AccessState::OffLine, None, None));
+    assert_eq!(
+        (bus.node(11).serial, bus.state(10, Predefined::Poll)),
+        (Some(0x2345), ConnectionState::NonExistent)
+    );
+    let heard = bus.wait(60_000).group2(10, 7, &TWIN);
+    assert_eq!((heard.problem, bus.node(10).access), (None, AccessState::FirstCheck));
+    assert_eq!(bus.node(10).serial, Some(0x0102_0304));
+}
+
+/// Two devices with one vendor and serial number: the first goes on, and its connections with it.
+#[test]
+fn a_device_that_only_seemed_to_move_is_still_there() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.group2(10, 7, &DEVICE);
+    bus.group2(10, 6, &[0x01, 0x4B, 3, 1, 0x03, 1]);
+    bus.group2(10, 3, &[0x01, 0xCB, 0]);
+    bus.establish(10, 2, 0);
+    bus.wait(60_000).group2(11, 7, &DEVICE);
+    bus.group2(10, 5, &[1]);
+    let heard = bus.group1(15, 10, &[2]);
+    assert_eq!((heard.note, heard.problem), (None, None));
+    assert_eq!((bus.node(10).access, bus.node(10).master), (AccessState::OnLine, Some(mac(1))));
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::Established);
+}
+
+#[test]
+fn a_device_with_two_ports_has_two_mac_ids() {
+    let mut bus = Bus::new();
+    let mut second = DEVICE;
+    second[0] = 0x01;
+    bus.group2(10, 7, &DEVICE);
+    bus.group2(11, 7, &second);
+    assert_eq!((bus.node(10).serial, bus.node(11).serial), (Some(0x2345), Some(0x2345)));
+    assert_eq!(bus.node(10).access, AccessState::FirstCheck);
+}
+
+#[test]
+fn a_newcomer_that_moves_away_is_new_again_when_it_comes_back() {
+    let mut bus = Bus::new();
+    bus.group2(10, 7, &DEVICE);
+    let twins = Some(Problem::TwoIdentities { mac: mac(10) });
+    assert_eq!(bus.wait(5_000).group2(10, 7, &TWIN).problem, twins);
+    assert_eq!(bus.wait(5_000).group2(20, 7, &TWIN).problem, None);
+    assert_eq!(bus.wait(5_000).group2(10, 7, &TWIN).problem, twins);
+}
+
+#[test]
+fn a_device_that_has_said_goodbye_leaves_its_mac_id_to_another() {
+    let mut bus = Bus::new();
+    bus.group2(10, 7, &DEVICE);
+    bus.group2(10, 3, &[0x0A, 0xCE, 0x01, 0x00, 0x01, 0x00, 0x00, 0x00]);
+    let heard = bus.wait(5_000).group2(10, 7, &TWIN);
+    assert_eq!((heard.problem, bus.node(10).serial), (None, Some(0x0102_0304)));
+}
+
+/// It has another identity than the one that was faulted, or was repaired unheard.
+#[test]
+fn a_mac_id_that_sends_is_not_faulted() {
+    let mut bus = Bus::new();
+    bus.group2(10, 7, &DEVICE);
+    bus.frame(0x7EC, &DEVICE);
+    assert_eq!(bus.node(10).access, AccessState::Faulted);
+    bus.group1(15, 10, &[]);
+    assert_eq!(bus.node(10).access, AccessState::OnLine);
+}
+
+#[test]
 fn twins_that_start_together_are_both_suspected() {
     let mut bus = Bus::new();
     assert_eq!(bus.group2(10, 7, &DEVICE).problem, None);

@@ -72,7 +72,7 @@ fn a_faulted_node_is_known_by_the_mac_id_that_it_had_last() {
     bus.group2(10, 7, &DEVICE);
     bus.wait(5000).group2(20, 7, &DEVICE);
     assert_eq!(bus.frame(0x7EC, &DEVICE).src, Some(20));
-    assert_eq!(bus.node(10).access, AccessState::FirstCheck);
+    assert_eq!(bus.node(10).access, AccessState::OffLine);
 }
 
 /// The newcomer has lost its MAC ID to the node that has answered: that one is on line.
