@@ -12,6 +12,7 @@
 mod access;
 mod captures;
 mod harness;
+mod line;
 mod monitored;
 mod robustness;
 mod vectors;
