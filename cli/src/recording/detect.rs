@@ -49,6 +49,15 @@ impl Format {
             [0x28, 0xB5, 0x2F, 0xFD, ..] => {
                 return Err(RecordingError::UnknownFormat("zstd data (unpack it first)"));
             }
+            [0xFD, b'7', b'z', b'X', b'Z', 0x00, ..] => {
+                return Err(RecordingError::UnknownFormat("xz data (unpack it first)"));
+            }
+            [b'B', b'Z', b'h', b'1'..=b'9', 0x31, 0x41, 0x59, 0x26, 0x53, 0x59, ..] => {
+                return Err(RecordingError::UnknownFormat("bzip2 data (unpack it first)"));
+            }
+            [b'P', b'K', 0x03, 0x04, ..] => {
+                return Err(RecordingError::UnknownFormat("a ZIP archive (unpack it first)"));
+            }
             [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => {
                 return Err(RecordingError::UnknownFormat("UTF-16 text (save it as UTF-8)"));
             }
@@ -72,6 +81,11 @@ impl Format {
             // Before anything else: a scenario may hold a log that it replays.
             if is_of_scenario(line) {
                 return Err(RecordingError::UnknownFormat("a scenario (run it with `devicenet simulate`)"));
+            }
+            if is_of_eds(line) {
+                return Err(RecordingError::UnknownFormat(
+                    "an Electronic Data Sheet (check it with `devicenet eds check`)",
+                ));
             }
             if candump::parse(line.trim_ascii_end(), &mut channels).is_ok() {
                 return Ok(Self::CandumpLog);
@@ -104,6 +118,11 @@ fn is_of_scenario(line: &[u8]) -> bool {
     matches!(line.trim_ascii(), b"[bus]" | b"[[node]]")
 }
 
+/// Whether a line opens one of the sections that every Electronic Data Sheet has.
+fn is_of_eds(line: &[u8]) -> bool {
+    [&b"[File]"[..], b"[Device]"].iter().any(|section| line.trim_ascii().eq_ignore_ascii_case(section))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -122,6 +141,10 @@ mod tests {
     fn says_what_else_it_seems_to_be() {
         let found = |bytes| Format::detect(bytes).unwrap_err().to_string();
         assert!(found(b"\x1F\x8B\x08").ends_with("gzip data (unpack it first) found"));
+        assert!(found(b"\xFD7zXZ\0\0").ends_with("xz data (unpack it first) found"));
+        assert!(found(b"BZh91AY&SY\x8B").ends_with("bzip2 data (unpack it first) found"));
+        assert!(found(b"PK\x03\x04\x14\0").ends_with("a ZIP archive (unpack it first) found"));
+        assert!(found(b"$ a valve\r\n[File]\r\n").contains("an Electronic Data Sheet (check it with"));
         assert!(found(b"\x7FELF\x00").ends_with("binary data found"));
         assert!(found(b"\xFF\xFE(\x001\x00").ends_with("UTF-16 text (save it as UTF-8) found"));
         assert!(found(b"\xFE\xFF\x00(\x001").ends_with("UTF-16 text (save it as UTF-8) found"));
