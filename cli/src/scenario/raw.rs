@@ -21,7 +21,7 @@ macro_rules! table {
     ($(#[$doc:meta])* $name:ident { $($key:ident $(as $text:literal)?: $type:ty),* $(,)? }) => {
         $(#[$doc])*
         #[derive(Deserialize, Debug)]
-        #[serde(deny_unknown_fields)]
+        #[serde(deny_unknown_fields, expecting = "a table of keys and values")]
         pub(super) struct $name {
             $($(#[serde(rename = $text)])? pub(super) $key: Option<Spanned<$type>>),*
         }

@@ -36,6 +36,11 @@ fn syntax_and_the_bus() {
         r#"2:12: `5m` has an unknown unit; expected a time with a unit (ns, us, ms, s, min, h) such as "75ms" or "1.5s""#,
     );
     refused(BUS, r#"duration = "0s""#, "2:12: `duration` is 0s; expected more than 0s, at most 86400s");
+    refused(
+        BUS,
+        "[[node]]\nidentity = 5",
+        "3:12: invalid type: integer `5`, expected a table of keys and values",
+    );
     refused(BUS, "seed = -1", "2:8: `seed` is -1; expected a number from 0");
     refused("", "", "s.toml: there is no table [bus]; expected [bus] and at least one [[node]]");
     refused(BUS, "", "s.toml: there is no [[node]]; expected at least one");
