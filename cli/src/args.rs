@@ -176,10 +176,14 @@ fn parse_mac_id(text: &str) -> Result<u8, String> {
 /// `valve.eds`, `10=valve.eds`.
 fn parse_eds_file(text: &str) -> Result<EdsFile, String> {
     let is_number = |mac: &str| mac.chars().all(|character| character.is_ascii_alphanumeric());
-    match text.split_once('=').filter(|(mac, _)| is_number(mac)) {
-        Some((mac, path)) => Ok(EdsFile { mac: Some(parse_mac_id(mac)?), path: path.into() }),
-        None => Ok(EdsFile { mac: None, path: text.into() }),
+    let (mac, path) = match text.split_once('=').filter(|(mac, _)| is_number(mac)) {
+        Some((mac, path)) => (Some(parse_mac_id(mac)?), path),
+        None => (None, text),
+    };
+    if path.is_empty() {
+        return Err("the name of a file expected, such as valve.eds or 10=valve.eds".to_owned());
     }
+    Ok(EdsFile { mac, path: path.into() })
 }
 
 /// `125k`, `125000`, `125_000`, `1M`.
@@ -219,6 +223,8 @@ mod tests {
     fn eds_files_with_and_without_a_node() {
         let file = |mac, path: &str| Ok(EdsFile { mac, path: path.into() });
         assert_eq!(parse_eds_file("valve.eds"), file(None, "valve.eds"));
+        assert!(parse_eds_file("10=").unwrap_err().starts_with("the name of a file expected"));
+        assert!(parse_eds_file("").is_err());
         assert_eq!(parse_eds_file("0x0A=a=b.eds"), file(Some(10), "a=b.eds"));
         assert_eq!(parse_eds_file("./10=valve.eds"), file(None, "./10=valve.eds"));
         assert!(parse_eds_file("64=valve.eds").is_err());
