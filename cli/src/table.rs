@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use crate::text::printable;
+
 /// One cell, at the left or the right of its column.
 #[derive(Clone, Debug)]
 pub(crate) struct Cell {
@@ -10,12 +12,12 @@ pub(crate) struct Cell {
 }
 
 impl Cell {
-    pub(crate) fn left(text: impl Into<String>) -> Self {
-        Self { text: text.into(), is_left: true }
+    pub(crate) fn left(text: impl AsRef<str>) -> Self {
+        Self { text: printable(text.as_ref()).into_owned(), is_left: true }
     }
 
-    pub(crate) fn right(text: impl Into<String>) -> Self {
-        Self { text: text.into(), is_left: false }
+    pub(crate) fn right(text: impl AsRef<str>) -> Self {
+        Self { is_left: false, ..Self::left(text) }
     }
 }
 

@@ -126,11 +126,35 @@ fn a_file_is_one_object() {
 }
 
 #[test]
+fn json_has_numbers_that_no_machine_has() {
+    let sheet =
+        b"[Params]\n Param1 = 0, 0, \"\", 0, 0xC6, 1, \"Flow\", \"\", \"\", 0, 99999999999999999999999, 0;\n";
+    let output = run(&["eds", "show", "--json", "-"], sheet);
+    assert_exit(&output, 0);
+    assert!(stdout(&output).contains("\"maximum\":99999999999999999999999"), "{}", stdout(&output));
+    serde_json::from_str::<Value>(stdout(&output)).expect("an object");
+}
+
+#[test]
+fn names_in_a_file_do_not_command_the_terminal() {
+    let sheet = b"[Device]\n VendName = \"\x1b[2JWorks\";\n ProdName = \x1b[31mRed;\n\
+        [Params]\n Param1 = 0, 0, \"\", 0, 0xC6, 1, \"\x1b[5mFlow\", \"\", \"\", 0, 9, 0;\n";
+    for command in ["show", "check"] {
+        let output = run(&["eds", command, "-"], sheet);
+        assert!(!stdout(&output).contains('\x1b'), "{}", stdout(&output));
+    }
+}
+
+#[test]
 fn decode_says_which_file_is_for_nothing() {
     let log = b"(1700000006.060000) can0 455#\n(1700000006.060300) can0 3CA#8102\n";
     let output = run(&["decode", "--eds", &file("block"), "-"], log);
     assert_exit(&output, 0);
     assert!(stderr(&output).contains("names nothing in the recording"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("say `--eds 10="), "{}", stderr(&output));
+    let output = run(&["decode", "--eds", &format!("11={}", file("block")), "-"], log);
+    assert_exit(&output, 0);
+    assert!(stderr(&output).ends_with("no parameter and no I/O data of node 11\n"), "{}", stderr(&output));
     let output = run(&["decode", "--eds", &format!("10={}", file("block")), "-"], log);
     assert_exit(&output, 0);
     assert!(stdout(&output).contains("[Inputs: 0x81 (IN0, IN7); State: Fault (2)]"), "{}", stdout(&output));

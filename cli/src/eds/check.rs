@@ -10,7 +10,7 @@ use super::{CheckArgs, read, shown};
 use crate::excerpt::Excerpt;
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Output};
-use crate::text::count;
+use crate::text::{count, printable};
 
 pub(super) fn run(args: &CheckArgs, json: bool) -> Result<Exit, Failure> {
     let mut output = Output::new();
@@ -78,10 +78,11 @@ impl<'a> Report<'a> {
             let Diagnostic { place, message, code, .. } = found;
             writeln!(
                 out,
-                "{bold}{file}:{}:{}:{bold:#} {style}{}[{code}]{style:#}: {message}\n{}",
+                "{bold}{file}:{}:{}:{bold:#} {style}{}[{code}]{style:#}: {}\n{}",
                 place.line,
                 place.column,
                 found.severity(),
+                printable(message),
                 self.excerpt(found, style)
             )?;
         }

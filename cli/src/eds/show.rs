@@ -3,23 +3,27 @@
 use core::fmt::Display;
 use std::io::{self, Write};
 
-use cip_core::eds::{Assembly, Eds, GroupMember, IoData, IoInfo, Param, Reference, Severity, Stamp};
+use cip_core::eds::{
+    Assembly, Device, Eds, FileInfo, Group, GroupMember, IoData, IoInfo, Param, ParamClass, Reference,
+    Severity, Stamp, Variant,
+};
 use cip_core::epath::Epath;
 use cip_core::parameter::ParameterDescriptor;
-use cip_core::scan::IoType;
+use cip_core::scan::{IoType, ScanEntry};
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::{ShowArgs, read, shown};
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Output};
 use crate::table::{Cell, Table};
-use crate::text::count;
+use crate::text::{count, printable};
 
 pub(super) fn run(args: &ShowArgs, json: bool) -> Result<Exit, Failure> {
     let eds = read(&args.file)?;
     let mut output = Output::new();
     match json {
-        true => writeln!(output.buffer, "{}", object(&eds, &shown(&args.file)))?,
+        true => object(&eds, &shown(&args.file), &mut output.buffer)?,
         false => text(&eds, &mut output.buffer)?,
     }
     output.flush()?;
@@ -36,24 +40,43 @@ pub(super) fn run(args: &ShowArgs, json: bool) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-fn object(eds: &Eds, file: &str) -> Value {
-    let assemblies: Vec<Value> =
-        eds.assemblies().iter().map(|assembly| assembly_object(eds, assembly)).collect();
-    json!({
-        "file": file,
-        "encoding": eds.document().encoding().name(),
-        "description": eds.file(),
-        "device": eds.device(),
-        "classes": eds.classes(),
-        "io_info": eds.io_info(),
-        "param_class": eds.param_class(),
-        "params": eds.params(),
-        "groups": eds.groups(),
-        "assemblies": assemblies,
-        "variants": eds.variants(),
-        "scan_entry": eds.scan_entry().ok(),
-        "scan_entry_problem": eds.scan_entry().err().map(|error| error.to_string()),
-    })
+/// The object of a file. It is written as it is: a [`Value`] has no room for every number that a file may have.
+#[derive(Serialize)]
+struct Sheet<'a> {
+    file: &'a str,
+    encoding: &'static str,
+    description: &'a FileInfo,
+    device: &'a Device,
+    classes: &'a [String],
+    io_info: Option<&'a IoInfo>,
+    param_class: Option<&'a ParamClass>,
+    params: &'a [Param],
+    groups: &'a [Group],
+    assemblies: Vec<Value>,
+    variants: &'a [Variant],
+    scan_entry: Option<ScanEntry>,
+    scan_entry_problem: Option<String>,
+}
+
+fn object(eds: &Eds, file: &str, out: &mut impl Write) -> io::Result<()> {
+    let scan_entry = eds.scan_entry();
+    let sheet = Sheet {
+        file,
+        encoding: eds.document().encoding().name(),
+        description: eds.file(),
+        device: eds.device(),
+        classes: eds.classes(),
+        io_info: eds.io_info(),
+        param_class: eds.param_class(),
+        params: eds.params(),
+        groups: eds.groups(),
+        assemblies: eds.assemblies().iter().map(|assembly| assembly_object(eds, assembly)).collect(),
+        variants: eds.variants(),
+        scan_entry_problem: scan_entry.as_ref().err().map(ToString::to_string),
+        scan_entry: scan_entry.ok(),
+    };
+    serde_json::to_writer(&mut *out, &sheet)?;
+    writeln!(out)
 }
 
 fn assembly_object(eds: &Eds, assembly: &Assembly) -> Value {
@@ -97,7 +120,7 @@ fn device(eds: &Eds, out: &mut impl Write) -> io::Result<()> {
     let (device, file) = (eds.device(), eds.file());
     let name = device.product_name.as_deref().unwrap_or("a device without a name");
     let catalog = device.catalog.as_deref().map(|catalog| format!(" ({catalog})"));
-    writeln!(out, "{name}{}", catalog.unwrap_or_default())?;
+    writeln!(out, "{}", printable(&format!("{name}{}", catalog.unwrap_or_default())))?;
     let numbered = |number: Option<u16>, name: &Option<String>| {
         number.map(|number| format!("{number} {}", name.as_deref().unwrap_or_default()))
     };
@@ -112,7 +135,8 @@ fn device(eds: &Eds, out: &mut impl Write) -> io::Result<()> {
         ("modified", stamp(file.modified).or(stamp(file.created))),
     ];
     for (what, value) in lines {
-        writeln!(out, "  {what:<14} {}", value.as_deref().unwrap_or("not given").trim_end())?;
+        let value = value.as_deref().unwrap_or("not given").trim_end();
+        writeln!(out, "  {what:<14} {}", printable(value))?;
     }
     Ok(())
 }
@@ -202,7 +226,9 @@ fn layout(eds: &Eds, assembly: &Assembly, out: &mut impl Write) -> io::Result<()
     let title = format!("Assembly {} {} ({size}; {})", assembly.number, assembly.name, path(&assembly.path));
     let mut table = Table::new(&["first bit", "bits", "member"]);
     let Some(slots) = eds.layout(assembly) else {
-        writeln!(out, "\n{title}\n  the size of a member is not known: {}", members(assembly))?;
+        let members = members(assembly);
+        let (title, members) = (printable(&title), printable(&members));
+        writeln!(out, "\n{title}\n  the size of a member is not known: {members}")?;
         return Ok(());
     };
     for slot in &slots {
@@ -233,7 +259,7 @@ fn section(title: &str, table: &Table, is_empty: bool, out: &mut impl Write) -> 
     if is_empty {
         return Ok(());
     }
-    writeln!(out, "\n{title}")?;
+    writeln!(out, "\n{}", printable(title))?;
     for line in table.to_string().lines() {
         writeln!(out, "  {line}")?;
     }

@@ -4,6 +4,7 @@ use core::fmt;
 use core::ops::Range;
 
 use crate::excerpt::Excerpt;
+use crate::text::printable;
 
 /// A defect of a scenario: file, line and column, what was found and what was expected.
 ///
@@ -68,7 +69,7 @@ impl fmt::Display for ScenarioError {
         if self.line == 0 {
             return write!(f, "{}: {}", self.file, self.message);
         }
-        writeln!(f, "{}:{}:{}: {}", self.file, self.line, self.column, self.message)?;
+        writeln!(f, "{}:{}:{}: {}", self.file, self.line, self.column, printable(&self.message))?;
         let Self { line, column, width, .. } = *self;
         Excerpt { line, text: &self.excerpt, column, width }.fmt(f)
     }

@@ -12,6 +12,7 @@ use super::event::is_problem;
 use super::shared::SharedBuffer;
 use super::sight::{Level, Nodes, Sight, View, index};
 use crate::scenario::NodeIndex;
+use crate::text::printable;
 use crate::trace::{Emphasis, Trace};
 
 /// Prints the trace.
@@ -143,6 +144,7 @@ impl View for TextView {
                 self.flush();
                 self.storms.clear();
                 let blank = if self.is_first { "" } else { "\n" };
+                let text = printable(text);
                 self.out.write(|out| out.extend_from_slice(format!("{blank}{text}\n").as_bytes()));
             }
         }

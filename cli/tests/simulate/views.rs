@@ -13,6 +13,15 @@ fn the_columns_of_the_trace_do_not_move() {
 }
 
 #[test]
+fn a_heading_stays_one_line_and_does_not_command_the_terminal() {
+    let text = "[bus]\nduration = \"1s\"\n[[node]]\nname = \"ear\"\nrole = \"listener\"\n\
+        [[note]]\nat = \"0s\"\ntext = \"one\\u001b[2J\\ntwo\"\n";
+    let scenario = Scratch::new("heading.toml", text);
+    let output = devicenet(&["simulate", scenario.path()]);
+    assert_eq!(stdout(&output).lines().next(), Some("one\u{FFFD}[2J\u{FFFD}two"));
+}
+
+#[test]
 fn a_segment_does_not_know_what_is_on_the_other() {
     let text = r#"
 [bus]

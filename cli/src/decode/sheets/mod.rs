@@ -15,7 +15,7 @@ use crate::args::EdsFile;
 use crate::eds;
 use crate::exit::Failure;
 use crate::output;
-use crate::text::count;
+use crate::text::{count, printable};
 use naming::Flow;
 pub(super) use naming::Named;
 
@@ -155,11 +155,16 @@ impl Sheets {
 
     /// Says which files were for nothing.
     pub(super) fn finish(&self) {
-        for sheet in self.files.iter().filter(|sheet| !sheet.is_used) {
-            output::note(format_args!(
-                "{}: names nothing in the recording; if it is for node 10, say `--eds 10={}`",
-                sheet.name, sheet.name
-            ));
+        for (index, Sheet { name, .. }) in self.files.iter().enumerate().filter(|(_, sheet)| !sheet.is_used) {
+            match self.fixed.iter().find(|(_, fixed)| **fixed == index) {
+                Some((mac, _)) => output::note(format_args!(
+                    "{name}: names nothing in the recording, no parameter and no I/O data of node {mac}"
+                )),
+                None => output::note(format_args!(
+                    "{name}: names nothing in the recording, where no device was seen to be of its vendor, device type \
+                     and product code; if it is for node 10, say `--eds 10={name}`"
+                )),
+            }
         }
     }
 
@@ -204,7 +209,7 @@ impl fmt::Display for Note<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut separator = "  [";
         for Named { name, text, .. } in &self.values {
-            write!(f, "{separator}{name}: {text}")?;
+            write!(f, "{separator}{}: {}", printable(name), printable(text))?;
             separator = "; ";
         }
         f.write_str("]")
