@@ -146,7 +146,8 @@ bitflags! {
     }
 }
 
-/// Takes records. Closures are sinks that want everything; [`Ignore`] wants nothing.
+/// Takes records. Closures are sinks that want everything, and must name the type of their argument:
+/// `|record: &Record<'_, E>|`. [`Ignore`] wants nothing.
 pub trait Sink<E> {
     /// What it wants to see.
     fn interest(&self) -> Interest {
