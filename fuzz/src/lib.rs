@@ -4,7 +4,9 @@
 //! |---|---|---|
 //! | [`bus_paths`] | the simulated bus | the cheap path and the path bit by bit come to the same |
 //! | [`dn_access`] | network access | the transition table, held by a second, small program |
+//! | [`dn_master`] | the master | outputs only to the right device, no torn message, nothing off line, nothing stuck |
 //! | [`dn_slave`] | a slave | connections, ownership, time-outs and data, held by a second, small program |
+//! | [`dn_tool`] | the offline recovery tool | the rules of the offline connection set |
 //! | [`eds`] | Electronic Data Sheets | written as read; a finding has its place; what is made of a file agrees with it |
 //! | [`fragment`] | the machines of fragmentation | each is its table, held by a second, small program |
 //! | [`frame_decode`] | identifiers, and the passive decoder on one frame | fields, line and JSON object agree |
@@ -32,7 +34,9 @@
 
 pub mod bus_paths;
 pub mod dn_access;
+pub mod dn_master;
 pub mod dn_slave;
+pub mod dn_tool;
 pub mod eds;
 pub mod fragment;
 pub mod frame_decode;
@@ -55,7 +59,9 @@ pub struct Target {
 pub const TARGETS: &[Target] = &[
     Target { name: "bus_paths", run: bus_paths::run },
     Target { name: "dn_access", run: dn_access::run },
+    Target { name: "dn_master", run: dn_master::run },
     Target { name: "dn_slave", run: dn_slave::run },
+    Target { name: "dn_tool", run: dn_tool::run },
     Target { name: "eds", run: eds::run },
     Target { name: "fragment", run: fragment::run },
     Target { name: "frame_decode", run: frame_decode::run },

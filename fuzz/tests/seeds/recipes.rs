@@ -19,6 +19,8 @@ pub(crate) fn of(target: &str) -> Seeds {
         "dn_slave" => crate::slave::dn_slave(),
         "eds" => eds(),
         "fragment" => crate::slave::fragment(),
+        "dn_master" => dn_master(),
+        "dn_tool" => dn_tool(),
         "frame_decode" => frame_decode(),
         "monitor" => monitor(),
         "text" => text(),
@@ -173,6 +175,59 @@ fn dn_access() -> Seeds {
         ("power-lost", with([5, 0], &[REQUEST, &[8, 3], &[7], UP, SENT])),
         ("bad-length", with([5, 0x04], &[&[4, 3, 0x80], &[4, 0, 0], &[4, 8, 0x80]])),
         ("late-ticks", with([5, 0], &[REQUEST, &[1, 0xC5], &[2, 0xC3], RESET, SENT, &[1, 0xC5], &[11, 10]])),
+    ]
+    .map(|(name, bytes)| (name.to_owned(), bytes))
+    .to_vec()
+}
+
+/// Choices in two bytes, then operations: 9 0 link up, 7 0 sent, 2 the next deadline, 4 an answer of a slave.
+fn dn_master() -> Seeds {
+    const SENT: &[u8] = &[7, 0];
+    let on_line: &[u8] = &[9, 0, 7, 0, 2, 7, 0, 2];
+    let round = |how: u8| [SENT, &[4, 0, how], SENT, &[4, 1, how], SENT, &[4, 2, how]].concat();
+    let bring_up = round(0).repeat(11);
+    // Poll frames of two fragments, a strobe response, a change, a poll response.
+    let data: &[u8] = &[5, 0, 0, 9, 5, 0, 0x41, 9, 5, 0, 0x82, 9, 5, 5, 0, 1, 5, 10, 0, 3, 5, 1, 0, 4];
+    let polls = [&[10, 0, 0x21][..], data, &SENT.repeat(4), &[2], data, &SENT.repeat(6), &[2]].concat();
+    let with = |choices: u8, rest: &[&[u8]]| [&[choices, 0][..], on_line, &rest.concat()].concat();
+    [
+        ("bring-up", with(0, &[&bring_up])),
+        ("configuration", with(0x42, &[&bring_up, &round(0).repeat(4)])),
+        ("ucmm", with(0x04, &[&bring_up, &round(0).repeat(3)])),
+        ("exchange", with(0, &[&bring_up, &polls, &polls])),
+        ("without-pause", with(0x30, &[&bring_up, &polls, &polls])),
+        ("lost", with(0, &[&bring_up, &polls, &[0, 0xC1, 0, 0xC1], &bring_up])),
+        ("wrong-device", with(0, &[&round(0), &round(8).repeat(3)])),
+        ("earlier-life", with(0, &[&round(9), &round(0).repeat(3), &round(9), &round(0).repeat(6)])),
+        ("of-another-master", with(0, &[&round(10), &[2], &round(10)])),
+        ("given-back", with(0, &[&bring_up, &[8, 0, 8, 1, 2, 8, 0, 8, 0, 2, 8, 0]])),
+        ("off-line", with(1, &[&bring_up, &polls, &[9, 3, 7, 0, 7, 0, 7, 0, 0, 0x83, 9, 0], on_line])),
+        ("removed", with(0, &[&bring_up, &[12, 1, 0], SENT, &[12, 2, 0], SENT, &[2], &round(0)])),
+        ("asked", with(0, &[&bring_up, &[11, 0, 3], &round(0), &[11, 0, 30], &round(0).repeat(6)])),
+        ("restarts", with(0, &[&bring_up, &[6, 0x41, 0, 0, 0xC1, 6, 0x41, 0, 0, 0xC1, 2, 2]])),
+        ("replacement", with(0x08, &[&[0, 0xC1, 7, 0].repeat(20), &round(0).repeat(3)])),
+    ]
+    .map(|(name, bytes)| (name.to_owned(), bytes))
+    .to_vec()
+}
+
+/// Operations: 9 0 link up, 7 0 sent, 2 the next deadline, 10 a command.
+fn dn_tool() -> Seeds {
+    let on_line: &[u8] = &[9, 0, 7, 0, 2, 7, 0, 2];
+    let owner: &[u8] = &[10, 0, 7, 0, 2, 7, 0, 2];
+    let with = |rest: &[&[u8]]| [on_line, &rest.concat()].concat();
+    [
+        ("who", with(&[owner, &[10, 3, 7, 0, 5, 0, 5, 3, 2]])),
+        ("identify", with(&[owner, &[10, 4, 7, 0, 5, 1, 2, 10, 5, 7, 0, 2]])),
+        ("recovered", with(&[owner, &[10, 6, 7, 0, 6, 0, 0, 0, 0xC1, 6, 0, 0, 2]])),
+        ("taken", with(&[owner, &[10, 6, 6, 2, 0x80, 8, 0, 10, 3, 7, 0, 2]])),
+        ("own-mac-id", with(&[owner, &[10, 0x86]])),
+        ("defended", with(&[&[10, 0, 7, 0, 4, 0, 2, 7, 0, 7, 0, 4, 0, 2, 7, 0, 4, 0, 7, 0]])),
+        ("owned-by-another", with(&[&[10, 0, 7, 0, 4, 1, 10, 0, 4, 0, 7, 0, 4, 1], owner, &[4, 1]])),
+        ("given-back", with(&[&[10, 0, 8, 0, 2, 8, 0, 2, 7, 0, 2, 8, 0, 2, 7, 0, 2]])),
+        ("collision", with(&[&[10, 0, 9, 5, 8, 0, 2, 9, 5, 7, 0, 2, 7, 0, 2]])),
+        ("released", with(&[owner, &[10, 3, 10, 2, 10, 0, 7, 0, 2, 7, 0, 2, 7, 0, 2]])),
+        ("off-line", with(&[owner, &[10, 3, 6, 1, 0x80, 7, 0, 10, 7, 7, 0, 2, 7, 0, 2]])),
     ]
     .map(|(name, bytes)| (name.to_owned(), bytes))
     .to_vec()

@@ -14,6 +14,7 @@ mod captures;
 mod harness;
 mod line;
 mod monitored;
+mod networks;
 mod robustness;
 mod vectors;
 mod wire;
