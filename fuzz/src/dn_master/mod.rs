@@ -419,3 +419,69 @@ fn mac(number: u8) -> MacId {
 const OWN: u8 = 4;
 const SLAVES: [u8; 3] = [10, 20, 63];
 const VENDOR: (u8, u8) = (0xE7, 0x03);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn up(choices: u16) -> Network {
+        let mut network = Network::new(choices);
+        network.apply(Op::Link(link_core::LinkEvent::Up));
+        for _ in 0..2 {
+            network.apply(Op::Sent(0));
+            network.apply(Op::TickAtDeadline);
+        }
+        for round in 0..120 {
+            network.apply(Op::Sent(round));
+            network.apply(Op::Answer { slave: round % 3, how: 0 });
+            if SLAVES.iter().all(|number| network.state(*number) == Some(SlaveState::Running)) {
+                break;
+            }
+        }
+        network
+    }
+
+    impl Network {
+        fn state(&self, number: u8) -> Option<SlaveState> {
+            self.master.state(mac(number))
+        }
+    }
+
+    /// Without this the oracle would have nothing to judge.
+    #[test]
+    fn slaves_that_answer_well_run() {
+        for choices in [0, 0x02, 0x42] {
+            let mut network = up(choices);
+            for number in SLAVES {
+                assert_eq!(network.state(number), Some(SlaveState::Running), "slave {number}, {choices:02X}");
+            }
+            for (head, value) in [(0x00, 9), (0x41, 9), (0x82, 9)] {
+                network.apply(Op::Io { which: 0, head, value });
+            }
+            for _ in 0..20 {
+                network.apply(Op::Output { slave: 0, value: 0x21 });
+                network.apply(Op::Sent(1));
+                network.apply(Op::Sent(0));
+            }
+            assert!(network.slaves[&10].heard.is_some(), "fragments of output data");
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "outputs to the wrong device")]
+    fn outputs_to_the_wrong_device_are_found() {
+        let mut network = up(0);
+        network.slaves.get_mut(&10).unwrap().matched = false;
+        network.outputs_are_allowed(&Identifier::poll_command(mac(10)).frame(&[]).unwrap());
+    }
+
+    #[test]
+    #[should_panic(expected = "a torn message")]
+    fn torn_messages_are_found() {
+        let mut network = up(0);
+        for data in [[0x00, 1, 1, 1, 1, 1, 1, 1], [0x41, 1, 1, 1, 1, 1, 1, 1], [0x82, 2, 2, 0, 0, 0, 0, 0]] {
+            let len = if data[0] == 0x82 { 3 } else { 8 };
+            network.on_the_bus(&Identifier::poll_command(mac(10)).frame(&data[..len]).unwrap());
+        }
+    }
+}

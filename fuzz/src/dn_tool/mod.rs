@@ -65,10 +65,11 @@ impl Bus {
         match op {
             Op::Tick(span) => self.input(now + span, Input::Tick),
             Op::TickInThePast(span) => self.input(now.saturating_sub(span), Input::Tick),
-            Op::TickAtDeadline => match self.tool.deadline() {
-                Some(deadline) => self.input(deadline.at, Input::Tick),
-                None => return,
-            },
+            Op::TickAtDeadline => {
+                if let Some(deadline) = self.tool.deadline() {
+                    self.input(deadline.at, Input::Tick);
+                }
+            }
             Op::Frame(frame) => self.frame(frame),
             Op::Ownership(which) => {
                 let (id, service) = if which & 1 == 0 { (0x7EF, 0x4B) } else { (0x7EE, 0xCB) };
@@ -219,3 +220,44 @@ const OWN: u8 = 5;
 const TOOL: DeviceIdentity = DeviceIdentity { vendor: VendorId(0x1234), serial: 0x0A05_0301 };
 const DEVICE: DeviceIdentity = DeviceIdentity { vendor: VendorId(6), serial: 0x0506_0708 };
 const SECOND: Duration = Duration::from_secs(1);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Without this the oracle would have nothing to judge.
+    #[test]
+    fn a_tool_that_nobody_answers_owns_the_set() {
+        let mut bus = Bus::new();
+        bus.apply(Op::Link(link_core::LinkEvent::Up));
+        for command in [None, Some(Op::Command(0))] {
+            if let Some(command) = command {
+                bus.apply(command);
+            }
+            for _ in 0..2 {
+                bus.apply(Op::Sent(0));
+                bus.apply(Op::TickAtDeadline);
+            }
+        }
+        assert_eq!(bus.tool.state(), ToolState::Owner);
+        bus.apply(Op::Command(3));
+        assert!(bus.busy);
+        bus.apply(Op::Sent(0));
+        bus.apply(Op::Answer(0));
+        bus.apply(Op::TickAtDeadline);
+        assert!(!bus.busy, "the answers were waited for");
+    }
+
+    #[test]
+    #[should_panic(expected = "nobody asked")]
+    fn an_answer_that_nobody_asked_for_is_found() {
+        let frame = standard(0x7EE, &[5, 0xCB, 0, 0, 0, 0, 0, 0]);
+        let mut bus = Bus::new();
+        bus.apply(Op::Link(link_core::LinkEvent::Up));
+        for _ in 0..2 {
+            bus.apply(Op::Sent(0));
+            bus.apply(Op::TickAtDeadline);
+        }
+        bus.observe(Action::Transmit(TxToken(1), frame));
+    }
+}
