@@ -115,16 +115,25 @@ impl FilterSet {
         if self.filters.iter().any(|other| other.covers(&filter)) {
             return;
         }
-        self.filters.retain(|other| !filter.covers(other));
+        self.keep(|other| !filter.covers(other));
         if self.filters.push(filter).is_ok() {
             return;
         }
         let widest = if filter.extended { Filter::ALL_EXTENDED } else { Filter::ALL_STANDARD };
-        self.filters.retain(|other| !widest.covers(other));
+        self.keep(|other| !widest.covers(other));
         if self.filters.push(widest).is_err() {
             // Full of filters of the other format: give up selection altogether.
             *self = Self::all();
         }
+    }
+
+    fn keep(&mut self, is_kept: impl Fn(&Filter) -> bool) {
+        let mut kept = Self::none();
+        for filter in self.filters.iter().filter(|filter| is_kept(filter)) {
+            // It had room before.
+            let _ = kept.filters.push(*filter);
+        }
+        *self = kept;
     }
 
     /// Whether a frame passes.

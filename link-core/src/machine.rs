@@ -83,6 +83,16 @@ impl Deadline {
     pub const fn now(now: Instant) -> Self {
         Self { at: now, why: "output pending" }
     }
+
+    /// The earlier one of two that there may be; of equals, the first.
+    #[must_use]
+    pub fn earlier(one: Option<Self>, other: Option<Self>) -> Option<Self> {
+        match (&one, &other) {
+            (Some(first), Some(second)) if second.at < first.at => other,
+            (None, _) => other,
+            (Some(_), _) => one,
+        }
+    }
 }
 
 /// A protocol core: frames and ticks in, actions out; no clock, no socket, no queue.

@@ -71,6 +71,12 @@ impl Instant {
         Self(self.0.saturating_add(u64::from(millis).saturating_mul(1_000_000)))
     }
 
+    /// The last moment before this one, at least [`ZERO`](Self::ZERO).
+    #[must_use]
+    pub const fn preceding(self) -> Self {
+        Self(self.0.saturating_sub(1))
+    }
+
     /// This moment minus `span`, at least [`ZERO`](Self::ZERO).
     #[must_use]
     pub fn saturating_sub(self, span: Duration) -> Self {

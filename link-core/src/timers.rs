@@ -101,9 +101,12 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
         if now < self.bound {
             return None;
         }
-        let earliest = self.earliest();
-        self.bound = earliest.map_or(Instant::MAX, |(at, _)| at);
-        let (_, key) = earliest.filter(|(at, _)| *at <= now)?;
+        let (index, at) = earliest(&self.at);
+        self.bound = at;
+        if at > now || at == Instant::MAX {
+            return None;
+        }
+        let key = *K::ALL.get(index)?;
         self.clear(key);
         Some(key)
     }
@@ -111,7 +114,11 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
     /// The next deadline.
     #[must_use]
     pub fn next(&self) -> Option<Deadline> {
-        self.earliest().map(|(at, key)| Deadline { at, why: key.why() })
+        let (index, at) = earliest(&self.at);
+        if at == Instant::MAX {
+            return None;
+        }
+        K::ALL.get(index).map(|key| Deadline { at, why: key.why() })
     }
 
     /// Moves every stored instant, the noted present included, `span` towards zero.
@@ -126,16 +133,22 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
     }
 
     /// The bound was reached: what it stood for may run later by now, or not at all.
-    #[inline(never)]
     fn is_due_after_all(&mut self, now: Instant) -> bool {
-        self.bound = self.at.iter().copied().min().unwrap_or(Instant::MAX);
+        (_, self.bound) = earliest(&self.at);
         self.bound <= now && self.bound != Instant::MAX
     }
+}
 
-    fn earliest(&self) -> Option<(Instant, K)> {
-        // `min_by_key` keeps the first of equals.
-        K::ALL.into_iter().filter_map(|key| Some((self.at(key)?, key))).min_by_key(|(at, _)| *at)
+/// The first of the timers that expire next: one copy of the code for the timers of all machines.
+#[inline(never)]
+fn earliest(timers: &[Instant]) -> (usize, Instant) {
+    let mut first = (0, Instant::MAX);
+    for (index, &at) in timers.iter().enumerate() {
+        if at < first.1 {
+            first = (index, at);
+        }
     }
+    first
 }
 
 impl<K, const N: usize> PartialEq for Timers<K, N> {

@@ -301,3 +301,24 @@ fn attributes_are_read() {
     assert_eq!(short, Err(GeneralStatus::REPLY_DATA_TOO_LARGE));
     assert_eq!((ConnectionPath::Empty.len(), ConnectionPath::Empty.is_empty()), (0, true));
 }
+
+/// The constant layouts are what the general encoder of paths writes.
+#[test]
+fn paths_are_those_of_the_encoder() {
+    use crate::code::{ClassId, InstanceId};
+    use crate::epath::{LogicalPath, PathForm};
+    let handler = LogicalPath::object(ClassId::ACKNOWLEDGE_HANDLER, InstanceId(1));
+    let mut cases = std::vec![(ConnectionPath::AcknowledgeHandler, handler)];
+    for instance in [1, 0xFF, 0x100, 0xFFFF].map(InstanceId) {
+        let path = LogicalPath::object(ClassId::ASSEMBLY, instance).with_attribute(AttributeId(3));
+        cases.push((ConnectionPath::Assembly(instance), path));
+    }
+    for (path, logical) in cases {
+        let (mut written, mut expected) = ([0; 8], [0; 8]);
+        let (mut out, mut reference) = (Writer::new(&mut written), Writer::new(&mut expected));
+        path.emit(&mut out).unwrap();
+        logical.emit(PathForm::Packed, &mut reference).unwrap();
+        assert_eq!(out.written(), reference.written());
+        assert_eq!(usize::from(path.len()), reference.written().len());
+    }
+}

@@ -1,9 +1,8 @@
 //! What is read from a connection.
 
 use super::{CommCharacteristics, ConnectionState, InstanceType, Settings, TransportClassTrigger};
-use crate::code::{AttributeId, ClassId, GeneralStatus, InstanceId};
+use crate::code::{AttributeId, GeneralStatus, InstanceId};
 use crate::codec::{Full, Writer};
-use crate::epath::{LogicalPath, PathForm};
 
 /// A path in attribute 14 or 16.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -12,7 +11,7 @@ use crate::epath::{LogicalPath, PathForm};
 pub enum ConnectionPath {
     /// No bytes.
     Empty,
-    /// The data of an assembly: `20 04 24 ii 30 03`.
+    /// The data of an assembly: `20 04 24 ii 30 03`, or `20 04 25 ii ii 30 03`.
     Assembly(InstanceId),
     /// The Acknowledge Handler: `20 2B 24 01`.
     AcknowledgeHandler,
@@ -96,8 +95,13 @@ impl ConnectionView {
 
 impl ConnectionPath {
     /// The number of its bytes.
-    pub fn len(self) -> u16 {
-        self.logical().map_or(0, |path| u16::try_from(path.packed_len()).unwrap_or(u16::MAX))
+    pub const fn len(self) -> u16 {
+        match self {
+            Self::Empty => 0,
+            Self::Assembly(InstanceId(0..=0xFF)) => 6,
+            Self::Assembly(_) => 7,
+            Self::AcknowledgeHandler => 4,
+        }
     }
 
     /// True if it has no bytes.
@@ -105,20 +109,18 @@ impl ConnectionPath {
         matches!(self, Self::Empty)
     }
 
-    /// Writes it in the packed form.
+    /// Writes it in the packed form. The layouts are few and constant, so that no code for paths is needed.
     pub fn emit(self, out: &mut Writer<'_>) -> Result<(), Full> {
-        self.logical().map_or(Ok(()), |path| path.emit(PathForm::Packed, out))
-    }
-
-    const fn logical(self) -> Option<LogicalPath> {
         match self {
-            Self::Empty => None,
-            Self::Assembly(instance) => {
-                Some(LogicalPath::object(ClassId::ASSEMBLY, instance).with_attribute(AttributeId(3)))
-            }
-            Self::AcknowledgeHandler => {
-                Some(LogicalPath::object(ClassId::ACKNOWLEDGE_HANDLER, InstanceId(1)))
-            }
+            Self::Empty => Ok(()),
+            Self::Assembly(InstanceId(instance)) => match u8::try_from(instance) {
+                Ok(instance) => out.bytes(&[0x20, 0x04, 0x24, instance, 0x30, 0x03]),
+                Err(_) => {
+                    let [low, high] = instance.to_le_bytes();
+                    out.bytes(&[0x20, 0x04, 0x25, low, high, 0x30, 0x03])
+                }
+            },
+            Self::AcknowledgeHandler => out.bytes(&[0x20, 0x2B, 0x24, 0x01]),
         }
     }
 }

@@ -1,7 +1,5 @@
 //! Who the node is, and the choices that the specification leaves to it.
 
-use core::time::Duration;
-
 use crate::id::MacId;
 use crate::message::{DeviceIdentity, PortNumber};
 
@@ -42,10 +40,10 @@ pub struct Config {
     /// What bus-off leads to before the node is on line.
     pub bus_off_while_checking: BusOffWhileChecking,
     /// How long to wait after bus-off before the controller is restarted, besides the 128 x 11 recessive bits that it
-    /// waits itself. Also the wait before a frame is handed out again that the controller gave back unsent; with zero,
-    /// a port that refuses every frame keeps the machine busy. Default: 100 ms.
+    /// waits itself, in ms. Also the wait before a frame is handed out again that the controller gave back unsent; with
+    /// zero, a port that refuses every frame keeps the machine busy. Default: 100.
     #[doc(alias = "busoff.backoff_ms")]
-    pub bus_off_back_off: Duration,
+    pub bus_off_back_off: u16,
     /// Which values may be written to the bus-off counter.
     #[doc(alias = "boc.set_mode")]
     pub counter_set_mode: CounterSetMode,
@@ -55,12 +53,12 @@ pub struct Config {
     /// Which nodes a mask in Who and Identify means.
     #[doc(alias = "offline.mask_predicate")]
     pub mask_predicate: MaskPredicate,
-    /// The unit of the delay before a Who response. Default: 10 ms, so that one byte means 0 to 2.55 s.
+    /// The unit of the delay before a Who response, in ms. Default: 10, so that one byte means 0 to 2.55 s.
     #[doc(alias = "offline.who_delay_unit_ms")]
-    pub who_delay_unit: Duration,
-    /// How long the network status indicator flashes red and green after Identify. Default: 60 s.
+    pub who_delay_unit: u16,
+    /// How long the network status indicator flashes red and green after Identify, in ms. Default: 60 000.
     #[doc(alias = "led.identify_timeout_s")]
-    pub identify_timeout: Duration,
+    pub identify_timeout: u32,
 }
 
 impl Config {
@@ -77,12 +75,12 @@ impl Config {
             offline_set: true,
             accept_bad_dlc: true,
             bus_off_while_checking: BusOffWhileChecking::Fault,
-            bus_off_back_off: Duration::from_millis(100),
+            bus_off_back_off: 100,
             counter_set_mode: CounterSetMode::AnyValueClears,
             same_mac_id_restarts: true,
             mask_predicate: MaskPredicate::Subset,
-            who_delay_unit: Duration::from_millis(10),
-            identify_timeout: Duration::from_secs(60),
+            who_delay_unit: 10,
+            identify_timeout: 60_000,
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::id::Identifier;
 use crate::message::{Direction, DuplicateMacCheck, ParseError, Wire};
 
 impl Access {
-    pub(super) fn frame(&mut self, frame: &Frame) {
+    pub(super) fn frame<const OFFLINE_SET: bool>(&mut self, frame: &Frame) {
         let Some(id) = Identifier::of_frame(frame) else {
             self.counters.foreign_frames = self.counters.foreign_frames.saturating_add(1);
             return;
@@ -25,7 +25,7 @@ impl Access {
             (_, Listening::Check(mac)) if id == Identifier::duplicate_mac_check(mac) => {
                 self.check(id, frame.data())
             }
-            (_, Listening::OfflineSet) if id == Identifier::COMMUNICATION_FAULTED_REQUEST => {
+            (_, Listening::OfflineSet) if OFFLINE_SET && id == Identifier::COMMUNICATION_FAULTED_REQUEST => {
                 self.communication_faulted(frame.data());
             }
             // Other frames are the business of other parts of the node.
@@ -128,7 +128,7 @@ impl Access {
                 _,
             ) => return,
         }
-        self.timers.set_after(Timer::BackOff, self.config.bus_off_back_off);
+        self.timers.set_after_millis(Timer::BackOff, self.config.bus_off_back_off.into());
     }
 
     pub(super) fn link(&mut self, event: LinkEvent) {

@@ -28,11 +28,8 @@
 //! What is to be sent follows from the state alone; there is no queue. At most one frame is in flight. This file has the
 //! machine and its one door between states, `input` what it does with what it hears, `output` what it sends.
 
-use core::time::Duration;
-
-use heapless::Vec;
 use link_core::timers::TimerKey;
-use link_core::{Action, Deadline, FilterSet, Input, Instant, Machine, Timers, TxToken};
+use link_core::{Action, Deadline, FilterSet, Input, Instant, Machine, Queue, Timers, TxToken};
 
 use super::config::Config;
 use super::event::{AccessEvent, Counters, Outgoing};
@@ -57,7 +54,7 @@ pub struct Access {
     pub(super) in_flight: Option<InFlight>,
     /// The filter that the port was told.
     pub(super) told: Option<Listening>,
-    pub(super) events: Vec<AccessEvent, EVENTS>,
+    pub(super) events: Queue<AccessEvent, EVENTS>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -129,20 +126,11 @@ impl Machine for Access {
     type Event = AccessEvent;
 
     fn input(&mut self, now: Instant, input: Input) {
-        let now = self.timers.advance(now);
-        // A wait that ended before this moment ended before this input; one that ends now ends after it.
-        self.expire(now.saturating_sub(Duration::from_nanos(1)));
-        match input {
-            Input::Frame(frame) => self.frame(&frame),
-            Input::TxDone(token, outcome) => self.tx_done(token, outcome),
-            Input::Link(event) => self.link(event),
-            Input::Tick => {}
-        }
-        self.expire(now);
+        self.take_input::<true>(now, input);
     }
 
     fn poll(&mut self, now: Instant) -> Option<Action<AccessEvent>> {
-        self.poll_except_transmit(now).or_else(|| self.transmit())
+        self.poll_except_transmit(now).or_else(|| self.transmit::<true>())
     }
 
     fn deadline(&self) -> Option<Deadline> {
@@ -171,17 +159,38 @@ impl Access {
             timers: Timers::new(),
             in_flight: None,
             told: None,
-            events: Vec::new(),
+            events: Queue::new(),
             config,
         }
+    }
+
+    /// What [`input`](Machine::input) does; without `OFFLINE_SET`, the code of the offline connection set falls away, and
+    /// [`Config::offline_set`] must be off.
+    pub(crate) fn take_input<const OFFLINE_SET: bool>(&mut self, now: Instant, input: Input) {
+        let now = self.timers.advance(now);
+        // A wait that ended before this moment ended before this input; one that ends now ends after it.
+        self.expire::<OFFLINE_SET>(now.preceding());
+        match input {
+            Input::Frame(frame) => self.frame::<OFFLINE_SET>(&frame),
+            Input::TxDone(token, outcome) => self.tx_done(token, outcome),
+            Input::Link(event) => self.link(event),
+            Input::Tick => {}
+        }
+        self.expire::<OFFLINE_SET>(now);
+    }
+
+    /// When it must be called next if there is nothing to send or tell.
+    pub(crate) fn next_wait(&self) -> Option<Deadline> {
+        self.timers.next()
     }
 
     /// All that [`poll`](Machine::poll) does but hand out frames, so that a node can put others before them.
     pub(crate) fn poll_except_transmit(&mut self, now: Instant) -> Option<Action<AccessEvent>> {
         self.timers.advance(now);
-        self.withdraw().or_else(|| self.restart_controller()).or_else(|| self.set_filter()).or_else(|| {
-            if self.events.is_empty() { None } else { Some(Action::Event(self.events.remove(0))) }
-        })
+        self.withdraw()
+            .or_else(|| self.restart_controller())
+            .or_else(|| self.set_filter())
+            .or_else(|| self.events.pop().map(Action::Event))
     }
 
     /// Whether a wait is over at `now`.
@@ -232,10 +241,10 @@ impl Access {
         self.timers.clear_all();
         match next {
             State::WaitingDupMac { .. } | State::OnLine { second_request: SecondRequest::Waiting, .. } => {
-                self.timers.set_after(Timer::DupMac, T_DUP);
+                self.timers.set_after_millis(Timer::DupMac, T_DUP_MILLIS);
             }
             State::SendingDupMac { stage: SendStage::BackOff, .. } => {
-                self.timers.set_after(Timer::BackOff, self.config.bus_off_back_off);
+                self.timers.set_after_millis(Timer::BackOff, self.config.bus_off_back_off.into());
             }
             State::NonExistent
             | State::SendingDupMac { .. }
@@ -258,13 +267,14 @@ impl Access {
     }
 
     /// Serves every wait that is over at `until`. None of them starts another that is over too.
-    fn expire(&mut self, until: Instant) {
+    fn expire<const OFFLINE_SET: bool>(&mut self, until: Instant) {
         while let Some(timer) = self.timers.take_expired(until) {
             match timer {
                 Timer::DupMac => self.wait_over(),
                 Timer::BackOff => self.back_off_over(),
-                Timer::Who => self.who_delay_over(),
-                Timer::Identify => self.end_identify(),
+                Timer::Who if OFFLINE_SET => self.who_delay_over(),
+                Timer::Identify if OFFLINE_SET => self.end_identify(),
+                Timer::Who | Timer::Identify => {}
             }
         }
     }
@@ -324,6 +334,6 @@ fn check_edge(from: StateKind, cause: Cause, to: StateKind) {
 }
 
 /// How long others have to object.
-const T_DUP: Duration = Duration::from_millis(1000);
+const T_DUP_MILLIS: u32 = 1000;
 /// One input raises at most five.
 const EVENTS: usize = 5;

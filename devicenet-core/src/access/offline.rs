@@ -76,10 +76,8 @@ impl Access {
         let units = byte_of(&response, offset);
         let State::CommFault { offline, .. } = &mut self.state else { return };
         offline.who = WhoAnswer::Delayed;
-        // By addition: a product of a span costs a division of 64 bits.
-        let unit = self.config.who_delay_unit;
-        let due = (0..units).fold(self.timers.now(), |at, _| at.saturating_add(unit));
-        self.timers.set(Timer::Who, due);
+        let millis = u32::from(units).saturating_mul(self.config.who_delay_unit.into());
+        self.timers.set_after_millis(Timer::Who, millis);
     }
 
     fn answer_identify(&mut self, nodes: NodeSelection) {
@@ -91,7 +89,7 @@ impl Access {
     fn begin_identify(&mut self) {
         let State::CommFault { offline, .. } = &mut self.state else { return };
         let began = !core::mem::replace(&mut offline.indicating, true);
-        self.timers.set_after(Timer::Identify, self.config.identify_timeout);
+        self.timers.set_after_millis(Timer::Identify, self.config.identify_timeout);
         if began {
             self.raise(AccessEvent::Identify { on: true });
         }

@@ -79,15 +79,15 @@ impl Access {
     }
 
     /// The next frame, if one is to be handed out.
-    pub(crate) fn transmit(&mut self) -> Option<Action<AccessEvent>> {
+    pub(crate) fn transmit<const OFFLINE_SET: bool>(&mut self) -> Option<Action<AccessEvent>> {
         let what = self.wanted()?;
-        let frame = self.take(what)?;
+        let frame = self.take::<OFFLINE_SET>(what)?;
         self.in_flight = Some(InFlight { what, fate: Fate::Wanted });
         Some(Action::Transmit(Self::TOKEN, frame))
     }
 
     /// Builds the frame, and notes that it needs not be sent again.
-    fn take(&mut self, what: Outgoing) -> Option<Frame> {
+    fn take<const OFFLINE_SET: bool>(&mut self, what: Outgoing) -> Option<Frame> {
         let (port, device) = (self.config.port, self.config.device);
         let own_check = Identifier::duplicate_mac_check(self.mac_id);
         let answers = Identifier::COMMUNICATION_FAULTED_RESPONSE;
@@ -101,11 +101,11 @@ impl Access {
                 let direction = Direction::Response;
                 message::frame(own_check, &DuplicateMacCheck { direction, port, device })
             }
-            (Outgoing::WhoResponse, State::CommFault { offline, .. }) => {
+            (Outgoing::WhoResponse, State::CommFault { offline, .. }) if OFFLINE_SET => {
                 offline.who = WhoAnswer::None;
                 message::frame(answers, &WhoResponse { port, device })
             }
-            (Outgoing::IdentifyResponse, State::CommFault { offline, .. }) => {
+            (Outgoing::IdentifyResponse, State::CommFault { offline, .. }) if OFFLINE_SET => {
                 let nodes = offline.identify.take()?;
                 message::frame(answers, &IdentifyResponse { nodes })
             }

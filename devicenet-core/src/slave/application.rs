@@ -23,6 +23,10 @@ pub trait Application: Clone + Eq + Hash + Debug {
     /// [`ACK_SUPPRESSION`](AllocationChoice::ACK_SUPPRESSION) can be allocated without acknowledges too.
     const IO: AllocationChoice;
 
+    /// What the slave can do besides serving explicit messages and I/O. The code for what is left out falls away. By
+    /// default everything.
+    const PARTS: Parts = Parts::all();
+
     /// The memory for I/O messages that do not fit into a frame: [`Fragmented`](super::Fragmented), or `()` if no
     /// connection produces or consumes more than eight bytes.
     type Long: LongMessages;
@@ -66,6 +70,29 @@ pub trait Application: Clone + Eq + Hash + Debug {
     /// Puts the outputs of the connection into their state for idle or fault. By default all are 0.
     fn rest(&mut self, connection: IoKind, _mode: IoMode) {
         self.consumed(connection).fill(0);
+    }
+}
+
+bitflags::bitflags! {
+    /// What a slave can do and a small one may do without. What a part does is decided by [`Config`](super::Config) as
+    /// ever, if the part is there.
+    #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+    pub struct Parts: u8 {
+        /// The offline connection set: [`offline_set`](crate::access::Config::offline_set). Without it that is off.
+        const OFFLINE_SET = 1 << 0;
+        /// Automatic bit rate detection: [`detect`](super::BitRateConfig::detect).
+        const BIT_RATE_DETECTION = 1 << 1;
+        /// The heartbeat: [`heartbeat_interval`](super::Config::heartbeat_interval).
+        const HEARTBEAT = 1 << 2;
+        /// The shutdown message: [`SHUTDOWN_MESSAGE`](super::Options::SHUTDOWN_MESSAGE).
+        const SHUTDOWN_MESSAGE = 1 << 3;
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl defmt::Format for Parts {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "{=u8:#04x}", self.bits());
     }
 }
 

@@ -6,7 +6,7 @@ use cip_core::identity::IdentityStatus;
 use heapless::Vec;
 use link_core::{Frame, Instant};
 
-use super::application::Application;
+use super::application::{Application, Parts};
 use super::departure::Departure;
 use super::lines::Sent;
 use super::machine::Slave;
@@ -16,7 +16,7 @@ use crate::message::{DeviceState, Heartbeat, HeartbeatFlags, Shutdown, ShutdownC
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
     /// The interval begins, if there is one.
     pub(super) fn start_heartbeat(&mut self) {
-        match self.heartbeat_interval {
+        match self.heartbeat_interval.filter(|_| A::PARTS.contains(Parts::HEARTBEAT)) {
             None | Some(0) => self.node.timers.clear(Timer::Heartbeat),
             Some(seconds) => {
                 let millis = u32::from(seconds).saturating_mul(1000);
@@ -42,7 +42,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             let shutdown = Shutdown { node, class, instance, code: ShutdownCode(0) };
             return Some((Sent::Shutdown, field_of(&shutdown)?));
         }
-        if !core::mem::take(&mut self.heartbeat_due) {
+        if !A::PARTS.contains(Parts::HEARTBEAT) || !core::mem::take(&mut self.heartbeat_due) {
             return None;
         }
         let identity = self.application.identity();
@@ -58,7 +58,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     fn is_shutdown_due(&self) -> bool {
-        self.departure.as_ref().is_some_and(Departure::is_shutting_down)
+        A::PARTS.contains(Parts::SHUTDOWN_MESSAGE)
+            && self.departure.as_ref().is_some_and(Departure::is_shutting_down)
             && self.node.lines.explicit != Some(Sent::Shutdown)
             && self.node.lines.ucmm != Some(Sent::Shutdown)
     }

@@ -3,10 +3,10 @@
 use cip_core::fragment::{IO_MESSAGE_MAX, IO_UNFRAGMENTED_LEN};
 use cip_core::identity::DeviceState;
 use cip_core::object::AcknowledgeSettings;
-use heapless::Vec;
+use link_core::Queue;
 
 use super::Diagnostics;
-use super::application::{Application, IoKind};
+use super::application::{Application, IoKind, Parts};
 use super::config::{Config, Options};
 use super::detection::Detection;
 use super::devicenet_object::Port;
@@ -36,6 +36,9 @@ pub enum InvalidSlave {
     /// The answer to Allocate and every error response must fit, and the heartbeat of the application's data.
     #[error("explicit messages of {0} bytes are too short: use at least 8")]
     MessageTooShort(usize),
+    /// See [`Application::PARTS`].
+    #[error("the configuration asks for what the application leaves out: add {0:?} to Application::PARTS")]
+    PartLeftOut(Parts),
     /// There are only so many Message IDs.
     #[error("{0} dynamic connections are more than the message groups have room for: use at most 16")]
     TooManyConnections(usize),
@@ -53,6 +56,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if DYNAMIC > 16 {
             return Err(InvalidSlave::TooManyConnections(DYNAMIC));
         }
+        let missing = parts_of(&config).difference(A::PARTS);
+        if !missing.is_empty() {
+            return Err(InvalidSlave::PartLeftOut(missing));
+        }
         check_sizes(&mut application)?;
         Ok(Self::assembled(config, application))
     }
@@ -64,6 +71,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let identity = application.identity();
         let module = ModuleStatus::of(identity.state.unwrap_or(DeviceState::OPERATIONAL), identity.status);
         let mut access = config.access;
+        access.offline_set &= A::PARTS.contains(Parts::OFFLINE_SET);
         access.device = crate::message::DeviceIdentity { vendor, serial };
         let limit = if config.options.contains(Options::SIZE_COUNTS_HEADER) {
             MESSAGE.saturating_sub(1)
@@ -91,7 +99,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             transfers: [(); DYNAMIC].map(|()| transfer.clone()),
             long: A::Long::default(),
             acknowledge: AcknowledgeSettings::default(),
-            answers: Vec::new(),
+            answers: Queue::new(),
             departure: None,
             detection: Detection::new(config.bit_rate.detect),
             heartbeat_interval: config.heartbeat_interval,
@@ -105,6 +113,15 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             failures: config.failures,
         }
     }
+}
+
+/// What the configuration asks for and has not by default.
+fn parts_of(config: &Config) -> Parts {
+    let mut parts = Parts::empty();
+    parts.set(Parts::BIT_RATE_DETECTION, config.bit_rate.detect);
+    parts.set(Parts::HEARTBEAT, config.heartbeat_interval.is_some());
+    parts.set(Parts::SHUTDOWN_MESSAGE, config.options.contains(Options::SHUTDOWN_MESSAGE));
+    parts
 }
 
 fn check_sizes<A: Application>(application: &mut A) -> Result<(), InvalidSlave> {

@@ -4,7 +4,7 @@ use cip_core::message::ResetType;
 use link_core::{BitRate, Instant};
 
 use super::allocation::Door;
-use super::application::Application;
+use super::application::{Application, Parts};
 use super::config::Options;
 use super::event::{Ignored, SlaveEvent};
 use super::machine::Slave;
@@ -69,7 +69,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if !is_sent {
             return;
         }
-        if self.node.options.contains(Options::SHUTDOWN_MESSAGE) && self.access.is_online() {
+        let says_so = A::PARTS.contains(Parts::SHUTDOWN_MESSAGE)
+            && self.node.options.contains(Options::SHUTDOWN_MESSAGE);
+        if says_so && self.access.is_online() {
             departure.stage = Stage::Shutdown;
         } else {
             self.leave(now);

@@ -4,7 +4,7 @@
 //! each, and less where an error tells that the rate is wrong. The first frame that is received without an error tells
 //! the rate; then network access begins. If every node detects, none sends: one node, normally the master, must not.
 
-use link_core::{Input, Instant, LinkEvent, Machine, link::LinkCommandKind};
+use link_core::{Input, Instant, LinkEvent, link::LinkCommandKind};
 
 use super::application::Application;
 use super::bit_rate;
@@ -98,7 +98,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.mode_due = false;
         self.detection = Detection::Done;
         self.port.stored = self.port.active;
-        self.access.input(now, Input::Link(LinkEvent::Up));
+        self.tell_access(now, Input::Link(LinkEvent::Up));
         self.follow(now);
     }
 }

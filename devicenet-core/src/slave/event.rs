@@ -6,8 +6,7 @@ use cip_core::code::{ClassId, InstanceId, ServiceCode};
 use cip_core::connection::{ExplicitCause, ExplicitState, IoCause, IoState};
 use cip_core::message::{AllocationChoice, ResetType};
 use cip_core::object::Effect;
-use heapless::Vec;
-use link_core::{BitRate, TxOutcome};
+use link_core::{BitRate, Queue, TxOutcome};
 
 use super::application::{IoKind, IoMode};
 use super::indicator::ModuleStatus;
@@ -171,7 +170,7 @@ pub struct Counters {
 /// Events that are still to be told.
 #[derive(Clone, PartialEq, Eq, Hash, Debug, Default)]
 pub(super) struct Events {
-    queue: Vec<SlaveEvent, CAPACITY>,
+    queue: Queue<SlaveEvent, CAPACITY>,
     /// One bit for each connection that has consumed data.
     received: u8,
     pub(super) counters: Counters,
@@ -199,7 +198,7 @@ impl Events {
             self.received &= !received_bit(kind);
             return Some(SlaveEvent::Received(kind));
         }
-        if self.queue.is_empty() { None } else { Some(self.queue.remove(0)) }
+        self.queue.pop()
     }
 
     pub(super) fn is_empty(&self) -> bool {

@@ -8,7 +8,6 @@ use super::allocation::{Door, Requester};
 use super::application::Application;
 use super::event::Ignored;
 use super::machine::Slave;
-use super::server::Server;
 use super::transfer::Incoming;
 use crate::id::Identifier;
 use crate::message::ExplicitHeader;
@@ -32,36 +31,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.check_departure()?;
         // It exists: nothing is refused.
         let _ = self.node.explicit_step(ExplicitCause::Message);
-        let (rules, offer) = (self.rules(), self.offer());
-        let Self {
-            access,
-            node,
-            port,
-            application,
-            acknowledge,
-            heartbeat_interval,
-            departure,
-            explicit,
-            failures,
-            ..
-        } = self;
-        let mut server = Server {
-            access,
-            node,
-            port,
-            application,
-            acknowledge,
-            heartbeat_interval,
-            departure,
-            failures: *failures,
-            offer,
-            requester: Requester {
-                mac: header.mac,
-                door: Door::Predefined,
-                format: BodyFormat::Class8Instance8,
-            },
-            message: MESSAGE,
-        };
+        let rules = self.rules();
+        let (mut server, explicit, _) = self.serving(Requester {
+            mac: header.mac,
+            door: Door::Predefined,
+            format: BodyFormat::Class8Instance8,
+        });
         match explicit.receive(now, rules, header.mac, field, |request, out| server.answer(request, out)) {
             Incoming::Answered | Incoming::Taken => Ok(()),
             Incoming::Ignored(why) => Err(why),

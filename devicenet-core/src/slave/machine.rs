@@ -2,12 +2,11 @@
 
 use cip_core::message::{AllocationChoice, BodyFormat};
 use cip_core::object::{AcknowledgeSettings, FailureOptions};
-use heapless::Vec;
 use link_core::timers::TimerKey;
-use link_core::{Action, Deadline, Frame, Input, Instant, LinkEvent, Machine, TxOutcome, TxToken};
+use link_core::{Action, Deadline, Frame, Input, Instant, LinkEvent, Machine, Queue, TxOutcome, TxToken};
 
 use super::allocation::Offer;
-use super::application::{Application, IoKind};
+use super::application::{Application, IoKind, Parts};
 use super::config::Options;
 use super::departure::Departure;
 use super::detection::Detection;
@@ -39,7 +38,7 @@ pub struct Slave<A: Application, const MESSAGE: usize, const DYNAMIC: usize> {
     pub(super) long: A::Long,
     pub(super) acknowledge: AcknowledgeSettings,
     /// Responses of the unconnected ports that are still to be sent.
-    pub(super) answers: Vec<Answer, 3>,
+    pub(super) answers: Queue<Answer, 3>,
     pub(super) departure: Option<Departure>,
     pub(super) detection: Detection,
     pub(super) heartbeat_interval: Option<u8>,
@@ -120,7 +119,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     fn frame(&mut self, now: Instant, frame: &Frame) {
         let Some(id) = Identifier::of_frame(frame).filter(|_| self.online) else {
-            return self.access.input(now, Input::Frame(*frame));
+            return self.tell_access(now, Input::Frame(*frame));
         };
         if self.is_dynamic(id) {
             return self.dynamic_frame(now, id, frame.data());
@@ -131,8 +130,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             5 => self.command(id, IoKind::Poll, frame.data()),
             4 => self.explicit_frame(now, id, frame.data()),
             6 => self.unconnected_frame(id, frame.data()),
-            7 => self.access.input(now, Input::Frame(*frame)),
-            2 if A::IO.intersects(super::node::BOTH) => self.change_of_state_acknowledged(id),
+            7 => self.tell_access(now, Input::Frame(*frame)),
+            2 if changes::<A>() => self.change_of_state_acknowledged(id),
             _ => self.frame_to_many(now, id, frame.data()),
         }
     }
@@ -159,15 +158,24 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     #[inline(never)]
+    pub(super) fn tell_access(&mut self, now: Instant, input: Input) {
+        if A::PARTS.contains(Parts::OFFLINE_SET) {
+            self.access.take_input::<true>(now, input);
+        } else {
+            self.access.take_input::<false>(now, input);
+        }
+    }
+
+    #[inline(never)]
     fn link(&mut self, now: Instant, event: LinkEvent) {
         self.port.diagnostics.note(event);
-        self.access.input(now, Input::Link(event));
+        self.tell_access(now, Input::Link(event));
     }
 
     #[inline(never)]
     fn tx_done(&mut self, now: Instant, token: TxToken, outcome: TxOutcome) {
         if token == Access::TOKEN {
-            return self.access.input(now, Input::TxDone(token, outcome));
+            return self.tell_access(now, Input::TxDone(token, outcome));
         }
         let done = match lines::line_of(token) {
             Some(line) => self.line_done(now, line, outcome),
@@ -202,19 +210,22 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     #[inline(never)]
     fn expire(&mut self, now: Instant, until: Instant) {
         if self.access.deadline_is_over(until) {
-            self.access.input(until, Input::Tick);
+            self.tell_access(until, Input::Tick);
         }
         while let Some(timer) = self.node.timers.take_expired(until) {
             match timer {
                 Timer::Explicit => self.node.explicit_timed_out(),
                 Timer::Io(kind) => self.node.io_timed_out(kind),
-                Timer::Trigger => self.node.triggered(),
-                Timer::Inhibit => self.node.inhibit_over(),
-                Timer::Acknowledge => self.not_acknowledged(),
+                Timer::Trigger if changes::<A>() => self.node.triggered(),
+                Timer::Inhibit if changes::<A>() => self.node.inhibit_over(),
+                Timer::Acknowledge if changes::<A>() => self.not_acknowledged(),
+                Timer::Trigger | Timer::Inhibit | Timer::Acknowledge => {}
                 Timer::Heartbeat => self.heartbeat_over(now),
             }
         }
-        while let Some(DynamicTimer(index)) = self.node.dynamic_timers.take_expired(until) {
+        while DYNAMIC > 0
+            && let Some(DynamicTimer(index)) = self.node.dynamic_timers.take_expired(until)
+        {
             self.node.dynamic_timed_out(index);
         }
         if self.explicit.expire(now, until) {
@@ -233,7 +244,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     fn is_due(&mut self, now: Instant) -> bool {
         self.node.timers.is_due(now)
             || self.explicit.is_over(now)
-            || self.node.dynamic_timers.is_due(now)
+            || (DYNAMIC > 0 && self.node.dynamic_timers.is_due(now))
             || self.transfers.iter_mut().any(|dynamic| dynamic.transfer.is_over(now))
             || self.access.deadline_is_over(now)
     }
@@ -324,13 +335,13 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
 
     fn input(&mut self, now: Instant, input: Input) {
         let now = self.node.advance(now);
-        if self.detection.is_running() {
+        if A::PARTS.contains(Parts::BIT_RATE_DETECTION) && self.detection.is_running() {
             return self.detect(now, input);
         }
         // A wait that ended before this moment ended before this input; one that ends now ends after it.
         let is_due = self.is_due(now);
         if is_due {
-            self.expire(now, now.saturating_sub(core::time::Duration::from_nanos(1)));
+            self.expire(now, now.preceding());
             self.follow(now);
         }
         match input {
@@ -354,21 +365,24 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
         if self.has_output() {
             return Some(Deadline::now(self.node.timers.now()));
         }
-        let dynamic = self.transfers.iter().filter_map(|dynamic| dynamic.transfer.deadline());
-        [
-            self.access.deadline(),
-            self.node.timers.next(),
-            self.node.dynamic_timers.next(),
-            self.explicit.deadline(),
-        ]
-        .into_iter()
-        .flatten()
-        .chain(dynamic)
-        .min_by_key(|deadline| deadline.at)
+        let mut next = Deadline::earlier(self.access.next_wait(), self.node.timers.next());
+        if DYNAMIC > 0 {
+            next = Deadline::earlier(next, self.node.dynamic_timers.next());
+        }
+        next = Deadline::earlier(next, self.explicit.deadline());
+        for dynamic in &self.transfers {
+            next = Deadline::earlier(next, dynamic.transfer.deadline());
+        }
+        next
     }
 
     fn max_in_flight(&self) -> usize {
         // Network access, four I/O connections, the explicit line, that of the UCMM, and the dynamic ones.
         if DYNAMIC == 0 { 6 } else { DYNAMIC.saturating_add(7) }
     }
+}
+
+/// Whether the device offers change of state or cyclic.
+pub(super) const fn changes<A: Application>() -> bool {
+    A::IO.intersects(super::node::BOTH)
 }

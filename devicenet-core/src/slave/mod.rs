@@ -109,8 +109,9 @@
 //!
 //! # Cost
 //!
-//! Code for connections that [`Application::IO`] does not offer falls away, and so do the memory and the code for long I/O
-//! messages with `type Long = ()`, and everything about the UCMM in a [`Group2OnlyServer`].
+//! Code for connections that [`Application::IO`] does not offer falls away, that for what [`Application::PARTS`] leaves out,
+//! the memory and the code for long I/O messages with `type Long = ()`, and everything about the UCMM in a
+//! [`Group2OnlyServer`].
 //!
 //! # Decisions where the literature is silent
 //!
@@ -156,7 +157,7 @@ mod transfer;
 mod ucmm;
 mod unconnected;
 
-pub use application::{Application, End, IoKind, IoMode};
+pub use application::{Application, End, IoKind, IoMode, Parts};
 pub use bit_rate::{BIT_RATES, BitRateConfig};
 pub use config::{Config, Options};
 pub use construct::InvalidSlave;

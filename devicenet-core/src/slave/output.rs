@@ -4,7 +4,7 @@ use heapless::Vec;
 use link_core::timers::TimerKey;
 use link_core::{Action, Frame, Instant, LinkCommand, Mode};
 
-use super::application::{Application, IoKind};
+use super::application::{Application, IoKind, Parts};
 use super::dynamic::DynamicTimer;
 use super::event::{Event, SlaveEvent};
 use super::indicator::ModuleStatus;
@@ -37,7 +37,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.manage(now)
             .or_else(|| self.send_explicit())
             .or_else(|| if DYNAMIC > 0 { self.send_dynamic(MessageGroup::Group2) } else { None })
-            .or_else(|| self.access.transmit().map(|action| action.map_event(Event::Access)))
+            .or_else(|| self.send_for_access())
             .or_else(|| if DYNAMIC > 0 { self.send_dynamic(MessageGroup::Group3) } else { None })
             .or_else(|| if DYNAMIC > 0 { self.send_on_ucmm() } else { None })
             .or_else(|| self.tell().map(|event| Action::Event(Event::Slave(event))))
@@ -85,6 +85,15 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let line = lines::of(kind);
         let id = lines::identifier(line, self.access.mac_id());
         Some(Action::Transmit(lines::token(line), self.produce(kind, id)?))
+    }
+
+    fn send_for_access(&mut self) -> Option<Action<Event>> {
+        let action = if A::PARTS.contains(Parts::OFFLINE_SET) {
+            self.access.transmit::<true>()
+        } else {
+            self.access.transmit::<false>()
+        };
+        action.map(|action| action.map_event(Event::Access))
     }
 
     fn withdraw(&mut self) -> Option<Action<Event>> {

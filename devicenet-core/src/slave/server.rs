@@ -16,7 +16,9 @@ use super::connection_object::ConnectionObject;
 use super::departure::Departure;
 use super::devicenet_object::{DeviceNetObject, Port};
 use super::event::{Ignored, SlaveEvent, count};
+use super::machine::{DynamicTransfer, Slave};
 use super::node::{BOTH, Changed, Node};
+use super::transfer::Transfer;
 use crate::access::Access;
 use crate::id::MacId;
 use cip_core::connection::IoState;
@@ -35,6 +37,32 @@ pub(super) struct Server<'a, A, const DYNAMIC: usize> {
     pub(super) requester: Requester,
     /// The longest explicit message.
     pub(super) message: usize,
+}
+
+/// The objects, the predefined explicit connection, and those that were opened dynamically.
+pub(super) type Serving<'a, A, const MESSAGE: usize, const DYNAMIC: usize> =
+    (Server<'a, A, DYNAMIC>, &'a mut Transfer<MESSAGE>, &'a mut [DynamicTransfer<MESSAGE>; DYNAMIC]);
+
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
+    /// The objects for a request, and beside them the buffers of the explicit connections.
+    #[inline(never)]
+    pub(super) fn serving(&mut self, requester: Requester) -> Serving<'_, A, MESSAGE, DYNAMIC> {
+        let offer = self.offer();
+        let server = Server {
+            access: &mut self.access,
+            node: &mut self.node,
+            port: &mut self.port,
+            application: &mut self.application,
+            acknowledge: &mut self.acknowledge,
+            heartbeat_interval: &mut self.heartbeat_interval,
+            departure: &mut self.departure,
+            failures: self.failures,
+            offer,
+            requester,
+            message: MESSAGE,
+        };
+        (server, &mut self.explicit, &mut self.transfers)
+    }
 }
 
 impl<A: Application, const DYNAMIC: usize> Server<'_, A, DYNAMIC> {

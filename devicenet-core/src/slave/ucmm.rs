@@ -33,7 +33,6 @@ use super::event::{Event, Ignored};
 use super::lines::{self, Line, Sent};
 use super::machine::Slave;
 use super::node::Changed;
-use super::server::Server;
 use super::transfer::Incoming;
 use super::unconnected::complete_request;
 use crate::id::{Identifier, MacId, MessageGroup};
@@ -83,32 +82,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.check_departure()?;
         // It is open: nothing is refused.
         let _ = self.node.dynamic_step(index, ExplicitCause::Message);
-        let (rules, offer, format) = (self.rules(), self.offer(), self.format_of(index));
-        let Self {
-            access,
-            node,
-            port,
-            application,
-            acknowledge,
-            heartbeat_interval,
-            departure,
-            transfers,
-            failures,
-            ..
-        } = self;
-        let mut server = Server {
-            access,
-            node,
-            port,
-            application,
-            acknowledge,
-            heartbeat_interval,
-            departure,
-            failures: *failures,
-            offer,
-            requester: Requester { mac: client, door: Door::Dynamic(index), format },
-            message: MESSAGE,
-        };
+        let (rules, format) = (self.rules(), self.format_of(index));
+        let (mut server, _, transfers) =
+            self.serving(Requester { mac: client, door: Door::Dynamic(index), format });
         let Some(dynamic) = transfers.get_mut(usize::from(index)) else { return Err(Ignored::NoConnection) };
         let answer = |request: &[u8], out: &mut Writer<'_>| server.answer(request, out);
         match dynamic.transfer.receive(now, rules, client, field, answer) {

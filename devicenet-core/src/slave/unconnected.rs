@@ -23,7 +23,6 @@ use super::application::Application;
 use super::config::Options;
 use super::event::{Ignored, count};
 use super::machine::Slave;
-use super::server::Server;
 use crate::id::Identifier;
 use crate::message::ExplicitHeader;
 
@@ -94,29 +93,16 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// The first answer that waits for a line.
     pub(super) fn take_answer(&mut self, ucmm: bool) -> Option<Vec<u8, { Frame::MAX_DATA }>> {
-        let index = self.answers.iter().position(|answer| answer.ucmm == ucmm)?;
-        Vec::from_slice(&self.answers.remove(index).field).ok()
+        Vec::from_slice(&self.answers.pop_where(|answer| answer.ucmm == ucmm)?.field).ok()
     }
 
     fn serve_unconnected(&mut self, header: ExplicitHeader, call: &Call<'_>, out: &mut Writer<'_>) {
-        let (offer, failures) = (self.offer(), self.failures);
-        let mut server = Server {
-            access: &mut self.access,
-            node: &mut self.node,
-            port: &mut self.port,
-            application: &mut self.application,
-            acknowledge: &mut self.acknowledge,
-            heartbeat_interval: &mut self.heartbeat_interval,
-            departure: &mut self.departure,
-            failures,
-            offer,
-            requester: Requester {
-                mac: header.mac,
-                door: Door::Unconnected,
-                format: BodyFormat::Class8Instance8,
-            },
-            message: MESSAGE,
-        };
+        let failures = self.failures;
+        let (mut server, ..) = self.serving(Requester {
+            mac: header.mac,
+            door: Door::Unconnected,
+            format: BodyFormat::Class8Instance8,
+        });
         let refused = respond(&mut server, call, failures, out).is_err();
         count(&mut self.node.events.counters.requests);
         if refused {

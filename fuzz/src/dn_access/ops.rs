@@ -75,7 +75,7 @@ pub(super) fn config(input: &mut Unstructured<'_>) -> Result<Config> {
     config.bus_off_while_checking =
         if choice(6) { BusOffWhileChecking::FollowInterrupt } else { BusOffWhileChecking::Fault };
     if choice(7) {
-        config.bus_off_back_off = Duration::ZERO;
+        config.bus_off_back_off = 0;
     }
     Ok(config)
 }

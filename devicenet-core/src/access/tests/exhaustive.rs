@@ -3,7 +3,6 @@
 //! The real machine is explored, not a model of it: two machines that differ only in the time of day and in what they
 //! counted are the same.
 
-use core::time::Duration;
 use std::collections::{HashSet, VecDeque};
 use std::vec::Vec;
 
@@ -66,7 +65,7 @@ const STEPS: &[Step] = &[
 impl World {
     fn new(mut config: Config) -> Self {
         // Twice the delay of the Who response below, so that the two waits interleave in few ways.
-        config.identify_timeout = Duration::from_millis(360);
+        config.identify_timeout = 360;
         Self {
             node: Access::new(config),
             on_the_bus: false,

@@ -1,7 +1,5 @@
 //! A faulted node in the offline connection set.
 
-use core::time::Duration;
-
 use link_core::{LinkEvent, TxOutcome};
 
 use super::super::{AccessEvent, MacIdSource, MaskPredicate, NetworkStatus, StateKind};
@@ -29,7 +27,7 @@ fn the_delay_has_a_unit_that_can_be_set_and_may_be_zero() {
     bus.sends(0x7EC, &REQUEST);
 
     let mut slow = config();
-    slow.who_delay_unit = Duration::from_millis(100);
+    slow.who_delay_unit = 100;
     let mut bus = Bus::faulted(slow);
     bus.hears(0x7ED, &[0x3F, 0x4B, 0x03]);
     bus.wait(6899);

@@ -24,7 +24,7 @@ use link_core::Frame;
 use super::application::{Application, IoKind, IoMode};
 use super::config::Options;
 use super::event::{Ignored, SlaveEvent, count, count_wide};
-use super::machine::Slave;
+use super::machine::{Slave, changes};
 use crate::id::{Identifier, MacId};
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
@@ -168,7 +168,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if sent {
             count_wide(&mut self.node.events.counters.produced);
         }
-        if kind == IoKind::ChangeOfState {
+        if changes::<A>() && kind == IoKind::ChangeOfState {
             self.change_of_state_sent();
         }
     }

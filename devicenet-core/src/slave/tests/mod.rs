@@ -7,6 +7,7 @@ mod explicit;
 mod network;
 mod objects;
 mod other_io;
+mod parts;
 mod poll;
 mod races;
 mod ucmm;

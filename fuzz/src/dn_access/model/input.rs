@@ -83,14 +83,14 @@ impl Model {
         match *data {
             [head, 0x4B, offset @ 0..=6] if self.is_meant(head) => {
                 let units = own_bytes()[usize::from(offset)];
-                let delay = self.config.who_delay_unit * u32::from(units);
+                let delay = Duration::from_millis(self.config.who_delay_unit.into()) * u32::from(units);
                 *self.fault().0 = Sending::At(now + delay);
             }
             [head, 0x4C] if self.is_meant(head) => {
                 self.fault().1.replace(head);
             }
             [0x3F, 0x4C, _, _, _, _, _, _] if device_is_meant => {
-                let end = now + self.config.identify_timeout;
+                let end = now + Duration::from_millis(self.config.identify_timeout.into());
                 self.fault().1.replace(0x3F);
                 self.fault().2.replace(end);
             }
@@ -143,7 +143,7 @@ impl Model {
     pub(in crate::dn_access) fn given_back(&mut self) {
         let Some((kind, wanted)) = self.in_flight.take() else { panic!("nothing is in flight") };
         self.withdraw_due = false;
-        let again = self.now + self.config.bus_off_back_off;
+        let again = self.now + Duration::from_millis(self.config.bus_off_back_off.into());
         match (kind, &mut self.state) {
             _ if !wanted => {}
             (Kind::WhoResponse | Kind::IdentifyResponse(_), _) => {}
@@ -204,7 +204,8 @@ impl Model {
             State::NonExistent | State::Faulted(_) => false,
         };
         if follows && self.bus_off_interrupt {
-            let controller = Controller::BackOff(self.now + self.config.bus_off_back_off);
+            let controller =
+                Controller::BackOff(self.now + Duration::from_millis(self.config.bus_off_back_off.into()));
             self.leave_the_bus(State::Sending { done: 0, controller });
         } else {
             self.leave_the_bus(State::Faulted(Fault::BusOff));

@@ -1,0 +1,57 @@
+//! A Group 2 Only server: two bytes in, one byte out, by poll, explicit messages of up to 32 bytes.
+
+use core::hint::black_box;
+
+use cip_core::code::{DeviceType, VendorId};
+use cip_core::identity::{DeviceIdentity, ProductName, Revision};
+use cip_core::message::AllocationChoice;
+use cip_core::object::Identity;
+use devicenet_core::MacId;
+use devicenet_core::slave::{Application, Config, Group2OnlyServer, IoKind, Parts};
+
+use crate::drive;
+
+/// The slave with the parts that these bits stand for.
+pub type Server<const PARTS: u8> = Group2OnlyServer<Block<PARTS>, 32>;
+
+/// Its application.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub struct Block<const PARTS: u8> {
+    device: DeviceIdentity,
+    inputs: [u8; 2],
+    outputs: [u8; 1],
+}
+
+impl<const PARTS: u8> Application for Block<PARTS> {
+    const IO: AllocationChoice = AllocationChoice::POLL;
+    const PARTS: Parts = Parts::from_bits_truncate(PARTS);
+    type Long = ();
+
+    fn identity(&self) -> Identity<'_> {
+        Identity::new(&self.device)
+    }
+
+    fn produced(&self, _: IoKind) -> &[u8] {
+        &self.inputs
+    }
+
+    fn consumed(&mut self, _: IoKind) -> &mut [u8] {
+        &mut self.outputs
+    }
+}
+
+/// Runs it for ever.
+pub fn run<const PARTS: u8>() -> ! {
+    let device = DeviceIdentity {
+        vendor: VendorId(black_box(0x1234)),
+        device_type: DeviceType::GENERAL_PURPOSE_DISCRETE_IO,
+        product_code: 1,
+        revision: Revision { major: 1, minor: 1 },
+        serial: black_box(0x0000_2345),
+        name: ProductName::from_bytes(b"Example").unwrap_or_default(),
+    };
+    let config = Config::new(&device, MacId::DEFAULT);
+    let block = Block { device, inputs: black_box([0; 2]), outputs: [0] };
+    let Ok(mut slave) = Server::<PARTS>::new(config, block) else { loop {} };
+    drive(&mut slave)
+}
