@@ -163,6 +163,23 @@ fn more_interfaces_than_can_be_told_apart_are_not_mixed() {
     assert_eq!(read.entries[1].as_ref().unwrap().0, "if254");
 }
 
+/// They need no packet, so that a file of descriptions alone would fill the memory.
+#[test]
+fn more_interfaces_than_anybody_has_end_the_reading() {
+    let mut blocks: Vec<_> = (0..4096).map(|_| interface(ETHERNET, &[])).collect();
+    blocks[0] = interface(CAN, &[]);
+    blocks.push(packet(0, 0, PACKET));
+    let read_all = read(&blocks);
+    assert_eq!(read_all.frames(), [("if0", 0)]);
+    blocks.extend([interface(ETHERNET, &[]), packet(0, 0, PACKET)]);
+    let entries = read(&blocks).entries;
+    assert_eq!(entries.len(), 2);
+    assert!(matches!(&entries[1], Err(RecordingError::Damaged { after: 1, .. })), "{:?}", entries[1]);
+    // A new section begins anew.
+    let file = [section(), blocks[..4096].concat(), section(), blocks[..4097].concat()].concat();
+    assert_eq!(read_bytes(file).frames(), [("if0", 0)]);
+}
+
 #[test]
 fn a_name_that_is_too_long_or_no_text_makes_its_packets_bad() {
     for name in [&[b'x'; 256][..], &[0xFF, 0xFE]] {

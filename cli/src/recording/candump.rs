@@ -34,7 +34,6 @@ pub(super) fn parse(line: &[u8], channels: &mut Channels) -> Result<Parsed, Faul
     if name.is_empty() {
         return Err(scan.fault("an interface name"));
     }
-    let channel = channels.intern(name).ok_or_else(|| interface.fault(Channels::LIMIT))?;
     scan.skip_blanks();
     let id = scan.can_id()?;
     scan.expect(b'#', "\"#\" after the identifier")?;
@@ -47,6 +46,8 @@ pub(super) fn parse(line: &[u8], channels: &mut Channels) -> Result<Parsed, Faul
         }
     };
     end(scan)?;
+    // Only a whole line may name a channel: what is left of a damaged one is no bus.
+    let channel = channels.intern(name).ok_or_else(|| interface.fault(Channels::LIMIT))?;
     Ok(Parsed { at, digits, channel: Some(channel), content })
 }
 

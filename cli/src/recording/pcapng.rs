@@ -98,6 +98,9 @@ impl PcapNg {
                         Interface::Foreign => self.foreign = self.foreign.or(link_type),
                         Interface::Can { .. } | Interface::Unreadable(_) => self.has_can = true,
                     }
+                    if index == MOST_INTERFACES {
+                        return Err(RecordingError::damaged(frames, TOO_MANY_INTERFACES.to_owned()));
+                    }
                     self.interfaces.push(interface);
                     None
                 }
@@ -296,6 +299,8 @@ const TAIL: usize = 4;
 const MIN_BLOCK: u32 = 12;
 /// Wireshark's bound: more is no length.
 const MAX_BLOCK: u32 = 16 * 1024 * 1024;
+/// Of a section. Each is kept, also those of other networks, so that there must be a limit.
+const MOST_INTERFACES: usize = 4096;
 /// Block types.
 const SECTION_HEADER: u32 = 0x0A0D_0D0A;
 const INTERFACE_DESCRIPTION: u32 = 1;
@@ -314,4 +319,5 @@ const ISB_OSDROP: u16 = 7;
 const WHOLE_BLOCK: &str = "a packet block with all its fields";
 const DESCRIPTION: &str = "an interface whose description can be read";
 const UNKNOWN_VERSION: &str = "a section of another version than 1";
+const TOO_MANY_INTERFACES: &str = "more than 4096 interfaces are described in one section";
 const NO_MAGIC: &str = "a section without its magic number";

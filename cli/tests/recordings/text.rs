@@ -73,3 +73,15 @@ fn a_bad_line_says_where_and_the_rest_is_read() {
         ]
     );
 }
+
+/// Else its frames would be those of a second bus, with a name that nobody gave.
+#[test]
+fn a_damaged_line_names_no_channel() {
+    for damaged in ["(1.0) cZn0 4", "(1.0) cZn0 123#0", "(1.0) cZn0 123#00 x"] {
+        let text = format!("{damaged}\n(2.0) can0 123#00\n");
+        let mut recording = Recording::from_reader(std::io::Cursor::new(text)).unwrap();
+        let entries: Vec<_> = recording.by_ref().collect();
+        assert!(entries[0].is_err() && entries[1].is_ok(), "{damaged}");
+        assert_eq!(recording.channels().iter().collect::<Vec<_>>(), ["can0"], "{damaged}");
+    }
+}
