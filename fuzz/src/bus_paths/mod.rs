@@ -3,8 +3,8 @@
 //! A workload runs on both paths: every record of one is the same on the other, at the same nanosecond, and so are the
 //! error counters. Besides, the referee finds nothing, every request is answered once, and the bits add up.
 //!
-//! Where a node has another bit rate or a clock beyond tolerance, there is a third path, on which a frame is over when its
-//! last bit is sampled, an eighth of a bit before its end. So these runs are not compared; all else must hold for them.
+//! Where a node has another bit rate or a clock beyond tolerance, there is a third path, on which a node hears of a frame when
+//! it samples its last bit, an eighth of a bit before the end that the record gives. So these runs are not compared; all else must hold for them.
 
 mod talker;
 mod workload;
