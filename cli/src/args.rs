@@ -9,6 +9,7 @@ use devicenet_core::monitor::Kind;
 use crate::eds::EdsArgs;
 use crate::scenario::Time;
 use crate::simulate::SimulateArgs;
+use crate::standard::is_standard;
 
 /// DeviceNet (CIP on CAN) on the command line
 #[derive(Parser, Clone, Debug)]
@@ -123,7 +124,7 @@ pub struct DecodeArgs {
 impl DecodeArgs {
     /// Whether standard output is for the copy, and not for words.
     pub(crate) fn is_record_on_stdout(&self) -> bool {
-        self.record.as_deref().is_some_and(|path| path.as_os_str() == "-")
+        self.record.as_deref().is_some_and(is_standard)
     }
 }
 

@@ -26,6 +26,7 @@ pub mod output;
 pub mod recording;
 pub mod scenario;
 pub mod simulate;
+mod standard;
 mod table;
 mod text;
 pub mod trace;

@@ -169,3 +169,39 @@ fn decode_refuses_what_it_cannot_use() {
     assert_exit(&output, 2);
     assert!(stderr(&output).contains("two files for node 10"), "{}", stderr(&output));
 }
+
+/// What it is read for first would leave nothing for the others, and they would seem to be empty.
+#[test]
+fn standard_input_can_be_read_once() {
+    for arguments in [
+        &["eds", "check", "-", "-"][..],
+        &["decode", "-", "--eds", "-"],
+        &["decode", "-", "--eds", "10=-"],
+        &["decode", "recording.log", "--eds", "-", "--eds", "10=-"],
+    ] {
+        let output = run(arguments, b"(1.0) can0 455#\n");
+        assert_exit(&output, 2);
+        let expected =
+            "error: `-` is given 2 times: standard input can be read once, name files for the others\n";
+        assert_eq!(stderr(&output), expected, "{arguments:?}");
+    }
+}
+
+/// A path that was read of a connection is no more than that: a node that starts again has others, those of the file
+/// unless they are read again.
+#[test]
+fn a_path_is_forgotten_when_its_node_starts_again() {
+    let poll = "can0 455#\n(9.0) can0 3CA#8102\n";
+    let log = format!(
+        "(1.0) can0 456#014B03010301\n(1.1) can0 453#01CB00\n(1.2) {poll}\
+         (2.0) can0 454#010E05020E\n(2.1) can0 453#018E200424013003\n(2.2) {poll}\
+         (3.0) can0 457#00341245230000\n(3.1) can0 456#014B03010301\n(3.2) can0 453#01CB00\n(3.3) {poll}"
+    );
+    let output = run(&["decode", "--eds", &format!("10={}", file("block")), "-"], log.as_bytes());
+    let responses: Vec<bool> = stdout(&output)
+        .lines()
+        .filter(|line| line.contains(" 3CA "))
+        .map(|line| line.contains("State: Fault (2)"))
+        .collect();
+    assert_eq!(responses, [true, false, true], "{}", stdout(&output));
+}

@@ -4,10 +4,10 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use super::{is_standard, shown};
 use crate::exit::Failure;
 use crate::output;
 use crate::recording::{RecordedFrame, Recording, Renamed, WriteFormat, Writer};
+use crate::standard::{is_standard, shown};
 
 /// A recording being written.
 pub(super) struct Copy {

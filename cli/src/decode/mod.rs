@@ -14,13 +14,13 @@ pub use sheets::Sheets;
 
 use std::cell::RefCell;
 use std::io;
-use std::path::Path;
 use std::rc::Rc;
 
 use crate::args::{DecodeArgs, Protocol};
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Attentive, Output};
 use crate::recording::{Format, Notes, RecordedFrame, Recording, RecordingError};
+use crate::standard::{at_most_one, is_standard, shown};
 use crate::text::count;
 use copy::Copy;
 use progress::Progress;
@@ -102,6 +102,7 @@ fn check(args: &DecodeArgs, json: bool) -> Result<(), Failure> {
                 .to_owned(),
         ));
     }
+    at_most_one(args.eds.iter().map(|eds| &*eds.path).chain([&*args.file]))?;
     if let (Some(from), Some(to)) = (args.from, args.to)
         && from > to
     {
@@ -207,17 +208,4 @@ impl Session {
 fn unreadable(file: &str, error: RecordingError) -> Failure {
     let separator = if error.is_fatal() { ": " } else { ":" };
     Failure::Usage(format!("{file}{separator}{error}"))
-}
-
-/// Whether a path means standard input or output.
-fn is_standard(path: &Path) -> bool {
-    path.as_os_str() == "-"
-}
-
-/// A path in messages.
-fn shown(path: &Path, standard: &str) -> String {
-    match is_standard(path) {
-        true => standard.to_owned(),
-        false => path.display().to_string(),
-    }
 }

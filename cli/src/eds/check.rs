@@ -6,13 +6,15 @@ use anstyle::{AnsiColor, Style};
 use cip_core::eds::{Code, Diagnostic, Eds, Severity, Span};
 use serde_json::json;
 
-use super::{CheckArgs, read, shown};
+use super::{CheckArgs, name, read};
 use crate::excerpt::Excerpt;
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Output};
+use crate::standard::at_most_one;
 use crate::text::{count, printable};
 
 pub(super) fn run(args: &CheckArgs, json: bool) -> Result<Exit, Failure> {
+    at_most_one(args.files.iter().map(|file| &**file))?;
     let mut output = Output::new();
     let mut exit = Exit::Done;
     for path in &args.files {
@@ -26,7 +28,7 @@ pub(super) fn run(args: &CheckArgs, json: bool) -> Result<Exit, Failure> {
                 continue;
             }
         };
-        let report = Report::new(shown(path), &eds, &args.allow);
+        let report = Report::new(name(path), &eds, &args.allow);
         if report.findings().any(|found| found.severity() > Severity::Note) && exit == Exit::Done {
             exit = Exit::Findings;
         }

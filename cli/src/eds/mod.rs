@@ -15,6 +15,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
 
 use crate::exit::{Exit, Failure};
+use crate::standard::{is_standard, shown};
 
 /// `devicenet eds`.
 #[derive(Args, Clone, Debug)]
@@ -89,7 +90,7 @@ pub fn run(args: &EdsArgs, json: bool) -> Result<Exit, Failure> {
 /// # Errors
 /// [`Failure::Usage`] when it cannot be read, or is longer than any EDS.
 pub fn read(path: &Path) -> Result<Eds, Failure> {
-    let failed = |error: &dyn core::fmt::Display| Failure::Usage(format!("{}: {error}", shown(path)));
+    let failed = |error: &dyn core::fmt::Display| Failure::Usage(format!("{}: {error}", name(path)));
     let mut bytes = Vec::new();
     // One byte more than is read shows that there are too many.
     let limit = MAX_FILE as u64 + 1;
@@ -104,13 +105,9 @@ pub fn read(path: &Path) -> Result<Eds, Failure> {
     Eds::parse(bytes).map_err(|error| failed(&error))
 }
 
-fn is_standard(path: &Path) -> bool {
-    path.as_os_str() == "-"
-}
-
-/// A path in messages.
-fn shown(path: &Path) -> String {
-    if is_standard(path) { "<stdin>".to_owned() } else { path.display().to_string() }
+/// A file in messages.
+fn name(path: &Path) -> String {
+    shown(path, "<stdin>")
 }
 
 fn code_parser() -> impl TypedValueParser<Value = Code> {

@@ -13,7 +13,7 @@ use cip_core::scan::{IoType, ScanEntry};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{ShowArgs, read, shown};
+use super::{ShowArgs, name, read};
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Output};
 use crate::table::{Cell, Table};
@@ -23,7 +23,7 @@ pub(super) fn run(args: &ShowArgs, json: bool) -> Result<Exit, Failure> {
     let eds = read(&args.file)?;
     let mut output = Output::new();
     match json {
-        true => object(&eds, &shown(&args.file), &mut output.buffer)?,
+        true => object(&eds, &name(&args.file), &mut output.buffer)?,
         false => text(&eds, &mut output.buffer)?,
     }
     output.flush()?;
@@ -32,7 +32,7 @@ pub(super) fn run(args: &ShowArgs, json: bool) -> Result<Exit, Failure> {
     if errors + warnings > 0 {
         output::note(format_args!(
             "{}: {} and {}, which `devicenet eds check` tells",
-            shown(&args.file),
+            name(&args.file),
             count(errors, "error"),
             count(warnings, "warning")
         ));

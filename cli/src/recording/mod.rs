@@ -50,6 +50,7 @@ use std::path::Path;
 
 use link_core::Instant;
 
+use crate::standard::is_standard;
 use asc::Asc;
 use error::Fault;
 use lines::{Line, Lines};
@@ -94,7 +95,7 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`] when it cannot be opened, or is not a recording.
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
-        match path.as_os_str() == "-" {
+        match is_standard(path) {
             true => Self::from_reader(io::stdin().lock()),
             // Not every operating system says so itself.
             false if path.is_dir() => Err(RecordingError::Directory),

@@ -41,8 +41,8 @@ struct Sheet {
 #[derive(Default)]
 pub(super) struct Node {
     sheet: Option<usize>,
-    /// Paths of connections that were read or written.
-    paths: HashMap<(u16, Flow), Vec<u8>>,
+    /// Paths of predefined connections that were read or written.
+    paths: HashMap<(Predefined, Flow), Vec<u8>>,
     /// The last value of each parameter, for those that are scaled by others.
     values: HashMap<u16, i128>,
 }
@@ -112,7 +112,7 @@ impl Sheets {
         }
         let mac = mac?;
         if kind == Kind::DupMacRequest {
-            self.forget_other(bus, mac, fields.vendor);
+            self.restarted(bus, mac, fields.vendor);
             return None;
         }
         let value = value?;
@@ -173,10 +173,11 @@ impl Sheets {
         self.fixed.get(&mac.number()).copied().or(found)
     }
 
-    /// A node of another vendor checks the MAC ID: it is another device.
-    fn forget_other(&mut self, bus: usize, mac: MacId, vendor: Option<VendorId>) {
-        if let Some(node) = self.nodes.get_mut(&(bus, mac.number()))
-            && let Some(index) = node.sheet
+    /// A node checks its MAC ID: none of its connections exists any more, and one of another vendor is another device.
+    fn restarted(&mut self, bus: usize, mac: MacId, vendor: Option<VendorId>) {
+        let Some(node) = self.nodes.get_mut(&(bus, mac.number())) else { return };
+        node.paths.clear();
+        if let Some(index) = node.sheet
             && vendor.is_some()
             && self.files[index].eds.device().vendor != vendor
         {
@@ -204,7 +205,7 @@ impl Sheet {
     }
 }
 
-/// `  [Input filter: 0.8 ms; State: Run (1)]`
+/// `  [Input filter: 0.8 ms; State: Run (1)]`, without the control characters that a file may have.
 impl fmt::Display for Note<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut separator = "  [";

@@ -62,7 +62,10 @@ pub(super) fn attribute(
     match (class, attribute) {
         (ClassId::CONNECTION, PRODUCED_PATH | CONSUMED_PATH) => {
             let flow = if attribute == PRODUCED_PATH { Flow::Produced } else { Flow::Consumed };
-            node.paths.insert((instance.0, flow), value.to_vec());
+            // Others carry nothing that has a name in the file, and there may be thousands of them.
+            if let Some(predefined) = Predefined::from_instance(instance) {
+                node.paths.insert((predefined, flow), value.to_vec());
+            }
             Vec::new()
         }
         (ClassId::ASSEMBLY, ASSEMBLY_DATA) => {
@@ -107,8 +110,8 @@ enum Described<'a> {
 }
 
 fn described<'a>(eds: &'a Eds, node: &Node, kind: Kind, flow: Flow, len: usize) -> Option<Described<'a>> {
-    let (types, instance) = connection(kind)?;
-    if let Some(path) = node.paths.get(&(instance, flow)) {
+    let (types, predefined) = connection(kind)?;
+    if let Some(path) = node.paths.get(&(predefined, flow)) {
         let known = eds.io_info().and_then(|io| list(io, flow).iter().find(|data| data.path == *path));
         return Some(known.map_or_else(|| Described::Path(path.clone()), Described::Data));
     }
@@ -169,8 +172,8 @@ fn whole_param(param: &Param, node: &mut Node, value: &[u8]) -> Option<Named> {
     Some(Named { name: param.name.clone(), text, param: Some(param.number), first_bit: None, bits: None })
 }
 
-/// The connections of an EDS that a kind of message can belong to, and the instance of the Connection object.
-fn connection(kind: Kind) -> Option<(&'static [IoType], u16)> {
+/// The connections of an EDS that a kind of message can belong to, and that of the predefined set.
+fn connection(kind: Kind) -> Option<(&'static [IoType], Predefined)> {
     let (types, predefined): (&[IoType], Predefined) = match kind {
         Kind::PollCommand | Kind::PollResponse => (&[IoType::Poll], Predefined::Poll),
         Kind::BitStrobeResponse => (&[IoType::BitStrobe], Predefined::BitStrobe),
@@ -178,7 +181,7 @@ fn connection(kind: Kind) -> Option<(&'static [IoType], u16)> {
         Kind::MulticastPollResponse => (&[IoType::MulticastPoll], Predefined::MulticastPoll),
         _ => return None,
     };
-    Some((types, predefined.instance().0))
+    Some((types, predefined))
 }
 
 fn list(io: &IoInfo, flow: Flow) -> &[IoData] {
@@ -191,3 +194,24 @@ fn list(io: &IoInfo, flow: Flow) -> &[IoData] {
 const PRODUCED_PATH: AttributeId = AttributeId(14);
 const CONSUMED_PATH: AttributeId = AttributeId(16);
 const ASSEMBLY_DATA: AttributeId = AttributeId(3);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A recording may name any number of connections; what is kept of a node must not grow with it.
+    #[test]
+    fn paths_are_kept_of_predefined_connections_only() {
+        let eds = Eds::parse(Vec::new()).unwrap();
+        let mut node = Node::default();
+        for instance in 1..=u16::MAX {
+            for path in [PRODUCED_PATH, CONSUMED_PATH] {
+                let mut fields = Fields::default();
+                (fields.class, fields.instance) = (Some(ClassId::CONNECTION), Some(InstanceId(instance)));
+                fields.attribute = Some(path);
+                attribute(&eds, &HashMap::new(), &mut node, &fields, &[0x20, 0x04]);
+            }
+        }
+        assert_eq!(node.paths.len(), 10);
+    }
+}
