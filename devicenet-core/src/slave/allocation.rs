@@ -6,10 +6,11 @@ use cip_core::connection::{ExplicitCause, ExplicitState, IoCause, IoState, Prede
 use cip_core::message::{AllocationChoice, BodyFormat};
 use cip_core::object::{Failure, exact};
 
-use super::application::IoKind;
+use super::application::{Application, IoKind};
 use super::config::Options;
 use super::dynamic::Group;
 use super::node::{BOTH, Changed, Node, Parent};
+use super::server::offered;
 use crate::id::MacId;
 
 /// Who asks, and where.
@@ -40,7 +41,7 @@ pub(super) struct Offer {
     pub(super) group: Option<MacId>,
 }
 
-impl<const DYNAMIC: usize> Node<DYNAMIC> {
+impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     /// Allocate_Master/Slave_Connection_Set. The first condition that holds gives the answer, and then nothing changes:
     ///
     /// | # | Condition | General / additional |
@@ -180,6 +181,8 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
     }
 
     fn create(&mut self, choice: AllocationChoice) {
+        // The choice was checked: this tells the compiler so.
+        let choice = choice.intersection(choices::<A>());
         let acknowledged = !choice.contains(AllocationChoice::ACK_SUPPRESSION);
         if choice.contains(AllocationChoice::EXPLICIT) {
             // Its state was checked.
@@ -216,6 +219,7 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
     }
 
     fn delete(&mut self, choice: AllocationChoice) {
+        let choice = choice.intersection(choices::<A>());
         let remaining = self.held.difference(choice);
         if choice.contains(AllocationChoice::EXPLICIT) {
             let _ = self.explicit_step(ExplicitCause::Released);
@@ -240,6 +244,11 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
         }
         self.held = remaining;
     }
+}
+
+/// Every bit that an accepted choice can have.
+const fn choices<A: Application>() -> AllocationChoice {
+    offered::<A>().union(AllocationChoice::ACK_SUPPRESSION)
 }
 
 /// Instance 2 where it is there for change of state or cyclic only.

@@ -160,6 +160,18 @@ impl IoKind {
         })
     }
 
+    /// Itself, if the application offers it; instance 2 is there for change of state and cyclic too. Where a device offers
+    /// one connection only, the compiler knows which, and drops the code for the others.
+    pub(super) const fn offered<A: Application>(self) -> Option<Self> {
+        let choice = match self {
+            Self::Poll => AllocationChoice::POLL.union(super::node::BOTH),
+            Self::BitStrobe => AllocationChoice::BIT_STROBE,
+            Self::ChangeOfState => super::node::BOTH,
+            Self::MulticastPoll => AllocationChoice::MULTICAST_POLL,
+        };
+        if A::IO.intersects(choice) { Some(self) } else { None }
+    }
+
     pub(super) const fn of_instance(instance: InstanceId) -> Option<Self> {
         Some(match instance.0 {
             2 => Self::Poll,

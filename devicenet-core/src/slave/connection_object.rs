@@ -19,7 +19,7 @@ use crate::id::{Identifier, MacId, MessageGroup};
 
 /// The object, put together for one request.
 pub(super) struct ConnectionObject<'a, A, const DYNAMIC: usize> {
-    pub(super) node: &'a mut Node<DYNAMIC>,
+    pub(super) node: &'a mut Node<A, DYNAMIC>,
     pub(super) application: &'a mut A,
     /// The own MAC ID.
     pub(super) mac: MacId,
@@ -98,7 +98,9 @@ impl<A: Application, const DYNAMIC: usize> Object for ConnectionObject<'_, A, DY
     ) -> Result<Effects, Failure> {
         let which = self.which(instance).ok_or(GONE)?;
         match attribute.0 {
-            5 => self.set_multicast_group(u16::from_le_bytes(exact(value)?))?,
+            5 if A::IO.contains(AllocationChoice::MULTICAST_POLL) => {
+                self.set_multicast_group(u16::from_le_bytes(exact(value)?))?
+            }
             9 => {
                 let requested = u16::from_le_bytes(exact(value)?);
                 let used = match which {
@@ -174,7 +176,7 @@ impl<A: Application, const DYNAMIC: usize> ConnectionObject<'_, A, DYNAMIC> {
         if instance.0 == 1 {
             return (self.node.explicit.state() != ExplicitState::NonExistent).then_some(Which::Explicit);
         }
-        if let Some(kind) = IoKind::of_instance(instance) {
+        if let Some(kind) = IoKind::of_instance(instance).and_then(IoKind::offered::<A>) {
             return (self.node.io(kind).state() != IoState::NonExistent).then_some(Which::Io(kind));
         }
         let index = u8::try_from(instance.0.checked_sub(FIRST_INSTANCE.into())?).ok()?;

@@ -6,6 +6,7 @@ use cip_core::object::{AttributeRule, Call, Effects, Failure, Object, exact};
 use link_core::{BitRate, BusErrorKind, LinkEvent};
 
 use super::allocation::{Offer, Requester};
+use super::application::Application;
 use super::bit_rate::{self, BIT_RATES};
 use super::config::Options;
 use super::event::{SlaveEvent, count};
@@ -53,9 +54,9 @@ pub(super) struct Port {
 }
 
 /// The object, put together for one request.
-pub(super) struct DeviceNetObject<'a, const DYNAMIC: usize> {
+pub(super) struct DeviceNetObject<'a, A, const DYNAMIC: usize> {
     pub(super) access: &'a mut Access,
-    pub(super) node: &'a mut Node<DYNAMIC>,
+    pub(super) node: &'a mut Node<A, DYNAMIC>,
     pub(super) port: &'a mut Port,
     pub(super) offer: Offer,
     pub(super) requester: Requester,
@@ -76,7 +77,7 @@ pub(super) struct DeviceNetObject<'a, const DYNAMIC: usize> {
 /// | 12 | diagnostic counters | Get, Set clears them |
 ///
 /// Services besides Get and Set: 0x4B Allocate, 0x4C Release. Class attribute 1 (revision) is 2.
-impl<const DYNAMIC: usize> Object for DeviceNetObject<'_, DYNAMIC> {
+impl<A: Application, const DYNAMIC: usize> Object for DeviceNetObject<'_, A, DYNAMIC> {
     const CLASS: ClassId = ClassId::DEVICENET;
     const REVISION: u16 = 2;
 

@@ -5,6 +5,7 @@ use cip_core::connection::{ExplicitCause, ExplicitConnection, ExplicitState};
 use cip_core::message::BodyFormat;
 use link_core::timers::TimerKey;
 
+use super::application::Application;
 use super::event::{SlaveEvent, count};
 use super::node::{Changed, Node};
 use super::timer::apply;
@@ -107,7 +108,7 @@ impl Dynamic {
     }
 }
 
-impl<const DYNAMIC: usize> Node<DYNAMIC> {
+impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     pub(super) fn is_open(&self, index: u8) -> bool {
         self.dynamic.get(usize::from(index)).is_some_and(Dynamic::is_open)
     }

@@ -31,7 +31,7 @@ use crate::id::Identifier;
 pub struct Slave<A: Application, const MESSAGE: usize, const DYNAMIC: usize> {
     pub(super) application: A,
     pub(super) access: Access,
-    pub(super) node: Node<DYNAMIC>,
+    pub(super) node: Node<A, DYNAMIC>,
     pub(super) port: Port,
     pub(super) explicit: Transfer<MESSAGE>,
     pub(super) transfers: [DynamicTransfer<MESSAGE>; DYNAMIC],
@@ -193,7 +193,11 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             self.not_sent(lines::identifier(line, self.access.mac_id()), outcome);
         }
         match lines::io_of(line) {
-            Some(kind) if wanted => self.produced(kind, sent),
+            Some(kind) if wanted => {
+                if let Some(kind) = kind.offered::<A>() {
+                    self.produced(kind, sent);
+                }
+            }
             // Of a connection that has ended since.
             Some(_) => {}
             None => self.explicit_done(now, line),
@@ -215,7 +219,11 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         while let Some(timer) = self.node.timers.take_expired(until) {
             match timer {
                 Timer::Explicit => self.node.explicit_timed_out(),
-                Timer::Io(kind) => self.node.io_timed_out(kind),
+                Timer::Io(kind) => {
+                    if let Some(kind) = kind.offered::<A>() {
+                        self.node.io_timed_out(kind);
+                    }
+                }
                 Timer::Trigger if changes::<A>() => self.node.triggered(),
                 Timer::Inhibit if changes::<A>() => self.node.inhibit_over(),
                 Timer::Acknowledge if changes::<A>() => self.not_acknowledged(),

@@ -1,5 +1,7 @@
 //! The Connection object instances of a slave, who owns them, and the one door through which each changes its state.
 
+use core::marker::PhantomData;
+
 use cip_core::code::GeneralStatus;
 use cip_core::connection::{
     ExplicitCause, ExplicitConnection, ExplicitState, IoCause, IoConnection, IoState, PredefinedConnection,
@@ -8,17 +10,18 @@ use cip_core::connection::{
 use cip_core::message::AllocationChoice;
 use link_core::{Instant, Timers};
 
-use super::application::{IoKind, IoMode};
+use super::application::{Application, IoKind, IoMode};
 use super::config::Options;
 use super::dynamic::{Dynamic, DynamicTimer};
 use super::event::{Events, SlaveEvent, count};
 use super::lines::Lines;
+use super::machine::changes;
 use super::timer::{Timer, apply};
 use crate::id::MacId;
 
 /// Everything in a slave that its objects look at and change.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
-pub(super) struct Node<const DYNAMIC: usize> {
+pub(super) struct Node<A, const DYNAMIC: usize> {
     pub(super) options: Options,
     pub(super) resolution: TimerResolution,
     /// Instance 1.
@@ -41,6 +44,8 @@ pub(super) struct Node<const DYNAMIC: usize> {
     pub(super) timers: Timers<Timer, 9>,
     pub(super) dynamic_timers: Timers<DynamicTimer, DYNAMIC>,
     pub(super) events: Events,
+    /// It decides what there can be at all.
+    pub(super) application: PhantomData<A>,
 }
 
 /// An explicit connection that others hang on.
@@ -69,7 +74,7 @@ bitflags::bitflags! {
     }
 }
 
-impl<const DYNAMIC: usize> Node<DYNAMIC> {
+impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     pub(super) fn new(options: Options, resolution: TimerResolution) -> Self {
         Self {
             options,
@@ -87,6 +92,7 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
             timers: Timers::new(),
             dynamic_timers: Timers::new(),
             events: Events::default(),
+            application: PhantomData,
         }
     }
 
@@ -139,7 +145,7 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
     /// Attribute 5 of the DeviceNet object: what is allocated and has not timed out.
     pub(super) fn choice(&self) -> AllocationChoice {
         let mut choice = self.held;
-        for kind in IoKind::ALL {
+        for kind in IoKind::ALL.into_iter().filter_map(IoKind::offered::<A>) {
             if self.io(kind).state() == IoState::TimedOut {
                 choice.remove(bits_of(kind));
             }
@@ -177,7 +183,7 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
         let (used, watchdog) = self.io_mut(kind).set_packet_rate(requested, resolution)?;
         self.io_moved(kind, from, IoCause::PacketRateSet);
         self.io_watchdog(kind, watchdog);
-        if kind == IoKind::ChangeOfState && self.io(kind).state() == IoState::Established {
+        if changes::<A>() && kind == IoKind::ChangeOfState && self.io(kind).state() == IoState::Established {
             self.start_trigger();
         }
         Ok(used)
@@ -220,7 +226,7 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
 
     /// The network is gone: nothing of any connection is left.
     pub(super) fn lose_network(&mut self) {
-        for kind in IoKind::ALL {
+        for kind in IoKind::ALL.into_iter().filter_map(IoKind::offered::<A>) {
             // Nobody waits for an answer.
             let _ = self.io_step(kind, IoCause::NetworkLost);
         }
@@ -246,7 +252,7 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
         };
         let alone = !self.is_io_established() && self.explicit.state() == ExplicitState::NonExistent;
         if !parent_exists && (alone || self.options.contains(Options::DROP_CONFIGURING_WITH_EXPLICIT)) {
-            for kind in IoKind::ALL {
+            for kind in IoKind::ALL.into_iter().filter_map(IoKind::offered::<A>) {
                 let _ = self.io_step(kind, IoCause::ExplicitGone);
             }
         }
@@ -262,7 +268,7 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
         if self.explicit.state() == ExplicitState::NonExistent {
             self.drop_bits(AllocationChoice::EXPLICIT);
         }
-        for kind in IoKind::ALL {
+        for kind in IoKind::ALL.into_iter().filter_map(IoKind::offered::<A>) {
             if self.io(kind).state() == IoState::NonExistent {
                 self.drop_bits(bits_of(kind));
             }
@@ -291,7 +297,7 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
 
     /// Instances that timed out are deleted.
     pub(super) fn release_timed_out(&mut self) {
-        for kind in IoKind::ALL {
+        for kind in IoKind::ALL.into_iter().filter_map(IoKind::offered::<A>) {
             if self.io(kind).state() == IoState::TimedOut {
                 let _ = self.io_step(kind, IoCause::Released);
             }
@@ -323,7 +329,7 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
         if to == IoState::Established {
             // Nothing is told: the outputs are as they were. The end of the connection is a change again.
             *self.mode_mut(kind) = IoMode::Inactive;
-            if kind == IoKind::ChangeOfState {
+            if changes::<A>() && kind == IoKind::ChangeOfState {
                 self.begin_production();
             }
         }
@@ -333,7 +339,7 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
         let idle = cause == IoCause::Released && self.options.contains(Options::IDLE_ON_RELEASE);
         self.set_mode(kind, if idle { IoMode::Idle } else { IoMode::Fault });
         self.lines.stop(kind);
-        if kind == IoKind::ChangeOfState {
+        if changes::<A>() && kind == IoKind::ChangeOfState {
             for timer in [Timer::Trigger, Timer::Inhibit, Timer::Acknowledge] {
                 self.timers.clear(timer);
             }

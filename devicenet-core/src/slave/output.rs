@@ -23,7 +23,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         {
             return Some(action);
         }
-        match self.node.lines.ready() {
+        match self.node.lines.ready().and_then(IoKind::offered::<A>) {
             Some(kind) => self.send_io(kind),
             None => self.output_besides_io(now),
         }

@@ -26,7 +26,7 @@ use cip_core::connection::IoState;
 /// All objects of a slave, put together for one request.
 pub(super) struct Server<'a, A, const DYNAMIC: usize> {
     pub(super) access: &'a mut Access,
-    pub(super) node: &'a mut Node<DYNAMIC>,
+    pub(super) node: &'a mut Node<A, DYNAMIC>,
     pub(super) port: &'a mut Port,
     pub(super) application: &'a mut A,
     pub(super) acknowledge: &'a mut AcknowledgeSettings,

@@ -73,7 +73,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 }
 
-impl<const DYNAMIC: usize> Node<DYNAMIC> {
+impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     /// Instance 4 has become established.
     pub(in crate::slave) fn begin_production(&mut self) {
         self.lines.pending = false;
