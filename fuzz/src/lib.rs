@@ -11,6 +11,7 @@
 //! | [`fragment`] | the machines of fragmentation | each is its table, held by a second, small program |
 //! | [`frame_decode`] | identifiers, and the passive decoder on one frame | fields, line and JSON object agree |
 //! | [`monitor`] | the passive decoder on a session | what it puts together was sent, what it pairs came before |
+//! | [`net_dn`] | whole networks | who may be on line, who owns what, data from the owner only; undisturbed, every slave is served |
 //! | [`text`] | readers of recordings and scenarios | an error has its place; what was written is read back |
 //! | [`wire`] | every wire type, paths, fragments, the bits of a frame | the laws of the byte layouts |
 //!
@@ -42,6 +43,7 @@ pub mod fragment;
 pub mod frame_decode;
 pub mod input;
 pub mod monitor;
+pub mod net_dn;
 mod readings;
 pub mod text;
 pub mod wire;
@@ -66,6 +68,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "fragment", run: fragment::run },
     Target { name: "frame_decode", run: frame_decode::run },
     Target { name: "monitor", run: monitor::run },
+    Target { name: "net_dn", run: net_dn::run },
     Target { name: "text", run: text::run },
     Target { name: "wire", run: wire::run },
 ];

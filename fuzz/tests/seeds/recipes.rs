@@ -23,6 +23,7 @@ pub(crate) fn of(target: &str) -> Seeds {
         "dn_tool" => dn_tool(),
         "frame_decode" => frame_decode(),
         "monitor" => monitor(),
+        "net_dn" => crate::slave::net_dn(),
         "text" => text(),
         "wire" => wire(),
         other => panic!("no recipes for {other}"),

@@ -225,6 +225,21 @@ pub(crate) fn fragment() -> Seeds {
     scripts.map(|(name, bytes)| (name.to_owned(), bytes)).to_vec()
 }
 
+/// The place of the third slave, then operations: the network runs for 5 s, and something happens to it.
+pub(crate) fn net_dn() -> Seeds {
+    let runs = [0, 0xC5];
+    let scripts: [(&str, Vec<u8>); 7] = [
+        ("two-masters", [&[2][..], &runs, &[5, 7], &[5, 0x87], &runs, &[6, 9], &runs].concat()),
+        ("twin", [&[0][..], &runs, &runs].concat()),
+        ("master-restarts", [&[2][..], &runs, &[5, 7], &runs, &[3, 0], &runs, &[3, 1], &runs].concat()),
+        ("slave-restarts", [&[2][..], &runs, &[3, 2], &runs, &[3, 4], &runs].concat()),
+        ("deaf", [&[2][..], &runs, &[4, 0xFA], &runs, &[4, 0x3B], &runs, &[4, 0xF8], &runs].concat()),
+        ("strangers", [&[2][..], &runs, &[7, 0], &[7, 2], &[7, 4], &[7, 6], &[7, 14], &runs].concat()),
+        ("told-off", [&[2][..], &runs, &[7, 8], &runs, &[3, 2], &runs].concat()),
+    ];
+    scripts.map(|(name, bytes)| (name.to_owned(), bytes)).to_vec()
+}
+
 fn allocate(choice: u8) -> [u8; 5] {
     [5, 0, 0, choice, 0]
 }
