@@ -309,12 +309,13 @@ impl Device {
 
 fn scanner(serial: u32, mac: u8) -> Box<Master<2, 32>> {
     let mut config = master::Config::new(identity(serial), mac_id(mac));
-    config.interscan_delay = Duration::from_millis(100);
+    // Slow, so that a run has more to do with what happens than with polls.
+    config.interscan_delay = Duration::from_millis(500);
     // Two masters that knock at the same moments for ever would be a network of its own.
     config.retry_after = Duration::from_millis(1000 + 300 * u64::from(serial));
     let mut master = Master::new(config);
     for slave in SLAVES {
-        let poll = PollConnection { produce: 2, consume: 1, expected_packet_rate: 300 };
+        let poll = PollConnection { produce: 2, consume: 1, expected_packet_rate: 1500 };
         let entry = ScanEntry { poll: Some(poll), ..ScanEntry::explicit_only(mac_id(slave)) };
         master.add_slave(Instant::ZERO, entry).expect("there is room");
     }
