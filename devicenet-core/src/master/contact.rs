@@ -18,7 +18,7 @@ use super::bring_up::refusal;
 use super::config::{Config, FirstContact};
 use super::event::count;
 use super::slot::{Slot, SlotTimer};
-use super::state::{Cause, Contact, Stage};
+use super::state::{Cause, Contact, Stage, Step};
 use super::status::ScannerStatus;
 use crate::client::{Failure, Route};
 use crate::id::MacId;
@@ -178,25 +178,50 @@ impl<const N: usize> Slot<N> {
 
     /// Ends an attempt, and lets go of what was allocated.
     pub(super) fn give_up(&mut self, config: &Config, own: MacId, cause: Cause, status: ScannerStatus) {
-        let lets_go = matches!(self.stage, Stage::Configuring(_)) && cause != Cause::NoAnswer;
+        let held = match self.stage {
+            Stage::Configuring(step) if cause != Cause::NoAnswer => self.held_at(step),
+            Stage::Offline
+            | Stage::Waiting
+            | Stage::Contacting(_)
+            | Stage::Configuring(_)
+            | Stage::Running => AllocationChoice::empty(),
+        };
         count(&mut self.counters.attempts_failed);
         self.wait(cause, status, back_off(config, self.failures));
         self.failures = self.failures.saturating_add(1);
-        if lets_go {
-            self.let_go(config, own);
+        if !held.is_empty() {
+            self.let_go(config, own, held);
+        }
+    }
+
+    /// What is allocated at a step. A Release of anything more would be refused as a whole.
+    fn held_at(&self, step: Step) -> AllocationChoice {
+        match step {
+            Step::WatchdogAction
+            | Step::Vendor
+            | Step::DeviceType
+            | Step::ProductCode
+            | Step::Revision
+            | Step::AllocateIo { .. }
+            | Step::ReleaseIo { .. } => AllocationChoice::EXPLICIT,
+            Step::ProducedSize(_)
+            | Step::ConsumedSize(_)
+            | Step::Write(_)
+            | Step::InhibitTime(_)
+            | Step::PacketRate(_)
+            | Step::Close => self.entry.choice().union(AllocationChoice::EXPLICIT),
         }
     }
 
     /// Releases the connections, or closes the one that the UCMM opened; nobody waits for the answer.
-    pub(super) fn let_go(&mut self, config: &Config, own: MacId) {
+    pub(super) fn let_go(&mut self, config: &Config, own: MacId, held: AllocationChoice) {
         let slave = self.entry.mac_id;
-        let everything = released(self.entry.choice().union(AllocationChoice::EXPLICIT));
         let (route, body) = match self.opened {
             Some(connection) => {
                 let [low, high] = connection.0.to_le_bytes();
                 (Route::ucmm(own, slave), [RELEASE, low, high, 0])
             }
-            None => (Route::group2_unconnected(own, slave), [RELEASE, CLASS, INSTANCE, everything]),
+            None => (Route::group2_unconnected(own, slave), [RELEASE, CLASS, INSTANCE, released(held)]),
         };
         let len = if self.opened.is_some() { 3 } else { 4 };
         self.conversation.reroute(route, config.unconnected);

@@ -152,7 +152,7 @@ impl<const N: usize> Slot<N> {
 
     fn close(&mut self, config: &Config, own: MacId) {
         if self.opened.is_some() {
-            self.let_go(config, own);
+            self.let_go(config, own, AllocationChoice::EXPLICIT);
             self.opened = None;
             self.talk.stage = TalkStage::Closing;
         }

@@ -145,7 +145,7 @@ fn a_slave_of_another_master_is_left_alone() {
     bus.sends_nothing();
 }
 
-/// No outputs for the wrong device: it is released, and the poll is never sent.
+/// No outputs for the wrong device: it is released, of the connections those that there are, and the poll is never sent.
 #[test]
 fn a_slave_that_does_not_match_the_key() {
     for (steps, response, cause) in [
@@ -170,7 +170,7 @@ fn a_slave_that_does_not_match_the_key() {
         }
         bus.tells(&std::format!("slave 63: Configuring -> Waiting: {cause}"));
         let xid = if steps % 2 == 0 { "44" } else { "04" };
-        bus.sends(&std::format!("5FE: {xid} 4C 03 01 03"));
+        bus.sends(&std::format!("5FE: {xid} 4C 03 01 01"));
         bus.hears(&std::format!("5FB: {xid} CC"));
         bus.command(|master, _| master.set_run(true));
         bus.wait(900);
