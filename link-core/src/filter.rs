@@ -115,23 +115,23 @@ impl FilterSet {
         if self.filters.iter().any(|other| other.covers(&filter)) {
             return;
         }
-        self.keep(|other| !filter.covers(other));
+        self.drop_covered_by(&filter);
         if self.filters.push(filter).is_ok() {
             return;
         }
         let widest = if filter.extended { Filter::ALL_EXTENDED } else { Filter::ALL_STANDARD };
-        self.keep(|other| !widest.covers(other));
+        self.drop_covered_by(&widest);
         if self.filters.push(widest).is_err() {
             // Full of filters of the other format: give up selection altogether.
             *self = Self::all();
         }
     }
 
-    fn keep(&mut self, is_kept: impl Fn(&Filter) -> bool) {
+    fn drop_covered_by(&mut self, filter: &Filter) {
         let mut kept = Self::none();
-        for filter in self.filters.iter().filter(|filter| is_kept(filter)) {
+        for other in self.filters.iter().filter(|other| !filter.covers(other)) {
             // It had room before.
-            let _ = kept.filters.push(*filter);
+            let _ = kept.filters.push(*other);
         }
         *self = kept;
     }
