@@ -45,7 +45,7 @@ pub enum InvalidSlave {
 }
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
-    /// A slave without power: the first [`LinkEvent::Up`] starts it.
+    /// A slave without power: the first [`LinkEvent::Up`](link_core::LinkEvent::Up) starts it.
     ///
     /// # Errors
     /// See [`InvalidSlave`].
