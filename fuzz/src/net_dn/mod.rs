@@ -13,7 +13,7 @@
 //! | 6 | the inputs of the slaves change | value |
 //! | 7 | a stranger asks for a slave, or says something else | which |
 //!
-//! What must hold is judged by an observer who sees who really sends what: it is the [referee].
+//! What must hold is judged by an observer who sees who really sends what: it is the module `referee`.
 
 mod referee;
 
