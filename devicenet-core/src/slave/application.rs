@@ -27,6 +27,12 @@ pub trait Application: Clone + Eq + Hash + Debug {
     /// default everything.
     const PARTS: Parts = Parts::all();
 
+    /// Which of [`IO`](Self::IO) a master can allocate in this device. By default all; a device whose modules or switches
+    /// decide, or one that is made from a description, has fewer.
+    fn offered(&self) -> AllocationChoice {
+        Self::IO
+    }
+
     /// The memory for I/O messages that do not fit into a frame: [`Fragmented`](super::Fragmented), or `()` if no
     /// connection produces or consumes more than eight bytes.
     type Long: LongMessages;

@@ -113,8 +113,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
     }
 
-    pub(super) const fn offer(&self) -> Offer {
-        Offer { choice: offered::<A>(), group: self.group }
+    pub(super) fn offer(&self) -> Offer {
+        let device = self.application.offered().union(AllocationChoice::EXPLICIT);
+        Offer { choice: offered::<A>().intersection(device), group: self.group }
     }
 
     fn frame(&mut self, now: Instant, frame: &Frame) {
