@@ -15,8 +15,9 @@ use std::path::Path;
 
 pub use diagnostic::ScenarioError;
 pub use model::{
-    AccessNode, Action, Bus, Do, EventName, Expectation, Fault, FaultKind, Node, NodeIndex, Note, Recorded,
-    Role, Scenario, StateName, What, When,
+    AccessNode, Action, Bus, ConnectionName, ConnectionStateName, Do, EventName, Expectation, Fault,
+    FaultKind, Kind, MasterNode, ModeName, Node, NodeIndex, Note, Output, Recorded, Role, ScannedSlave,
+    Scenario, Sizes, SlaveNode, SlaveStateName, StateName, What, When, Write,
 };
 pub use values::{Comparison, Relation, Time, TimeError, TimeRange};
 
@@ -76,7 +77,10 @@ impl Scenario {
 
 #[cfg(test)]
 mod tests {
-    use super::raw::{RawAction, RawBus, RawExpect, RawFault, RawIdentity, RawNode, RawNote, Table};
+    use super::raw::{
+        RawAction, RawBus, RawExpect, RawFault, RawIdentity, RawIo, RawKey, RawNode, RawNote, RawScan,
+        RawWrite, Table,
+    };
     use super::*;
 
     /// The reference of scenario files.
@@ -99,6 +103,11 @@ mod tests {
         named("`[bus]`", RawBus::KEYS);
         named("`[[node]]`", RawNode::KEYS);
         named("`[[node]]`", RawIdentity::KEYS);
+        named("`[[node]]`", RawScan::KEYS);
+        for inner in [RawIo::KEYS, RawKey::KEYS, RawWrite::KEYS] {
+            let section = PAGE.split("\n### Slaves\n").nth(1).unwrap();
+            assert!(inner.iter().all(|key| section.contains(&format!("{key} = "))), "{inner:?}");
+        }
         named("`[[node]]`", check::ROLES);
         named("`[[action]]`", RawAction::KEYS);
         named("`[[action]]`", check::ACTIONS);
@@ -106,6 +115,10 @@ mod tests {
         named("`[[fault]]`", check::FAULTS);
         named("`[[expect]]`", RawExpect::KEYS);
         named("`[[expect]]`", &StateName::ALL.iter().map(|state| state.name()).collect::<Vec<_>>());
+        named("`[[expect]]`", &ConnectionName::ALL.iter().map(|name| name.name()).collect::<Vec<_>>());
+        named("`[[expect]]`", &ConnectionStateName::ALL.iter().map(|state| state.name()).collect::<Vec<_>>());
+        named("`[[expect]]`", &ModeName::ALL.iter().map(|mode| mode.name()).collect::<Vec<_>>());
+        named("`[[expect]]`", &SlaveStateName::ALL.iter().map(|state| state.name()).collect::<Vec<_>>());
         named("`[[expect]]`", &EventName::ALL.iter().map(|event| event.name()).collect::<Vec<_>>());
         named("`[[note]]`", RawNote::KEYS);
     }
@@ -116,6 +129,6 @@ mod tests {
         let text: String = blocks.collect();
         let scenario = Scenario::parse("docs/scenarios.md", &text, Path::new("")).unwrap();
         let outcome = crate::simulate::outcome(&scenario, crate::simulate::Settings::default());
-        assert_eq!((outcome.verdict.held, outcome.verdict.failures), (9, Vec::new()));
+        assert_eq!((outcome.verdict.held, outcome.verdict.failures), (15, Vec::new()));
     }
 }

@@ -5,7 +5,7 @@ use core::ops::Range;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::values::{Comparison, RateSetting, Time, TimeRange};
+use super::values::{Comparison, RateSetting, SlaveName, Time, TimeRange};
 
 /// A table of the file.
 pub(super) trait Table {
@@ -80,13 +80,27 @@ table! {
         boi: bool,
         quick_connect: bool,
         offline_set: bool,
-        poll: toml::Value,
-        bit_strobe: toml::Value,
-        cos: toml::Value,
-        cyclic: toml::Value,
-        multicast_poll: toml::Value,
+        switches: bool,
+        poll: RawIo,
+        bit_strobe: RawIo,
+        cos: RawIo,
+        cyclic: RawIo,
+        multicast_poll: RawIo,
         input: String,
-        scan: toml::Value,
+        ucmm: bool,
+        heartbeat: Time,
+        shutdown_message: bool,
+        run: bool,
+        interscan_delay: Time,
+        response_wait: Time,
+        background_ratio: i64,
+        first_contact: String,
+        retry_after: Time,
+        retry_at_most: Time,
+        replacement: String,
+        replacement_retry: Time,
+        multicast_output: String,
+        scan: Vec<Spanned<RawScan>>,
         file: String,
         log: String,
         only: Vec<i64>,
@@ -105,6 +119,40 @@ table! {
         serial: i64,
         name: String,
     }
+}
+
+table! {
+    /// `poll = { .. }` and the other I/O connections, of a slave or of a scan list.
+    RawIo { produce: i64, consume: i64, epr: Time, inhibit: Time, acknowledged: bool }
+}
+
+table! {
+    /// `[[node.scan]]`
+    RawScan {
+        mac: i64,
+        poll: RawIo,
+        bit_strobe: RawIo,
+        cos: RawIo,
+        cyclic: RawIo,
+        multicast_poll: RawIo,
+        epr: Time,
+        key: RawKey,
+        background: bool,
+        replaceable: bool,
+        output: String,
+        strobe_bit: bool,
+        configuration: Vec<Spanned<RawWrite>>,
+    }
+}
+
+table! {
+    /// `key = { .. }`
+    RawKey { vendor: i64, device_type: i64, product: i64, revision: [i64; 2] }
+}
+
+table! {
+    /// `configuration = [{ .. }]`
+    RawWrite { class: i64, instance: i64, attribute: i64, value: String }
 }
 
 table! {
@@ -150,8 +198,12 @@ table! {
         event: String,
         connection: String,
         connection_state: String,
+        mode: String,
         input: String,
         output: String,
+        slave: SlaveName,
+        slave_state: String,
+        status: Comparison,
     }
 }
 

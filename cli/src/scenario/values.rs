@@ -195,6 +195,37 @@ pub(super) fn rate(text: &str) -> Option<i64> {
     i64::from(number).checked_mul(unit)
 }
 
+/// A slave of a master: the name of its node, or its MAC ID.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) enum SlaveName {
+    /// `"valve"`
+    Node(String),
+    /// `10`, range not checked.
+    Mac(i64),
+}
+
+impl<'de> Deserialize<'de> for SlaveName {
+    fn deserialize<D: Deserializer<'de>>(input: D) -> Result<Self, D::Error> {
+        struct NameOrNumber;
+        impl Visitor<'_> for NameOrNumber {
+            type Value = SlaveName;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("the name of a slave, or its MAC ID")
+            }
+
+            fn visit_i64<E: de::Error>(self, mac: i64) -> Result<SlaveName, E> {
+                Ok(SlaveName::Mac(mac))
+            }
+
+            fn visit_str<E: de::Error>(self, name: &str) -> Result<SlaveName, E> {
+                Ok(SlaveName::Node(name.to_owned()))
+            }
+        }
+        input.deserialize_any(NameOrNumber)
+    }
+}
+
 /// A comparison with a number: `"<128"`, `">=96"`, `"=0"`, or just the number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Comparison {

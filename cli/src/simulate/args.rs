@@ -49,6 +49,9 @@ pub struct SimulateArgs {
     /// Record the bus: pcapng for a name that ends so, else a candump log; failed attempts become error frames
     #[arg(long, short = 'o', value_name = "FILE")]
     pub record: Option<PathBuf>,
+    /// Print every I/O frame of the trace, also those with the same data as the last of their kind
+    #[arg(long, conflicts_with = "summary")]
+    pub all_frames: bool,
     /// Instead of the trace, what each node and the bus have come to
     #[arg(long)]
     pub summary: bool,

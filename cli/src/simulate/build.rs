@@ -2,18 +2,18 @@
 
 use core::time::Duration;
 
-use devicenet_core::MacId;
-use devicenet_core::access::{Access, Config};
-use devicenet_core::message::{DeviceIdentity, PortNumber};
+use devicenet_core::access::Access;
 use link_core::{Filter, Instant, StandardId, frame::standard_id};
 use transport_mock::bus::Fault;
 use transport_mock::nodes::{Babbler, Listener, Replay};
 use transport_mock::rng::Rng;
 use transport_mock::{BusConfig, Change, FaultId, Network, NodeConfig, NodeId, Reaction, Scope, Which};
 
+use super::act::{act, remember};
 use super::doors;
-use super::event::{Effect, NodeEvent};
-use crate::scenario::{AccessNode, Do, FaultKind, Node, NodeIndex, Recorded, Role, Scenario, TimeRange};
+use super::event::NodeEvent;
+use super::machines::{MasterMachine, SlaveMachine, ToolMachine, access_config};
+use crate::scenario::{FaultKind, Node, NodeIndex, Recorded, Role, Scenario, TimeRange};
 
 /// What a run sets otherwise than the scenario.
 #[derive(Clone, Copy, Debug, Default)]
@@ -36,8 +36,8 @@ pub(super) fn network(scenario: &Scenario, seed: u64, is_served: bool) -> Networ
     plan_faults(&mut network, scenario, &ids);
     for action in &scenario.actions {
         for node in &action.nodes {
-            let (id, what) = (ids[node.0], action.what);
-            network.schedule(action.at, Change::Call(Box::new(move |network| act(network, id, what))));
+            let (id, what) = (ids[node.0], action.what.clone());
+            network.schedule(action.at, Change::Call(Box::new(move |network| act(network, id, &what))));
         }
     }
     network
@@ -67,6 +67,18 @@ fn add(network: &mut Network<NodeEvent>, node: &Node, seed: u64, index: usize, i
             let machine = Access::new(access_config(access));
             network.add_with_memory(config, machine, |old, fresh| remember(fresh, old.mac_id()))
         }
+        Role::Slave(slave) => {
+            let (spec, machine) = (slave.clone(), SlaveMachine::new(slave, node.bit_rate));
+            network.add_with_memory(config, machine, move |old, fresh| *fresh = old.restarted(&spec))
+        }
+        Role::Master(master) => {
+            let (spec, machine) = (master.clone(), MasterMachine::new(master));
+            network.add_with_memory(config, machine, move |old, fresh| *fresh = old.restarted(&spec))
+        }
+        Role::Tool(tool) => {
+            let (spec, machine) = (tool.clone(), ToolMachine::new(tool));
+            network.add_with_memory(config, machine, move |old, fresh| *fresh = old.restarted(&spec))
+        }
         Role::Replay(frames) => {
             let timed = |recorded: &Recorded| (Instant::ZERO + recorded.after, recorded.frame);
             let frames: Vec<_> = frames.iter().map(timed).collect();
@@ -75,19 +87,6 @@ fn add(network: &mut Network<NodeEvent>, node: &Node, seed: u64, index: usize, i
         Role::External if is_served => network.add_silent(config, doors::outside()),
         Role::External | Role::Listener => network.add_silent(config, Listener::new(0)),
         Role::Babbler { frame, period } => network.add_silent(config, Babbler::new(*frame, *period)),
-    }
-}
-
-fn access_config(access: &AccessNode) -> Config {
-    let device = DeviceIdentity { vendor: access.vendor.into(), serial: access.serial };
-    // Both were checked with the scenario.
-    let port = PortNumber::new(access.port).unwrap_or(PortNumber::ZERO);
-    let mac = MacId::new(access.mac).unwrap_or(MacId::DEFAULT);
-    Config {
-        bus_off_interrupt: access.boi,
-        quick_connect: access.quick_connect,
-        offline_set: access.offline_set,
-        ..Config::new(device, port, mac)
     }
 }
 
@@ -153,42 +152,6 @@ fn switches(
         (Change::FaultOn(id, fault), Change::FaultOff(id))
     };
     parts.into_iter().enumerate().map(named).collect()
-}
-
-/// Carries out an action now. What cannot be seen on the bus, or has no effect, is told.
-fn act(network: &mut Network<NodeEvent>, node: NodeId, what: Do) {
-    let (powered, plugged) = (network.is_powered(node), network.is_plugged(node));
-    let tell = |network: &mut Network<NodeEvent>, effect| {
-        network.tell(node, NodeEvent::Action(what, effect));
-    };
-    match what {
-        Do::Cut if !plugged => tell(network, Effect::None("the cable is unplugged already")),
-        Do::Plug if plugged => tell(network, Effect::None("the cable is plugged already")),
-        Do::PowerOff | Do::Reset if !powered => tell(network, Effect::None("no power")),
-        Do::PowerOn if powered => tell(network, Effect::None("it has power already")),
-        Do::Cut => network.apply(Change::Cut(node)),
-        Do::Plug => network.apply(Change::Plug(node)),
-        Do::PowerOff => network.apply(Change::PowerOff(node)),
-        Do::PowerOn => network.apply(Change::PowerOn(node)),
-        Do::PowerCycle => network.apply(Change::PowerCycle(node)),
-        Do::SetBitRate(rate) => network.apply(Change::SetBitRate(node, rate)),
-        Do::SetMac(mac) => {
-            let mac = MacId::new(mac).unwrap_or(MacId::DEFAULT);
-            tell(network, if powered { Effect::AtOnce } else { Effect::AtPowerUp });
-            // The machine has its MAC ID from software, so that it cannot refuse.
-            network.command(node, |access: &mut Access, now| access.set_mac_id(now, mac));
-            network.alter_memory(node, |access| remember(access, mac));
-        }
-        Do::Reset => {
-            tell(network, Effect::AtOnce);
-            network.command(node, Access::reset);
-        }
-    }
-}
-
-/// What network access keeps without power: its MAC ID.
-fn remember(access: &mut Access, mac_id: MacId) {
-    *access = Access::new(Config { mac_id, ..access.config().clone() });
 }
 
 /// The moment in a range of times, drawn for the node at that place.

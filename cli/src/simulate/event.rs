@@ -1,31 +1,134 @@
 //! What the nodes on the simulated bus tell, and what is told of them.
 
-use devicenet_core::access::{AccessEvent, StateKind};
+use std::rc::Rc;
 
-use crate::scenario::Do;
+use devicenet_core::MacId;
+use devicenet_core::access::{AccessEvent, StateKind};
+use devicenet_core::master::{self, IoInstance, MasterEvent, Replacement, ScannerStatus, SlaveState};
+use devicenet_core::slave::{IoKind, IoMode, SlaveEvent};
+use devicenet_core::tool::{self, ToolEvent};
+
+use crate::scenario::{Do, Output};
 
 /// What a node tells, or what is told of it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) enum NodeEvent {
     /// Network access.
     Access(AccessEvent),
+    /// A slave; new outputs are told by `Output`.
+    Slave(SlaveEvent),
+    /// A slave has other outputs.
+    Output { connection: IoKind, data: Rc<[u8]> },
+    /// A master; new inputs are told by `Input`.
+    Master(MasterEvent),
+    /// A master has other input data of a slave.
+    Input { slave: MacId, connection: IoInstance, data: Rc<[u8]> },
+    /// The status of a scanner itself has changed.
+    ScannerStatus(ScannerStatus),
+    /// A tool.
+    Tool(ToolEvent),
     /// An action of the scenario that cannot be seen on the bus, or has no effect.
     Action(Do, Effect),
 }
 
 /// What comes of an action.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) enum Effect {
     /// What it says.
     AtOnce,
     /// The node has no power: what was set waits for it.
     AtPowerUp,
     /// Nothing, and why.
-    None(&'static str),
+    None(String),
 }
 
-/// Whether an event tells that something is wrong with the node.
-pub(crate) const fn is_problem(event: &AccessEvent) -> bool {
+impl NodeEvent {
+    /// What it is in the words of a trace; `None` for what the frames beside it tell, or what happens all the time.
+    pub(crate) fn words(&self) -> Option<String> {
+        match self {
+            Self::Access(event) => Some(event.to_string()),
+            Self::Slave(event) => is_news_of_slave(event).then(|| event.to_string()),
+            Self::Master(event) => is_news_of_master(event).then(|| event.to_string()),
+            Self::ScannerStatus(status) => Some(format!("scanner status {status}")),
+            Self::Tool(event) => Some(event.to_string()),
+            Self::Output { .. } | Self::Input { .. } => None,
+            Self::Action(action, effect) => Some(words_of_action(action, effect)),
+        }
+    }
+
+    /// Whether it tells that something is wrong.
+    pub(crate) const fn is_problem(&self) -> bool {
+        match self {
+            Self::Access(event) => is_problem_of_access(event),
+            Self::Slave(event) => match event {
+                SlaveEvent::Mode(_, mode) => matches!(mode, IoMode::Fault),
+                SlaveEvent::Io { to, .. } => matches!(to, cip_core::connection::IoState::TimedOut),
+                SlaveEvent::NotAcknowledged
+                | SlaveEvent::ResponseAbandoned { .. }
+                | SlaveEvent::NotSent { .. }
+                | SlaveEvent::Ignored { .. } => true,
+                _ => false,
+            },
+            Self::Master(event) => match event {
+                MasterEvent::Slave { event: master::SlaveEvent::StateChanged { to, cause, .. }, .. } => {
+                    matches!(to, SlaveState::Waiting)
+                        && !matches!(
+                            cause,
+                            master::Cause::MasterOnLine
+                                | master::Cause::CheckHeard
+                                | master::Cause::Commanded
+                        )
+                }
+                MasterEvent::Slave { event: master::SlaveEvent::RequestFailed(_), .. }
+                | MasterEvent::EventsLost { .. } => true,
+                MasterEvent::Replacement(what) => {
+                    !matches!(what, Replacement::Assigned(_) | Replacement::WouldAssign(_))
+                }
+                _ => false,
+            },
+            Self::Tool(event) => match event {
+                ToolEvent::StateChanged { cause, .. } => {
+                    matches!(cause, tool::Cause::OwnedByAnother | tool::Cause::OffLine)
+                }
+                ToolEvent::NotRecovered { .. }
+                | ToolEvent::BadFrame
+                | ToolEvent::Collision
+                | ToolEvent::EventsLost(_) => true,
+                _ => false,
+            },
+            Self::Action(_, effect) => matches!(effect, Effect::None(_)),
+            Self::ScannerStatus(_) | Self::Output { .. } | Self::Input { .. } => false,
+        }
+    }
+}
+
+/// The responses beside them tell the others.
+const fn is_news_of_slave(event: &SlaveEvent) -> bool {
+    !matches!(
+        event,
+        SlaveEvent::Received(_)
+            | SlaveEvent::Explicit { .. }
+            | SlaveEvent::Allocation { .. }
+            | SlaveEvent::Changed { .. }
+            | SlaveEvent::Effect(_)
+            | SlaveEvent::NetworkStatus(_)
+    )
+}
+
+const fn is_news_of_master(event: &MasterEvent) -> bool {
+    !matches!(
+        event,
+        MasterEvent::ScanDone { .. }
+            | MasterEvent::Slave {
+                event: master::SlaveEvent::Input(_)
+                    | master::SlaveEvent::Heartbeat(_)
+                    | master::SlaveEvent::Shutdown(_),
+                ..
+            }
+    )
+}
+
+const fn is_problem_of_access(event: &AccessEvent) -> bool {
     match event {
         AccessEvent::StateChanged { to, .. } => matches!(to, StateKind::CommFault),
         AccessEvent::Duplicate { .. }
@@ -48,14 +151,31 @@ impl From<AccessEvent> for NodeEvent {
 }
 
 /// What is told of an action, in words.
-pub(crate) fn words_of_action(action: Do, effect: Effect) -> String {
+fn words_of_action(action: &Do, effect: &Effect) -> String {
     let name = action.name();
-    match (action, effect) {
-        (_, Effect::None(why)) => format!("the action {name} has no effect: {why}"),
-        (Do::SetMac(mac), Effect::AtOnce) => format!("MAC ID switch set to {mac}"),
-        (Do::SetMac(mac), Effect::AtPowerUp) => {
-            format!("MAC ID switch set to {mac}, which is read at power-up")
-        }
-        (_, Effect::AtOnce | Effect::AtPowerUp) => name.to_owned(),
+    if let Effect::None(why) = effect {
+        return format!("the action {name} has no effect: {why}");
     }
+    let later = if matches!(effect, Effect::AtPowerUp) { ", which is read at power-up" } else { "" };
+    match action {
+        Do::SetMac(mac) => format!("MAC ID switch set to {mac}{later}"),
+        Do::SetInput(data) => format!("input data {}{later}", hex(data)),
+        Do::SetOutput(Output::Slave(mac, data)) => format!("output data for {mac}: {}", hex(data)),
+        Do::SetOutput(Output::StrobeBit(mac, bit)) => format!("strobe bit for {mac}: {}", u8::from(*bit)),
+        Do::SetOutput(Output::Multicast(data)) => {
+            format!("output data for the multicast poll: {}", hex(data))
+        }
+        Do::Recover(device, mac) => format!("recover {device} as MAC ID {mac}"),
+        Do::Identify(device) => format!("identify {device}"),
+        Do::GoRun => "to run mode".to_owned(),
+        Do::GoIdle => "to idle mode".to_owned(),
+        Do::Claim | Do::Release => format!("{name} the offline connection set"),
+        Do::Who => "ask who is faulted".to_owned(),
+        _ => name.to_owned(),
+    }
+}
+
+fn hex(data: &[u8]) -> String {
+    let bytes: Vec<String> = data.iter().map(|byte| format!("{byte:02X}")).collect();
+    if bytes.is_empty() { "none".to_owned() } else { bytes.join(" ") }
 }

@@ -8,6 +8,12 @@
 //! | `error_frame` | `nodes` (who tried to send), `segment`, `id`, `ext`, `rtr`, `dlc`, `data`, `error` (`bit`, `stuff`, `crc`, `form`, `ack`), `bit`, `field`, `by` (who saw it first), `flag` (`active`, `passive`, `none`) |
 //! | `abandoned` | `nodes`, `segment`, `id`, `ext`, `rtr`, `dlc`, `data`: an attempt was broken off without an error frame, because all that sent went off the bus |
 //! | `state` | `node`, `from`, `to`, `cause`: network access changed its state |
+//! | `connection` | `node`, `connection` (instance of the Connection object), `from`, `to`, `cause`: a slave's connection changed its state |
+//! | `output` | `node`, `connection`, `data`: a slave has other outputs |
+//! | `slave` | `node` (the master), `slave` (MAC ID), `from`, `to`, `cause`: the master is elsewhere with a slave |
+//! | `status` | `node` (the master), `slave` (absent for the scanner itself), `status`, `text`: another scanner status |
+//! | `input` | `node` (the master), `slave`, `connection`, `data`: other input data of a slave |
+//! | `scan` | `node` (the master), `missing`: a scan is over, and so many responses are missing |
 //! | `node` | `node`, `text`: something else that a node tells |
 //! | `error_state` | `node`, `state` (`error-active`, `error warning`, `error-passive`, `bus-off`), `tec`, `rec` |
 //! | `change` | `node` (absent for the bus), `text`: what was done to it, or what went wrong with a client of the server that sits on it |
@@ -17,13 +23,17 @@
 //! | `summary` | `nodes`, `bus`, `held`, `failed`, `unjudged`: comes last |
 
 use devicenet_core::access::AccessEvent;
+use devicenet_core::master::{self, MasterEvent};
 use devicenet_core::monitor::Reading;
+use devicenet_core::slave::SlaveEvent;
 use link_core::{BusErrorKind, Frame, Instant};
 use serde::Serialize;
 use transport_mock::Flag;
 use transport_mock::bus::{BusError, Sender, SenderOutcome};
 use transport_mock::record::{FrameRecord, Outcome};
 
+use super::event::NodeEvent;
+use super::exchange::{explicit_state, io_state, slave_state};
 use super::expectations::Verdict;
 use super::shared::SharedBuffer;
 use super::sight::{Nodes, Sight, View, index, state_name};
@@ -60,6 +70,49 @@ enum Line<'a> {
         from: &'static str,
         to: &'static str,
         cause: &'static str,
+    },
+    Connection {
+        t: f64,
+        node: &'a str,
+        connection: u16,
+        from: &'static str,
+        to: &'static str,
+        cause: String,
+    },
+    Output {
+        t: f64,
+        node: &'a str,
+        connection: u16,
+        data: String,
+    },
+    Slave {
+        t: f64,
+        node: &'a str,
+        slave: u8,
+        from: &'static str,
+        to: &'static str,
+        cause: String,
+    },
+    Status {
+        t: f64,
+        node: &'a str,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        slave: Option<u8>,
+        status: u8,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        text: Option<&'static str>,
+    },
+    Input {
+        t: f64,
+        node: &'a str,
+        slave: u8,
+        connection: u16,
+        data: String,
+    },
+    Scan {
+        t: f64,
+        node: &'a str,
+        missing: u8,
     },
     Node {
         t: f64,
@@ -193,15 +246,69 @@ fn push(out: &mut Vec<u8>, line: &Line<'_>) {
     out.push(b'\n');
 }
 
-fn node_event<'a>(t: f64, node: &'a str, event: &AccessEvent) -> Line<'a> {
+/// Who tells what, and when; the rest is one for all.
+fn node_event<'a>(t: f64, node: &'a str, event: &'a NodeEvent) -> Line<'a> {
     match event {
-        AccessEvent::StateChanged { from, to, cause } => Line::State {
+        NodeEvent::Access(AccessEvent::StateChanged { from, to, cause }) => Line::State {
             t,
             node,
             from: state_name(*from).name(),
             to: state_name(*to).name(),
             cause: cause.name(),
         },
+        NodeEvent::Access(event) => Line::Node { t, node, text: event.to_string() },
+        NodeEvent::Slave(SlaveEvent::Io { connection, from, to, cause }) => Line::Connection {
+            t,
+            node,
+            connection: connection.instance().0,
+            from: io_state(*from).name(),
+            to: io_state(*to).name(),
+            cause: cause.to_string(),
+        },
+        NodeEvent::Slave(SlaveEvent::Explicit { instance, from, to, cause }) => Line::Connection {
+            t,
+            node,
+            connection: (*instance).into(),
+            from: explicit_state(*from).name(),
+            to: explicit_state(*to).name(),
+            cause: cause.to_string(),
+        },
+        NodeEvent::Slave(event) => Line::Node { t, node, text: event.to_string() },
+        NodeEvent::Output { connection, data } => {
+            Line::Output { t, node, connection: connection.instance().0, data: hex(data) }
+        }
+        NodeEvent::Master(event) => master_event(t, node, event),
+        NodeEvent::Input { slave, connection, data } => Line::Input {
+            t,
+            node,
+            slave: slave.number(),
+            connection: connection.instance().0,
+            data: hex(data),
+        },
+        NodeEvent::ScannerStatus(status) => {
+            Line::Status { t, node, slave: None, status: status.0, text: status.name() }
+        }
+        NodeEvent::Tool(event) => Line::Node { t, node, text: event.to_string() },
+        NodeEvent::Action(..) => Line::Node { t, node, text: event.words().unwrap_or_default() },
+    }
+}
+
+fn master_event<'a>(t: f64, node: &'a str, event: &MasterEvent) -> Line<'a> {
+    match event {
+        MasterEvent::ScanDone { missing } => Line::Scan { t, node, missing: *missing },
+        MasterEvent::Slave { mac_id, event: master::SlaveEvent::StateChanged { from, to, cause } } => {
+            Line::Slave {
+                t,
+                node,
+                slave: mac_id.number(),
+                from: slave_state(*from).name(),
+                to: slave_state(*to).name(),
+                cause: cause.to_string(),
+            }
+        }
+        MasterEvent::Slave { mac_id, event: master::SlaveEvent::Status(status) } => {
+            Line::Status { t, node, slave: Some(mac_id.number()), status: status.0, text: status.name() }
+        }
         event => Line::Node { t, node, text: event.to_string() },
     }
 }
@@ -235,16 +342,20 @@ fn error_fields<'a>(nodes: &'a Nodes<'_>, error: &BusError) -> ErrorFields<'a> {
 
 impl Wire {
     fn of(frame: &Frame) -> Self {
-        let mut data = Vec::new();
-        crate::text::push_hex(&mut data, frame.data(), crate::text::LOWER);
         Self {
             id: frame.raw_id(),
             ext: frame.is_extended(),
             rtr: frame.is_remote(),
             dlc: frame.dlc(),
-            data: String::from_utf8(data).unwrap_or_default(),
+            data: hex(frame.data()),
         }
     }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    let mut text = Vec::new();
+    crate::text::push_hex(&mut text, bytes, crate::text::LOWER);
+    String::from_utf8(text).unwrap_or_default()
 }
 
 fn seconds(at: Instant) -> f64 {

@@ -1,13 +1,16 @@
 //! `devicenet simulate`: a scenario on the simulated bus, in words, as JSON, as figures, as a recording, as a picture, or
 //! with programs from outside sitting on it.
 
+mod act;
 mod args;
 mod build;
 mod doors;
 mod event;
+mod exchange;
 mod expectations;
 mod json;
 mod load;
+mod machines;
 mod picture;
 mod record;
 mod run;
@@ -28,9 +31,10 @@ use std::path::Path;
 
 pub use args::SimulateArgs;
 pub use build::Settings;
+pub use exchange::Exchange;
 pub use expectations::{Failure as FailedExpectation, Status, Verdict};
 pub use run::Outcome;
-pub use summary::{BusSummary, NodeSummary, Summary};
+pub use summary::{BusSummary, NodeSummary, ScanSummary, SlaveSummary, Summary};
 
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Output};
@@ -109,7 +113,8 @@ pub fn run(args: &SimulateArgs, json: bool) -> Result<Exit, Failure> {
         (_, true) => {}
         (true, false) => views.push(Box::new(JsonView::new(buffer.clone()))),
         (false, false) => {
-            views.push(Box::new(TextView::new(buffer.clone(), output.is_coloured(), &scenario.nodes)));
+            let view = TextView::new(buffer.clone(), output.is_coloured(), &scenario.nodes);
+            views.push(Box::new(view.with_all_frames(args.all_frames)));
         }
     }
     if let Some(path) = &args.record {

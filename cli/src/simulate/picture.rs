@@ -35,6 +35,10 @@ pub(super) enum Shade {
     Sending,
     Waiting,
     OnLine,
+    /// On line, and I/O runs.
+    Exchanging,
+    /// On line, and I/O has timed out.
+    TimedOut,
     Fault,
     BusOff,
     /// It has no state of network access, and is there.
@@ -88,8 +92,14 @@ impl Row {
 impl Shade {
     const fn is_wrong(self) -> bool {
         match self {
-            Self::Fault | Self::BusOff => true,
-            Self::Off | Self::Cut | Self::Sending | Self::Waiting | Self::OnLine | Self::Present => false,
+            Self::Fault | Self::BusOff | Self::TimedOut => true,
+            Self::Off
+            | Self::Cut
+            | Self::Sending
+            | Self::Waiting
+            | Self::OnLine
+            | Self::Exchanging
+            | Self::Present => false,
         }
     }
 }

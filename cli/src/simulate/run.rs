@@ -4,7 +4,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
 use std::io;
 
-use devicenet_core::Access;
+use devicenet_core::{Access, MacId};
 use link_core::Instant;
 use link_core::time::Clock;
 use transport_mock::{Network, NodeId};
@@ -12,10 +12,11 @@ use transport_mock::{Network, NodeId};
 use super::build::{self, Settings};
 use super::doors::Doors;
 use super::event::NodeEvent;
-use super::expectations::Verdict;
+use super::expectations::{Status, Verdict};
+use super::machines::{MasterMachine, ScanTimes, SlaveMachine, ToolMachine};
 use super::sight::{Observer, View};
 use super::socketcand::Server;
-use super::summary::{Counting, Last, Summary};
+use super::summary::{Counting, Last, ScanSummary, SlaveSummary, Summary};
 use crate::scenario::{NodeIndex, Note, Scenario};
 
 /// What a run has come to.
@@ -109,10 +110,17 @@ impl<'a> Run<'a> {
     pub(super) fn finish(self) -> Outcome {
         let end = self.network.now();
         let ids: Vec<NodeId> = self.network.nodes().collect();
-        let last = |node: NodeIndex| Last {
-            status: self.observer.status(node),
-            max_tec: self.observer.highest_tec(node),
-            mac: self.network.machine::<Access>(ids[node.0]).map(|access| access.mac_id().into()),
+        let last = |node: NodeIndex| {
+            let status = self.observer.status(node);
+            let slave = self.network.machine::<SlaveMachine>(ids[node.0]);
+            let master = self.network.machine::<MasterMachine>(ids[node.0]);
+            Last {
+                max_tec: self.observer.highest_tec(node),
+                mac: access(&self.network, ids[node.0]).map(|access| access.mac_id().into()),
+                slave: slave.map(SlaveMachine::counters),
+                scan: master.map(|master| scan(master, &status)),
+                status,
+            }
         };
         let summary = self.counted.borrow().summary(end, last);
         Outcome { end, verdict: self.observer.finish(end), summary }
@@ -128,6 +136,32 @@ impl<'a> Run<'a> {
             self.observer.note(note.at, &note.text);
         }
         self.network.run_until(to, &mut self.observer);
+    }
+}
+
+/// The network access of a node.
+fn access(network: &Network<NodeEvent>, node: NodeId) -> Option<&Access> {
+    (network.machine::<Access>(node))
+        .or_else(|| network.machine::<SlaveMachine>(node).map(SlaveMachine::access))
+        .or_else(|| network.machine::<MasterMachine>(node).map(MasterMachine::access))
+        .or_else(|| network.machine::<ToolMachine>(node).map(ToolMachine::access))
+}
+
+/// What a master has come to.
+fn scan(master: &MasterMachine, status: &Status) -> ScanSummary {
+    let ScanTimes { count, shortest, longest, sum } = master.scans();
+    let slaves = status.exchange.slaves().map(|(mac, state, status)| SlaveSummary {
+        mac,
+        state,
+        status,
+        counters: MacId::new(mac).and_then(|mac| master.counters(mac)).unwrap_or_default(),
+    });
+    ScanSummary {
+        scans: count,
+        min: shortest.as_secs_f64(),
+        mean: sum.as_secs_f64() / f64::from(count.max(1)),
+        max: longest.as_secs_f64(),
+        slaves: slaves.collect(),
     }
 }
 

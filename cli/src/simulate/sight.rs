@@ -1,16 +1,21 @@
 //! What a run shows, digested: records of the bus turned into what the views print, count and draw.
 
+use std::rc::Rc;
+
 use devicenet_core::access::{AccessEvent, StateKind};
+use devicenet_core::master::MasterEvent;
 use devicenet_core::monitor::{Monitor, MonitorConfig, Reading};
+use devicenet_core::tool::{ToolEvent, ToolState};
 use link_core::{Instant, TxOutcome};
 use transport_mock::change::ChangeKind;
 use transport_mock::record::{FrameRecord, Outcome};
 use transport_mock::{Counters, ErrorState, FaultId, Interest, NodeId, Record, Sink};
 
 use super::build;
-use super::event::{Effect, NodeEvent, words_of_action};
+use super::event::{Effect, NodeEvent};
+use super::exchange::{Exchange, Happening};
 use super::expectations::{Judge, Status, Verdict};
-use crate::scenario::{EventName, NodeIndex, Role, Scenario, StateName};
+use crate::scenario::{Do, EventName, NodeIndex, Scenario, StateName};
 
 /// One thing that happened.
 #[derive(Debug)]
@@ -18,7 +23,7 @@ pub(super) enum Sight<'a> {
     /// An attempt to send a frame is over. A frame that got through is read.
     Frame { record: &'a FrameRecord<'a>, reading: Option<&'a Reading<'a>> },
     /// A node tells something.
-    Event { at: Instant, node: NodeIndex, event: &'a AccessEvent },
+    Event { at: Instant, node: NodeIndex, event: &'a NodeEvent },
     /// The error counters of a node have changed its part in the bus.
     Level { at: Instant, node: NodeIndex, level: Level, counters: Counters },
     /// Somebody interferes. `node` is `None` for what concerns the bus.
@@ -129,7 +134,8 @@ pub(super) struct Observer<'a> {
 impl<'a> Observer<'a> {
     pub(super) fn new(scenario: &'a Scenario, views: Vec<Box<dyn View + 'a>>) -> Self {
         let initial = |node: NodeIndex| Status {
-            state: matches!(scenario.nodes[node.0].role, Role::Access(_)).then_some(StateName::Nonexistent),
+            state: scenario.nodes[node.0].role.access().map(|_| StateName::Nonexistent),
+            exchange: Rc::new(Exchange::of(&scenario.nodes[node.0])),
             ..Status::default()
         };
         let judge = Judge::new(scenario, initial);
@@ -197,25 +203,40 @@ impl<'a> Observer<'a> {
 
     fn counters(&mut self, at: Instant, node: NodeIndex, counters: Counters) {
         let before = self.judge.status(node);
+        let (tec, rec) = (before.tec, before.rec);
         let bus_off = counters.state() == ErrorState::BusOff;
         self.judge.changed(at, node, Status { tec: counters.tec, rec: counters.rec, bus_off, ..before });
         self.highest[node.0] = self.highest[node.0].max(counters.tec);
-        if let Some(level) = Level::entered(Counters { tec: before.tec, rec: before.rec }, counters) {
+        if let Some(level) = Level::entered(Counters { tec, rec }, counters) {
             self.judge.happened(at, node, level.event());
             self.show(&Sight::Level { at, node, level, counters });
         }
     }
 
     fn event(&mut self, at: Instant, node: NodeIndex, event: &NodeEvent) {
-        let event = match event {
-            NodeEvent::Access(event) => event,
+        let happened = match event {
+            NodeEvent::Access(event) => self.access_event(at, node, event).map(Happening::from),
             NodeEvent::Action(action, effect) => {
-                let what = words_of_action(*action, *effect);
+                if matches!(action, Do::SetInput(_)) {
+                    self.follow(at, node, event);
+                }
+                let what = event.words().unwrap_or_default();
                 let problem = matches!(effect, Effect::None(_));
                 return self.show(&Sight::Change { at, node: Some(node), what, problem });
             }
+            NodeEvent::Tool(event) => tool_event(event).map(Happening::from),
+            NodeEvent::Master(MasterEvent::ScanDone { missing: 0 }) => Some(EventName::ScanDone.into()),
+            NodeEvent::Master(MasterEvent::ScanDone { .. }) => Some(EventName::ResponseMissing.into()),
+            event => self.follow(at, node, event),
         };
-        let happened = match event {
+        if let Some(happened) = happened {
+            self.judge.happened(at, node, happened);
+        }
+        self.show(&Sight::Event { at, node, event });
+    }
+
+    fn access_event(&mut self, at: Instant, node: NodeIndex, event: &AccessEvent) -> Option<EventName> {
+        match event {
             AccessEvent::StateChanged { to, .. } => {
                 self.enter(at, node, state_name(*to));
                 Some(EventName::StateChanged)
@@ -230,11 +251,15 @@ impl<'a> Observer<'a> {
             | AccessEvent::BadFrame { .. }
             | AccessEvent::FramesLost { .. }
             | AccessEvent::LinkRefused(_) => None,
-        };
-        if let Some(happened) = happened {
-            self.judge.happened(at, node, happened);
         }
-        self.show(&Sight::Event { at, node, event });
+    }
+
+    /// Connections and data have changed.
+    fn follow(&mut self, at: Instant, node: NodeIndex, event: &NodeEvent) -> Option<Happening> {
+        let mut status = self.judge.status(node);
+        let happened = Rc::make_mut(&mut status.exchange).follow(event);
+        self.judge.changed(at, node, status);
+        happened
     }
 
     fn change(&mut self, at: Instant, change: &ChangeKind<'_>) {
@@ -243,6 +268,7 @@ impl<'a> Observer<'a> {
             ChangeKind::PowerOff(node) => {
                 self.attached[node.index()].power = false;
                 self.detached(at, index(*node));
+                self.lost_power(at, index(*node));
                 if self.enter(at, index(*node), StateName::Nonexistent) {
                     // Nobody is left to tell it.
                     self.judge.happened(at, index(*node), EventName::StateChanged);
@@ -279,7 +305,15 @@ impl<'a> Observer<'a> {
     /// A controller is gone, and with it its counters: it has not become error-active.
     fn detached(&mut self, at: Instant, node: NodeIndex) {
         let before = self.judge.status(node);
-        self.judge.changed(at, node, Status { state: before.state, ..Status::default() });
+        let (state, exchange) = (before.state, before.exchange);
+        self.judge.changed(at, node, Status { state, exchange, ..Status::default() });
+    }
+
+    /// Connections and data are gone with the power.
+    fn lost_power(&mut self, at: Instant, node: NodeIndex) {
+        let before = self.judge.status(node);
+        let exchange = Rc::new(before.exchange.without_power(&self.scenario.nodes[node.0]));
+        self.judge.changed(at, node, Status { exchange, ..before });
     }
 
     fn show(&mut self, sight: &Sight<'_>) {
@@ -338,6 +372,17 @@ impl Sink<NodeEvent> for Observer<'_> {
 /// Nodes of the network are added in the order of the scenario.
 pub(super) fn index(node: NodeId) -> NodeIndex {
     NodeIndex(node.index())
+}
+
+const fn tool_event(event: &ToolEvent) -> Option<EventName> {
+    match event {
+        ToolEvent::StateChanged { to: ToolState::Owner, .. } => Some(EventName::Owner),
+        ToolEvent::Found(_) => Some(EventName::Found),
+        ToolEvent::WhoDone { .. } => Some(EventName::WhoDone),
+        ToolEvent::Recovered { .. } => Some(EventName::Recovered),
+        ToolEvent::NotRecovered { .. } => Some(EventName::NotRecovered),
+        _ => None,
+    }
 }
 
 pub(super) const fn state_name(state: StateKind) -> StateName {

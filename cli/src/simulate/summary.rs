@@ -3,6 +3,8 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use devicenet_core::master::{ScannerStatus, SlaveCounters};
+use devicenet_core::slave;
 use link_core::{BitRate, Instant};
 use serde::Serialize;
 use transport_mock::bus::SenderOutcome;
@@ -10,7 +12,7 @@ use transport_mock::record::Outcome;
 
 use super::expectations::Status;
 use super::sight::{Level, Nodes, Sight, View, index, length};
-use crate::scenario::{NodeIndex, Scenario, StateName};
+use crate::scenario::{NodeIndex, Scenario, SlaveStateName, StateName};
 use crate::text::count;
 
 /// The figures of a run.
@@ -23,7 +25,7 @@ pub struct Summary {
 }
 
 /// The figures of a node.
-#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
+#[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct NodeSummary {
     /// Its name.
     pub node: String,
@@ -47,6 +49,42 @@ pub struct NodeSummary {
     pub max_tec: u16,
     /// How often the controller went bus-off.
     pub bus_offs: u64,
+    /// Of a slave: what it has counted since power-up.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slave: Option<slave::Counters>,
+    /// Of a master: its scan.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<ScanSummary>,
+}
+
+/// The figures of a master.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct ScanSummary {
+    /// How many scans were measured, from the end of one to the end of the next.
+    pub scans: u32,
+    /// The shortest, in seconds.
+    pub min: f64,
+    /// The mean, in seconds.
+    pub mean: f64,
+    /// The longest, in seconds.
+    pub max: f64,
+    /// Its slaves, in the order of their MAC IDs.
+    pub slaves: Vec<SlaveSummary>,
+}
+
+/// The figures of a slave as its master sees it.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize)]
+pub struct SlaveSummary {
+    /// Its MAC ID.
+    pub mac: u8,
+    /// Where the master is with it at the end.
+    #[serde(serialize_with = "state_name")]
+    pub state: SlaveStateName,
+    /// Its scanner status at the end.
+    pub status: ScannerStatus,
+    /// What the master has counted since power-up.
+    #[serde(flatten)]
+    pub counters: SlaveCounters,
 }
 
 /// The figures of the bus, all segments together.
@@ -88,6 +126,8 @@ pub(super) struct Last {
     pub(super) status: Status,
     pub(super) max_tec: u16,
     pub(super) mac: Option<u8>,
+    pub(super) slave: Option<slave::Counters>,
+    pub(super) scan: Option<ScanSummary>,
 }
 
 impl Counting {
@@ -104,6 +144,8 @@ impl Counting {
             rec: 0,
             max_tec: 0,
             bus_offs: 0,
+            slave: None,
+            scan: None,
         });
         let nodes = nodes.collect();
         let figures = Figures { nodes, frames: 0, errors: 0, abandoned: 0, busy: 0, destroyed: 0 };
@@ -149,8 +191,9 @@ impl Figures {
     /// The summary of a run that has ended.
     pub(super) fn summary(&self, end: Instant, last: impl Fn(NodeIndex) -> Last) -> Summary {
         let finish = |(place, node): (usize, &NodeSummary)| {
-            let Last { status: Status { state, tec, rec, .. }, max_tec, mac } = last(NodeIndex(place));
-            NodeSummary { mac, state, tec, rec, max_tec, ..node.clone() }
+            let Last { status: Status { state, tec, rec, .. }, max_tec, mac, slave, scan } =
+                last(NodeIndex(place));
+            NodeSummary { mac, state, tec, rec, max_tec, slave, scan, ..node.clone() }
         };
         let percent = |nanos: u64| nanos as f64 * 100.0 / end.as_nanos().max(1) as f64;
         Summary {
@@ -192,6 +235,11 @@ impl Summary {
                 node.bus_offs
             );
         }
+        for node in &self.nodes {
+            if let Some(scan) = &node.scan {
+                scan.push_table(&mut text, &node.node, &self.nodes);
+            }
+        }
         let bus = &self.bus;
         let broken_off = match bus.abandoned {
             0 => String::new(),
@@ -208,6 +256,63 @@ impl Summary {
         );
         text
     }
+}
+
+impl ScanSummary {
+    /// The slaves of a master, and how long its scans took.
+    fn push_table(&self, text: &mut String, master: &str, nodes: &[NodeSummary]) {
+        use core::fmt::Write as _;
+        // The node with that MAC ID at the end, if there is one.
+        let name = |mac: u8| {
+            let found = nodes.iter().find(|node| node.mac == Some(mac) && node.slave.is_some());
+            found.map_or("-", |node| node.node.as_str())
+        };
+        let names = self.slaves.iter().map(|slave| name(slave.mac).chars().count());
+        let width = names.max().unwrap_or(0).max(master.chars().count() + 3);
+        let _ = writeln!(
+            text,
+            "\n{:<width$}  {:>3}  {:<11}  {:>11}  {:>8}  {:>8}  {:>8}  {:>6}  status",
+            &format!("of {master}"),
+            "MAC",
+            "state",
+            "established",
+            "timeouts",
+            "commands",
+            "received",
+            "missed"
+        );
+        for slave in &self.slaves {
+            let SlaveSummary { mac, state, status, counters } = slave;
+            let _ = writeln!(
+                text,
+                "{:<width$}  {mac:>3}  {:<11}  {:>11}  {:>8}  {:>8}  {:>8}  {:>6}  {status}",
+                name(*mac),
+                state.name(),
+                counters.established,
+                counters.timeouts,
+                counters.commands,
+                counters.received,
+                counters.missed
+            );
+        }
+        let millis = |seconds: f64| seconds * 1e3;
+        let _ = match self.scans {
+            0 => writeln!(text, "{master}: no scan"),
+            scans => writeln!(
+                text,
+                "{master}: {}, min {:.3} ms, mean {:.3} ms, max {:.3} ms",
+                count(scans.into(), "scan"),
+                millis(self.min),
+                millis(self.mean),
+                millis(self.max)
+            ),
+        };
+    }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
+fn state_name<S: serde::Serializer>(state: &SlaveStateName, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(state.name())
 }
 
 #[expect(clippy::ref_option, reason = "the signature is serde's")]

@@ -1,18 +1,21 @@
 //! The trace in words. What repeats itself is told once and counted.
 
 use core::fmt::Write as _;
+use std::collections::HashMap;
 
+use devicenet_core::master::{MasterEvent, SlaveEvent, SlaveState};
+use devicenet_core::monitor::{Kind, Reading};
 use link_core::wire::Field;
 use link_core::{Frame, Instant};
 use transport_mock::Flag;
 use transport_mock::bus::{BusError, Sender, SenderOutcome};
 use transport_mock::record::{FrameRecord, Outcome};
 
-use super::event::is_problem;
+use super::event::NodeEvent;
 use super::shared::SharedBuffer;
 use super::sight::{Level, Nodes, Sight, View, index};
 use crate::scenario::NodeIndex;
-use crate::text::printable;
+use crate::text::{count, printable};
 use crate::trace::{Emphasis, Trace};
 
 /// Prints the trace.
@@ -21,7 +24,27 @@ pub(super) struct TextView {
     trace: Trace,
     /// The attempts that failed since a frame got through, or something was changed, on each segment.
     storms: Vec<Option<Storm>>,
+    exchange: Exchanged,
+    /// When something was last seen.
+    last: Instant,
     is_first: bool,
+}
+
+/// I/O frames are told when they have other data than the last of their kind; the others are counted.
+#[derive(Default)]
+struct Exchanged {
+    /// Whether all are told.
+    all: bool,
+    /// The last of each segment, identifier and fragment.
+    told: HashMap<(usize, u32, Option<u8>), Known>,
+    /// How many were not told since the last heading.
+    silent: u64,
+}
+
+struct Known {
+    frame: Frame,
+    /// The MAC ID of the slave.
+    slave: Option<u8>,
 }
 
 /// Attempts that fail one after the other. Each is told if it fails otherwise than the one before, up to a limit; the
@@ -44,8 +67,21 @@ struct Storm {
 
 impl TextView {
     pub(super) fn new(out: SharedBuffer, coloured: bool, nodes: &[crate::scenario::Node]) -> Self {
-        let widest = node_width(nodes);
-        Self { out, trace: Trace::new(coloured).with_node_width(widest), storms: Vec::new(), is_first: true }
+        let trace = Trace::new(coloured).with_node_width(node_width(nodes));
+        Self {
+            out,
+            trace,
+            storms: Vec::new(),
+            exchange: Exchanged::default(),
+            last: Instant::ZERO,
+            is_first: true,
+        }
+    }
+
+    /// With every I/O frame, also those that say nothing new.
+    pub(super) fn with_all_frames(mut self, all: bool) -> Self {
+        self.exchange.all = all;
+        self
     }
 
     fn frame(&mut self, nodes: &Nodes<'_>, record: &FrameRecord<'_>, words: Option<String>) {
@@ -103,6 +139,15 @@ impl TextView {
         }
     }
 
+    /// Tells how many I/O frames were not told.
+    fn told_nothing(&mut self, at: Instant) {
+        let silent = core::mem::take(&mut self.exchange.silent);
+        if silent > 0 {
+            let words = format!("{} with the same data as before", count(silent, "more I/O frame"));
+            self.out.write(|out| self.trace.event(out, at, "-", Emphasis::Normal, &words));
+        }
+    }
+
     fn event(
         &mut self,
         nodes: &Nodes<'_>,
@@ -124,11 +169,24 @@ impl View for TextView {
                 self.event(nodes, *at, Some(*node), Emphasis::Problem, rule);
             }
             Sight::Frame { record, reading } => {
-                self.frame(nodes, record, reading.map(ToString::to_string));
+                if reading.is_some_and(|reading| self.exchange.is_known(record, reading)) {
+                    // Whatever failed before it is over.
+                    self.flush();
+                    self.storms.iter_mut().skip(record.segment).take(1).for_each(|storm| *storm = None);
+                } else {
+                    self.frame(nodes, record, reading.map(ToString::to_string));
+                }
             }
             Sight::Event { at, node, event } => {
-                let emphasis = if is_problem(event) { Emphasis::Problem } else { Emphasis::Normal };
-                self.event(nodes, *at, Some(*node), emphasis, &event.to_string());
+                if let NodeEvent::Master(MasterEvent::Slave { mac_id, event }) = event
+                    && let SlaveEvent::StateChanged { to: SlaveState::Running, .. } = event
+                {
+                    self.exchange.forget(mac_id.number());
+                }
+                if let Some(words) = event.words() {
+                    let emphasis = if event.is_problem() { Emphasis::Problem } else { Emphasis::Normal };
+                    self.event(nodes, *at, Some(*node), emphasis, &words);
+                }
             }
             Sight::Level { at, node, level, counters } => {
                 let words = format!("{}: TEC {}, REC {}", level.name(), counters.tec, counters.rec);
@@ -140,8 +198,9 @@ impl View for TextView {
                 self.event(nodes, *at, *node, emphasis, what);
                 self.storms.clear();
             }
-            Sight::Note { text, .. } => {
+            Sight::Note { at, text } => {
                 self.flush();
+                self.told_nothing(*at);
                 self.storms.clear();
                 let blank = if self.is_first { "" } else { "\n" };
                 let text = printable(text);
@@ -149,12 +208,52 @@ impl View for TextView {
             }
         }
         self.is_first = false;
+        self.last = match sight {
+            Sight::Frame { record, .. } => record.end,
+            Sight::Event { at, .. }
+            | Sight::Level { at, .. }
+            | Sight::Change { at, .. }
+            | Sight::Broken { at, .. }
+            | Sight::Note { at, .. } => *at,
+        };
+    }
+}
+
+impl Exchanged {
+    /// Whether the frame says nothing that the last of its kind has not said.
+    fn is_known(&mut self, record: &FrameRecord<'_>, reading: &Reading<'_>) -> bool {
+        let is_command = match reading.kind {
+            Kind::PollCommand | Kind::MulticastPollCommand | Kind::BitStrobeCommand => true,
+            Kind::PollResponse
+            | Kind::MulticastPollResponse
+            | Kind::BitStrobeResponse
+            | Kind::CosCyclic
+            | Kind::CosCyclicAck
+            | Kind::Io => false,
+            _ => return false,
+        };
+        if self.all || reading.problem.is_some() {
+            return false;
+        }
+        let slave = if is_command { reading.dst } else { reading.src }.map(u8::from);
+        let fragment = reading.frag.and_then(|_| record.frame.data().first().copied());
+        let key = (record.segment, record.frame.raw_id(), fragment);
+        let known = Known { frame: *record.frame, slave };
+        let is_known = self.told.insert(key, known).is_some_and(|last| last.frame == *record.frame);
+        self.silent += u64::from(is_known);
+        is_known
+    }
+
+    /// The data of a slave are new again.
+    fn forget(&mut self, slave: u8) {
+        self.told.retain(|_, known| known.slave.is_some_and(|own| own != slave));
     }
 }
 
 impl Drop for TextView {
     fn drop(&mut self) {
         self.flush();
+        self.told_nothing(self.last);
     }
 }
 

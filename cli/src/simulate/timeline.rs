@@ -8,7 +8,7 @@ use transport_mock::record::Outcome;
 
 use super::picture::{Picture, Row, Shade};
 use super::sight::{Nodes, Sight, View};
-use crate::scenario::{NodeIndex, Role, Scenario, StateName};
+use crate::scenario::{NodeIndex, Scenario, StateName};
 
 /// Follows the states of the nodes and the load of the bus.
 pub(super) struct TimelineView {
@@ -19,11 +19,9 @@ impl TimelineView {
     /// A view, and the picture that it makes.
     pub(super) fn new(scenario: &Scenario) -> (Self, Rc<RefCell<Picture>>) {
         let row = |node: &crate::scenario::Node| {
-            let detail = match &node.role {
-                Role::Access(access) => format!("MAC {}", access.mac),
-                Role::Replay(_) | Role::Listener | Role::Babbler { .. } | Role::External => {
-                    node.role.name().to_owned()
-                }
+            let detail = match node.role.access() {
+                Some(access) => format!("MAC {}", access.mac),
+                None => node.role.name().to_owned(),
             };
             Row::new(node.name.clone(), detail)
         };
@@ -76,6 +74,8 @@ fn shade_of(nodes: &Nodes<'_>, node: NodeIndex) -> Shade {
         Some(StateName::Nonexistent) => Shade::Off,
         Some(StateName::SendingDupMac) => Shade::Sending,
         Some(StateName::WaitingDupMac) => Shade::Waiting,
+        Some(StateName::OnLine) if status.exchange.has_timed_out() => Shade::TimedOut,
+        Some(StateName::OnLine) if status.exchange.has_io() => Shade::Exchanging,
         Some(StateName::OnLine) => Shade::OnLine,
         Some(StateName::CommFault) => Shade::Fault,
     }

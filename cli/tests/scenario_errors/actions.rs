@@ -26,15 +26,16 @@ do = "cut""#,
 at = "1s"
 node = "valve"
 do = "cutt""#,
-        "11:6: there is no action `cutt`; expected `cut`, `plug`, `power_off`, `power_on`, `power_cycle`, `set_mac`, `set_bit_rate` or `reset`",
+        "11:6: there is no action `cutt`; expected `cut`, `plug`, `power_off`, `power_on`, `power_cycle`, `set_mac`, `set_bit_rate`, `reset`, `set_input`, `set_output`, `go_run`, `go_idle`, `claim`, `release`, `who`, `identify` or `recover`",
     );
     refused(
         VALVE,
         r#"[[action]]
 at = "1s"
 node = "valve"
-do = "set_input""#,
-        "11:6: `set_input` needs a node with I/O, which is not simulated; expected `cut`, `plug`, `power_off`, `power_on`, `power_cycle`, `set_mac`, `set_bit_rate` or `reset`",
+do = "set_input"
+value = "01""#,
+        "11:6: `set_input` cannot be done to `valve`, whose role is `access`; expected a node with the role `slave`",
     );
     refused(
         VALVE,
@@ -69,7 +70,7 @@ at = "1s"
 node = "tool"
 do = "set_mac"
 value = 3"#,
-        "8:6: `set_mac` cannot be done to `tool`, whose role is `external`; expected a node with the role `access`",
+        "8:6: `set_mac` cannot be done to `tool`, whose role is `external`; expected a node with the role `access`, `slave`, `master` or `tool`",
     );
 }
 

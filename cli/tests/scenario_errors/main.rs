@@ -2,6 +2,7 @@
 //! Every defect of a scenario is told with line, column, what was found and what was expected.
 
 mod actions;
+mod devices;
 mod expectations;
 mod faults;
 mod file;

@@ -27,22 +27,15 @@ name = "a""#,
         BUS,
         r#"[[node]]
 name = "a"
-role = "slave""#,
-        "4:8: a slave needs connections and I/O, which are not simulated; expected `access`, `replay`, `listener`, `babbler` or `external` (`access` gets on line and defends its MAC ID)",
-    );
-    refused(
-        BUS,
-        r#"[[node]]
-name = "a"
 role = "manager""#,
-        "4:8: `manager` is a role of DeviceNeX, which is not simulated; expected `access`, `replay`, `listener`, `babbler` or `external`",
+        "4:8: `manager` is a role of DeviceNeX, which is not simulated; expected `access`, `slave`, `master`, `tool`, `replay`, `listener`, `babbler` or `external`",
     );
     refused(
         BUS,
         r#"[[node]]
 name = "a"
 role = "spy""#,
-        "4:8: there is no role `spy`; expected `access`, `replay`, `listener`, `babbler` or `external`",
+        "4:8: there is no role `spy`; expected `access`, `slave`, `master`, `tool`, `replay`, `listener`, `babbler` or `external`",
     );
     refused(
         TOOL,
@@ -133,7 +126,7 @@ role = "access"
 protocol = "devicenet"
 mac = 63
 poll = { produce = 1 }"#,
-        "7:8: `poll` means nothing for the role `access`; expected `name`, `count`, `role`, `power_up`, `reaction`, `bit_rate`, `clock_ppm`, `protocol`, `mac`, `identity`, `port`, `boi`, `quick_connect` or `offline_set`",
+        "7:8: `poll` means nothing for the role `access`; expected `name`, `count`, `role`, `power_up`, `reaction`, `bit_rate`, `clock_ppm`, `protocol`, `mac`, `identity`, `port`, `boi`, `quick_connect`, `offline_set` or `switches`",
     );
 }
 
@@ -147,7 +140,7 @@ fn times_and_rates() {
     refused(
         TOOL,
         r#"bit_rate = "auto""#,
-        r#"5:12: `bit_rate` is "auto", and no role detects the bit rate; expected a rate in bit/s"#,
+        r#"5:12: `bit_rate` is "auto", and only a slave detects the bit rate; expected a rate in bit/s"#,
     );
     refused(
         TOOL,

@@ -11,6 +11,7 @@
 
 mod actions;
 mod duplicate_mac;
+mod exchange;
 mod faults;
 mod network_access;
 mod reproducible;

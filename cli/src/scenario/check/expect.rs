@@ -7,7 +7,10 @@ use toml::Spanned;
 
 use super::{Checker, list};
 use crate::scenario::diagnostic::ScenarioError;
-use crate::scenario::model::{EventName, Expectation, Node, StateName, What, When};
+use crate::scenario::model::{
+    ConnectionName, ConnectionStateName, EventName, Expectation, ModeName, Node, Role, SlaveStateName,
+    StateName, What, When,
+};
 use crate::scenario::raw::{RawExpect, Table};
 
 impl Checker<'_> {
@@ -18,17 +21,19 @@ impl Checker<'_> {
     ) -> Result<Expectation, ScenarioError> {
         let (raw, span) = (table.get_ref(), table.span());
         let when = self.when(raw, &span)?;
-        let what = self.expected(raw, &span)?;
+        let named = raw.node.as_ref().map(|name| self.named(name)).transpose()?;
+        let first = named.as_ref().and_then(|nodes| nodes.first()).and_then(|index| nodes.get(index.0));
+        let what = self.expected(raw, &span, first, nodes)?;
         if let (Some(event), When::At(_) | When::Always(..)) = (&raw.event, when) {
             return self.fail(
                 &event.span(),
                 "an event lasts no time; expected `by`, `from` and `to`, or `never` instead of `at` or `always`",
             );
         }
-        let whom = match &raw.node {
-            Some(name) => self.named(name)?,
+        let whom = match named {
+            Some(named) => named,
             None if matches!(when, When::Never(..)) => {
-                if !nodes.iter().any(|node| node.role.can_be(&what)) {
+                if !nodes.iter().any(|node| what.fits(&node.role)) {
                     return self.fail(&span, "there is no node of which this could be expected");
                 }
                 Vec::new()
@@ -41,34 +46,41 @@ impl Checker<'_> {
             }
         };
         let mut named = whom.iter().filter_map(|index| nodes.get(index.0));
-        if let Some(node) = named.find(|node| !node.role.can_be(&what)) {
-            return self.unfit(raw, node, &span);
+        if let Some(node) = named.find(|node| !what.fits(&node.role)) {
+            return self.unfit(raw, &what, node, &span);
         }
         let line = ScenarioError::at(self.file, self.text, &span, "").line;
         Ok(Expectation { line, nodes: whom, when, what })
     }
 
     /// What is expected cannot come from a node of this role.
-    fn unfit<T>(&self, raw: &RawExpect, node: &Node, table: &Range<usize>) -> Result<T, ScenarioError> {
-        let (name, role) = (&node.name, node.role.name());
-        let here = format!("`{name}` has the role `{role}` and");
-        match (&raw.state, &raw.event) {
-            (Some(state), _) => self.fail(
-                &state.span(),
-                format!("{here} no state of network access; expected a node with the role `access`"),
-            ),
-            (None, Some(event)) if event.get_ref() == EventName::Sent.name() => {
-                self.fail(&event.span(), format!("{here} never sends; expected a node with another role"))
+    fn unfit<T>(
+        &self,
+        raw: &RawExpect,
+        what: &What,
+        node: &Node,
+        table: &Range<usize>,
+    ) -> Result<T, ScenarioError> {
+        let here = format!("`{}` has the role `{}` and", node.name, node.role.name());
+        let Some((key, kind)) = what.keys().find(|(_, kind)| !node.role.is(*kind)) else {
+            return self.fail(table, format!("{here} cannot be what is expected"));
+        };
+        let place =
+            raw.keys().into_iter().find(|(name, _)| *name == key).map_or_else(|| table.clone(), |at| at.1);
+        let roles = list(kind.roles());
+        let message = match (key, &raw.event) {
+            ("event", Some(event)) if event.get_ref() == EventName::Sent.name() => {
+                format!("{here} never sends; expected a node with another role")
             }
-            (None, Some(event)) => self.fail(
-                &event.span(),
-                format!(
-                    "{here} no event `{}`, which is one of network access; expected a node with the role `access`",
-                    event.get_ref()
-                ),
-            ),
-            (None, None) => self.fail(table, format!("{here} cannot be what is expected")),
-        }
+            ("event", Some(event)) => {
+                format!("{here} no event `{}`; expected a node with the role {roles}", event.get_ref())
+            }
+            ("state", _) => {
+                format!("{here} no state of network access; expected a node with the role {roles}")
+            }
+            (key, _) => format!("{here} no `{key}`; expected a node with the role {roles}"),
+        };
+        self.fail(&place, message)
     }
 
     /// `never` and `always`: true, or not there.
@@ -108,46 +120,105 @@ impl Checker<'_> {
         }
     }
 
-    fn expected(&self, raw: &RawExpect, table: &Range<usize>) -> Result<What, ScenarioError> {
-        if let Some((key, span)) = raw.keys().into_iter().find(|(key, _)| IO_KEYS.contains(key)) {
-            return self.fail(
-                &span,
-                format!("`{key}` needs a node with I/O, which is not simulated; expected {}", list(WHAT)),
-            );
-        }
+    fn expected(
+        &self,
+        raw: &RawExpect,
+        table: &Range<usize>,
+        of: Option<&Node>,
+        nodes: &[Node],
+    ) -> Result<What, ScenarioError> {
         let what = What {
             state: self.name("state", raw.state.as_ref(), StateName::ALL, StateName::name)?,
             tec: raw.tec.as_ref().map(|tec| *tec.get_ref()),
             rec: raw.rec.as_ref().map(|rec| *rec.get_ref()),
             bus_off: raw.bus_off.as_ref().map(|flag| *flag.get_ref()),
+            connection: self.name(
+                "connection",
+                raw.connection.as_ref(),
+                ConnectionName::ALL,
+                ConnectionName::name,
+            )?,
+            connection_state: self.name(
+                "connection_state",
+                raw.connection_state.as_ref(),
+                ConnectionStateName::ALL,
+                ConnectionStateName::name,
+            )?,
+            mode: self.name("mode", raw.mode.as_ref(), ModeName::ALL, ModeName::name)?,
+            input: raw.input.as_ref().map(|input| self.bytes("input", input)).transpose()?,
+            output: raw.output.as_ref().map(|output| self.bytes("output", output)).transpose()?,
+            slave: match (&raw.slave, of.map(|node| &node.role)) {
+                (Some(slave), Some(Role::Master(master))) => {
+                    Some(self.scanned_mac(slave.get_ref(), &slave.span(), master, nodes)?)
+                }
+                (Some(slave), _) => {
+                    return self
+                        .fail(&slave.span(), "`slave` needs the `node` of a master; expected that too");
+                }
+                (None, _) => None,
+            },
+            slave_state: self.name(
+                "slave_state",
+                raw.slave_state.as_ref(),
+                SlaveStateName::ALL,
+                SlaveStateName::name,
+            )?,
+            status: raw.status.as_ref().map(|status| *status.get_ref()),
             event: self.name("event", raw.event.as_ref(), EventName::ALL, EventName::name)?,
         };
-        if what == What::default() {
+        if what.keys().all(|(key, _)| key == "slave") {
             return self.fail(table, format!("nothing is expected; expected one or more of {}", list(WHAT)));
         }
+        self.selected(raw, &what)?;
         Ok(what)
     }
 
-    /// One of a closed set of names.
-    fn name<T: Copy>(
-        &self,
-        key: &str,
-        value: Option<&Spanned<String>>,
-        all: &[T],
-        name: fn(T) -> &'static str,
-    ) -> Result<Option<T>, ScenarioError> {
-        let Some(value) = value else { return Ok(None) };
-        if let Some(found) = all.iter().find(|item| name(**item) == value.get_ref()) {
-            return Ok(Some(*found));
+    /// `connection` and `slave` select; what they select must be there.
+    fn selected(&self, raw: &RawExpect, what: &What) -> Result<(), ScenarioError> {
+        let has_connection_event = what.event.is_some_and(EventName::has_connection);
+        let is_selected = what.connection_state.is_some()
+            || what.mode.is_some()
+            || what.input.is_some()
+            || what.output.is_some()
+            || has_connection_event;
+        if let (Some(connection), false) = (&raw.connection, is_selected) {
+            return self.fail(
+                &connection.span(),
+                "`connection` says nothing alone; expected `connection_state`, `mode`, `input`, `output` or an event \
+                 of connections too",
+            );
         }
-        let names: Vec<&str> = all.iter().map(|item| name(*item)).collect();
-        self.fail(
-            &value.span(),
-            format!("there is no {key} `{}`; expected {}", value.get_ref(), list(&names)),
-        )
+        if let (Some(state), None) = (&raw.connection_state, &what.connection) {
+            return self.fail(&state.span(), "`connection_state` needs `connection`; expected that too");
+        }
+        if let (Some(state), None) = (&raw.slave_state, what.slave) {
+            return self.fail(&state.span(), "`slave_state` needs `slave`; expected that too");
+        }
+        let is_about_slave = what.slave_state.is_some()
+            || what.status.is_some()
+            || what.input.is_some()
+            || what.event.is_some_and(EventName::has_slave);
+        if let (Some(slave), false) = (&raw.slave, is_about_slave) {
+            return self.fail(
+                &slave.span(),
+                "`slave` says nothing alone; expected `slave_state`, `status`, `input` or an event of slaves too",
+            );
+        }
+        Ok(())
     }
 }
 
 const TIMES: &str = "one of `by`, `at`, `from` and `to`, `always = true` or `never = true`";
-pub(super) const IO_KEYS: &[&str] = &["connection", "connection_state", "input", "output"];
-const WHAT: &[&str] = &["state", "tec", "rec", "bus_off", "event"];
+const WHAT: &[&str] = &[
+    "state",
+    "tec",
+    "rec",
+    "bus_off",
+    "connection_state",
+    "mode",
+    "input",
+    "output",
+    "slave_state",
+    "status",
+    "event",
+];

@@ -1,9 +1,12 @@
 //! From what the file says to what it means, or to what is wrong with it.
 
 mod action;
+mod device;
 mod expect;
 mod fault;
+mod master;
 mod node;
+mod slave;
 mod unknown;
 
 #[cfg(test)]
@@ -139,7 +142,7 @@ impl Checker<'_> {
             RateSetting::Fixed(rate) => self.bit_rate("bit_rate", &Spanned::new(setting.span(), *rate)),
             RateSetting::Auto => self.fail(
                 &setting.span(),
-                "`bit_rate` is \"auto\", and no role detects the bit rate; expected a rate in bit/s",
+                "`bit_rate` is \"auto\", and only a slave detects the bit rate; expected a rate in bit/s",
             ),
         }
     }
@@ -156,6 +159,25 @@ impl Checker<'_> {
                 ),
             ),
         }
+    }
+
+    /// One of a closed set of names.
+    fn name<T: Copy>(
+        &self,
+        key: &str,
+        value: Option<&Spanned<String>>,
+        all: &[T],
+        name: fn(T) -> &'static str,
+    ) -> Result<Option<T>, ScenarioError> {
+        let Some(value) = value else { return Ok(None) };
+        if let Some(found) = all.iter().find(|item| name(**item) == value.get_ref()) {
+            return Ok(Some(*found));
+        }
+        let names: Vec<&str> = all.iter().map(|item| name(*item)).collect();
+        self.fail(
+            &value.span(),
+            format!("there is no {key} `{}`; expected {}", value.get_ref(), list(&names)),
+        )
     }
 
     fn ppm(&self, key: &str, value: &Spanned<i64>) -> Result<i32, ScenarioError> {

@@ -8,9 +8,10 @@ use toml::Spanned;
 
 use super::{Checker, list};
 use crate::scenario::diagnostic::ScenarioError;
-use crate::scenario::model::{AccessNode, Node, NodeIndex, Recorded, Role};
+use crate::scenario::model::{Kind, Node, NodeIndex, Recorded, Role};
 use crate::scenario::raw::{RawIdentity, RawNode};
 use crate::scenario::replay;
+use crate::scenario::values::RateSetting;
 
 impl Checker<'_> {
     /// Checks one table and appends its nodes: one, or as many as `count` says.
@@ -31,6 +32,10 @@ impl Checker<'_> {
         let role = self.role(raw, &span)?;
         let bit_rate = match &raw.bit_rate {
             None => bus_rate,
+            // It is what the detection begins with.
+            Some(setting) if *setting.get_ref() == RateSetting::Auto && matches!(role, Role::Slave(_)) => {
+                BitRate::K125
+            }
             Some(setting) => self.rate_setting(setting)?,
         };
         let node = Node {
@@ -100,8 +105,8 @@ impl Checker<'_> {
         let mut copies = Vec::new();
         for n in 0..number {
             let mut copy = Node { name: format!("{}-{:0width$}", node.name, n + 1), ..node.clone() };
-            if let (Role::Access(access), Some(identity)) = (&mut copy.role, identity) {
-                let Some(serial) = access.serial.checked_add(n) else {
+            if let (Some(access), Some(identity)) = (copy.role.access_mut(), identity) {
+                let Some(serial) = access.device.serial.checked_add(n) else {
                     return self.fail(
                         &identity.span(),
                         format!(
@@ -109,7 +114,7 @@ impl Checker<'_> {
                         ),
                     );
                 };
-                access.serial = serial;
+                access.device.serial = serial;
             }
             copies.push(copy);
         }
@@ -122,98 +127,25 @@ impl Checker<'_> {
             self.only(raw, &keys, &format!("the role `{}`", role.get_ref()))?;
         }
         match role.get_ref().as_str() {
-            "access" => {
-                self.protocol(raw, table)?;
-                self.access(raw, table).map(Role::Access)
-            }
+            "access" => self.access(raw, table).map(Role::Access),
+            "tool" => self.access(raw, table).map(Role::Tool),
+            "slave" => Ok(Role::Slave(Box::new(self.slave(raw, table)?))),
+            "master" => Ok(Role::Master(Box::new(self.master(raw, table)?))),
             "replay" => self.replay(raw, table),
             "listener" => Ok(Role::Listener),
             "external" => Ok(Role::External),
             "babbler" => {
-                let frame = self.frame(self.required(raw.frame.as_ref(), table, "`frame`, what it sends,")?)?;
+                let frame =
+                    self.frame(self.required(raw.frame.as_ref(), table, "`frame`, what it sends,")?)?;
                 let period = raw.period.as_ref().map_or(Duration::ZERO, |period| period.get_ref().0);
                 Ok(Role::Babbler { frame, period })
             }
-            io @ ("slave" | "master") => self.fail(
-                &role.span(),
-                format!(
-                    "a {io} needs connections and I/O, which are not simulated; expected {} (`access` gets on \
-                     line and defends its MAC ID)",
-                    list(ROLES)
-                ),
-            ),
             nex @ ("device" | "manager") => self.fail(
                 &role.span(),
                 format!("`{nex}` is a role of DeviceNeX, which is not simulated; expected {}", list(ROLES)),
             ),
             other => self.fail(&role.span(), format!("there is no role `{other}`; expected {}", list(ROLES))),
         }
-    }
-
-    fn protocol(&self, raw: &RawNode, table: &Range<usize>) -> Result<(), ScenarioError> {
-        let protocol =
-            self.required(raw.protocol.as_ref(), table, "`protocol = \"devicenet\"` of the node")?;
-        match protocol.get_ref().as_str() {
-            "devicenet" => Ok(()),
-            "devicenex" => self.fail(&protocol.span(), "`devicenex` is not simulated; expected `devicenet`"),
-            other => {
-                self.fail(&protocol.span(), format!("there is no protocol `{other}`; expected `devicenet`"))
-            }
-        }
-    }
-
-    fn access(&self, raw: &RawNode, table: &Range<usize>) -> Result<AccessNode, ScenarioError> {
-        let flag = |value: &Option<Spanned<bool>>| value.as_ref().is_some_and(|flag| *flag.get_ref());
-        let mac =
-            self.mac_id("mac", self.required(raw.mac.as_ref(), table, "`mac`, the MAC ID of the node,")?)?;
-        let identity = self.required(
-            raw.identity.as_ref(),
-            table,
-            "`identity = { vendor = .., serial = .. }` of the node",
-        )?;
-        let (vendor, serial) = self.identity(identity)?;
-        Ok(AccessNode {
-            mac,
-            vendor,
-            serial,
-            port: match &raw.port {
-                Some(port) => self.number("port", port, 0, 127, "a physical port number, 0 to 127")?,
-                None => 0,
-            },
-            boi: flag(&raw.boi),
-            quick_connect: flag(&raw.quick_connect),
-            offline_set: flag(&raw.offline_set),
-        })
-    }
-
-    /// Vendor ID and serial number. The rest is checked too, though network access never shows it.
-    fn identity(&self, table: &Spanned<RawIdentity>) -> Result<(u16, u32), ScenarioError> {
-        let (raw, span) = (table.get_ref(), table.span());
-        for (key, value) in [("device_type", &raw.device_type), ("product", &raw.product)] {
-            if let Some(value) = value {
-                self.number::<u16>(key, value, 0, 0xFFFF, "a number of 16 bits")?;
-            }
-        }
-        if let Some(revision) = &raw.revision
-            && revision.get_ref().iter().any(|part| !(0..=255).contains(part))
-        {
-            return self.fail(
-                &revision.span(),
-                "`revision` is out of range; expected [major, minor], 0 to 255 each",
-            );
-        }
-        if let Some(name) = &raw.name
-            && name.get_ref().len() > 32
-        {
-            return self
-                .fail(&name.span(), "`name` is too long; expected a product name of at most 32 bytes");
-        }
-        let vendor = self.required(raw.vendor.as_ref(), &span, "`vendor` of the identity")?;
-        let serial = self.required(raw.serial.as_ref(), &span, "`serial` of the identity")?;
-        Ok((
-            self.number("vendor", vendor, 0, 0xFFFF, "a Vendor ID, 0 to 0xFFFF")?,
-            self.number("serial", serial, 0, 0xFFFF_FFFF, "a serial number, 0 to 0xFFFF_FFFF")?,
-        ))
     }
 
     fn replay(&self, raw: &RawNode, table: &Range<usize>) -> Result<Role, ScenarioError> {
@@ -272,16 +204,44 @@ impl Checker<'_> {
 
 /// The keys that a role takes; `None` if there is no such role.
 pub(super) fn role_keys(role: &str) -> Option<Vec<&'static str>> {
-    let own: &[&str] = match role {
-        "access" => &["protocol", "mac", "identity", "port", "boi", "quick_connect", "offline_set"],
-        "replay" => &["file", "log", "only"],
-        "listener" | "external" => &[],
-        "babbler" => &["frame", "period"],
+    let own: [&[&str]; 2] = match role {
+        "access" | "tool" => [DEVICE, &[]],
+        "slave" => [DEVICE, SLAVE],
+        "master" => [DEVICE, MASTER],
+        "replay" => [&["file", "log", "only"], &[]],
+        "listener" | "external" => [&[], &[]],
+        "babbler" => [&["frame", "period"], &[]],
         _ => return None,
     };
-    Some([ANY_ROLE, own].concat())
+    Some([ANY_ROLE, own[0], own[1]].concat())
 }
 
-pub(in crate::scenario) const ROLES: &[&str] = &["access", "replay", "listener", "babbler", "external"];
+pub(in crate::scenario) const ROLES: &[&str] = Kind::Any.roles();
 const ANY_ROLE: &[&str] = &["name", "count", "role", "power_up", "reaction", "bit_rate", "clock_ppm"];
+const DEVICE: &[&str] =
+    &["protocol", "mac", "identity", "port", "boi", "quick_connect", "offline_set", "switches"];
+const SLAVE: &[&str] = &[
+    "poll",
+    "bit_strobe",
+    "cos",
+    "cyclic",
+    "multicast_poll",
+    "input",
+    "ucmm",
+    "heartbeat",
+    "shutdown_message",
+];
+const MASTER: &[&str] = &[
+    "scan",
+    "run",
+    "interscan_delay",
+    "response_wait",
+    "background_ratio",
+    "first_contact",
+    "retry_after",
+    "retry_at_most",
+    "replacement",
+    "replacement_retry",
+    "multicast_output",
+];
 const MOST_NODES: usize = 256;

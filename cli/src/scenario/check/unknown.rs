@@ -5,11 +5,10 @@ use core::ops::Range;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::expect::IO_KEYS;
 use super::fault::fault_keys;
 use super::list;
 use super::node::{ROLES, role_keys};
-use crate::scenario::raw::{RawExpect, RawFault, RawNode, Table as _};
+use crate::scenario::raw::{RawFault, RawNode, Table as _};
 
 /// The words for an unknown key, from those of the TOML reader; `None` if it complains of something else.
 pub(super) fn key(message: &str, text: &str, span: &Range<usize>) -> Option<String> {
@@ -21,8 +20,6 @@ pub(super) fn key(message: &str, text: &str, span: &Range<usize>) -> Option<Stri
         keys_of_node(text, span)
     } else if known == RawFault::KEYS {
         keys_of_fault(text, span)
-    } else if known == RawExpect::KEYS {
-        (known.into_iter().filter(|key| !IO_KEYS.contains(key)).collect(), String::new())
     } else {
         (known, String::new())
     };

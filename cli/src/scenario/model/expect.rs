@@ -2,7 +2,9 @@
 
 use link_core::Instant;
 
-use super::NodeIndex;
+use super::device::ConnectionName;
+use super::names::names;
+use super::{Kind, NodeIndex, Role};
 use crate::scenario::values::Comparison;
 
 /// `[[expect]]`
@@ -10,8 +12,7 @@ use crate::scenario::values::Comparison;
 pub struct Expectation {
     /// The line of the file.
     pub line: usize,
-    /// Of whom; empty is every node that it [can be expected of](super::Role::can_be), and then only what [`When::Never`]
-    /// says.
+    /// Of whom; empty is every node that it [can be expected of](What::fits), and then only what [`When::Never`] says.
     pub nodes: Vec<NodeIndex>,
     /// When.
     pub when: When,
@@ -43,34 +44,54 @@ pub struct What {
     pub rec: Option<Comparison>,
     /// Whether the controller is bus-off.
     pub bus_off: Option<bool>,
+    /// Which connection is meant; without it the first that there is.
+    pub connection: Option<ConnectionName>,
+    /// The state of that connection in a slave.
+    pub connection_state: Option<ConnectionStateName>,
+    /// What the data mean that this connection of a slave consumes.
+    pub mode: Option<ModeName>,
+    /// What a slave produces, or what a master has from `slave`.
+    pub input: Option<Vec<u8>>,
+    /// What a slave has consumed.
+    pub output: Option<Vec<u8>>,
+    /// The slave that a master is asked about, by its MAC ID.
+    pub slave: Option<u8>,
+    /// Where a master is with `slave`.
+    pub slave_state: Option<SlaveStateName>,
+    /// The scanner status of `slave`, or of the scanner itself.
+    pub status: Option<Comparison>,
     /// Something that happens in this moment.
     pub event: Option<EventName>,
 }
 
-/// Declares a closed set of names that a file may use.
-macro_rules! names {
-    ($(#[$doc:meta])* $name:ident { $($(#[$item_doc:meta])* $item:ident = $text:literal),* $(,)? }) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-        pub enum $name { $($(#[$item_doc])* $item),* }
+impl What {
+    /// The keys that are given, each with the nodes that it can be expected of.
+    pub fn keys(&self) -> impl Iterator<Item = (&'static str, Kind)> {
+        let input = if self.slave.is_some() { Kind::Master } else { Kind::Slave };
+        [
+            ("state", self.state.is_some(), Kind::Access),
+            ("tec", self.tec.is_some(), Kind::Any),
+            ("rec", self.rec.is_some(), Kind::Any),
+            ("bus_off", self.bus_off.is_some(), Kind::Any),
+            ("connection_state", self.connection_state.is_some(), Kind::Slave),
+            ("mode", self.mode.is_some(), Kind::Slave),
+            ("input", self.input.is_some(), input),
+            ("output", self.output.is_some(), Kind::Slave),
+            ("slave", self.slave.is_some(), Kind::Master),
+            ("slave_state", self.slave_state.is_some(), Kind::Master),
+            ("status", self.status.is_some(), Kind::Master),
+            ("event", self.event.is_some(), self.event.map_or(Kind::Any, EventName::kind)),
+        ]
+        .into_iter()
+        .filter(|(_, given, _)| *given)
+        .map(|(key, _, kind)| (key, kind))
+    }
 
-        impl $name {
-            /// All of them.
-            pub const ALL: &'static [Self] = &[$(Self::$item),*];
-
-            /// The name in the file.
-            #[must_use]
-            pub const fn name(self) -> &'static str {
-                match self { $(Self::$item => $text),* }
-            }
-        }
-
-        impl core::fmt::Display for $name {
-            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-                f.write_str(self.name())
-            }
-        }
-    };
+    /// Whether it can be expected of a node with this role.
+    #[must_use]
+    pub fn fits(&self, role: &Role) -> bool {
+        self.keys().all(|(_, kind)| role.is(kind))
+    }
 }
 
 names! {
@@ -86,6 +107,52 @@ names! {
         OnLine = "online",
         /// Off line, because of a duplicate MAC ID or bus-off.
         CommFault = "comm_fault",
+    }
+}
+
+names! {
+    /// The states of a connection in a slave.
+    ConnectionStateName {
+        /// Neither allocated nor opened.
+        NonExistent = "non_existent",
+        /// Allocated; its expected packet rate is still to be set.
+        Configuring = "configuring",
+        /// Data flow.
+        Established = "established",
+        /// No message came in time.
+        TimedOut = "timed_out",
+        /// Explicit: it timed out, and waits for the end of the I/O connections.
+        DeferredDelete = "deferred_delete",
+    }
+}
+
+names! {
+    /// What the data mean that a slave consumes.
+    ModeName {
+        /// Nothing was consumed since the connection was allocated.
+        Inactive = "inactive",
+        /// The master runs.
+        Run = "run",
+        /// The master is there but does not run.
+        Idle = "idle",
+        /// The master is lost.
+        Fault = "fault",
+    }
+}
+
+names! {
+    /// Where a master is with a slave.
+    SlaveStateName {
+        /// The master is not on line.
+        Offline = "offline",
+        /// Until the next attempt.
+        Waiting = "waiting",
+        /// Its explicit connection is being allocated or opened.
+        Contacting = "contacting",
+        /// Its identity is checked, its connections are set up.
+        Configuring = "configuring",
+        /// Its I/O runs.
+        Running = "running",
     }
 }
 
@@ -110,22 +177,116 @@ names! {
         DuplicateMacId = "duplicate_mac_id",
         /// Nobody acknowledges its duplicate MAC ID check request.
         NotAcknowledged = "not_acknowledged",
-        /// A tool gave it a MAC ID.
+        /// It was given a MAC ID over the network.
         MacIdAssigned = "mac_id_assigned",
+        /// Slave: a master has allocated connections.
+        Allocated = "allocated",
+        /// Slave: nothing is allocated any longer.
+        Released = "released",
+        /// Slave: a connection changed its state.
+        ConnectionChanged = "connection_changed",
+        /// Slave: a connection timed out.
+        TimedOut = "timed_out",
+        /// Slave: what its outputs mean has changed.
+        ModeChanged = "mode_changed",
+        /// Slave: its outputs have changed.
+        OutputChanged = "output_changed",
+        /// Slave: it was reset over the network.
+        Reset = "reset",
+        /// Slave: it found the bit rate in use.
+        BitRateDetected = "bit_rate_detected",
+        /// Slave: a frame for it was not obeyed.
+        Ignored = "ignored",
+        /// Master: it is elsewhere with a slave.
+        SlaveChanged = "slave_changed",
+        /// Master: the I/O of a slave runs.
+        Established = "established",
+        /// Master: a slave that ran is lost.
+        Lost = "lost",
+        /// Master: the scanner status of a slave has changed.
+        StatusChanged = "status_changed",
+        /// Master: other input data of a slave.
+        InputChanged = "input_changed",
+        /// Master: a scan is over.
+        ScanDone = "scan_done",
+        /// Master: a scan is over, and responses are missing.
+        ResponseMissing = "response_missing",
+        /// Master: a heartbeat of a slave.
+        Heartbeat = "heartbeat",
+        /// Master: a slave says that it goes off line.
+        Shutdown = "shutdown",
+        /// Master: a new device was given the MAC ID of a slave.
+        Replaced = "replaced",
+        /// Master: a new device was not given the MAC ID of a slave.
+        NotReplaced = "not_replaced",
+        /// Tool: the offline connection set is its own.
+        Owner = "owner",
+        /// Tool: a faulted node answered.
+        Found = "found",
+        /// Tool: all faulted nodes had the time to answer.
+        WhoDone = "who_done",
+        /// Tool: a device is on line with its new MAC ID.
+        Recovered = "recovered",
+        /// Tool: a device did not get its new MAC ID.
+        NotRecovered = "not_recovered",
     }
 }
 
 impl EventName {
-    /// Whether only network access tells it.
+    /// Who tells it.
     #[must_use]
-    pub const fn is_of_access(self) -> bool {
+    pub const fn kind(self) -> Kind {
         match self {
-            Self::Sent | Self::ErrorWarning | Self::ErrorPassive | Self::ErrorActive | Self::BusOff => false,
+            Self::Sent => Kind::Sender,
+            Self::ErrorWarning | Self::ErrorPassive | Self::ErrorActive | Self::BusOff => Kind::Any,
             Self::StateChanged
             | Self::Defended
             | Self::DuplicateMacId
             | Self::NotAcknowledged
-            | Self::MacIdAssigned => true,
+            | Self::MacIdAssigned => Kind::Access,
+            Self::Allocated
+            | Self::Released
+            | Self::ConnectionChanged
+            | Self::TimedOut
+            | Self::ModeChanged
+            | Self::OutputChanged
+            | Self::Reset
+            | Self::BitRateDetected
+            | Self::Ignored => Kind::Slave,
+            Self::SlaveChanged
+            | Self::Established
+            | Self::Lost
+            | Self::StatusChanged
+            | Self::InputChanged
+            | Self::ScanDone
+            | Self::ResponseMissing
+            | Self::Heartbeat
+            | Self::Shutdown
+            | Self::Replaced
+            | Self::NotReplaced => Kind::Master,
+            Self::Owner | Self::Found | Self::WhoDone | Self::Recovered | Self::NotRecovered => Kind::Tool,
         }
+    }
+
+    /// Whether it is about one slave of a master.
+    #[must_use]
+    pub const fn has_slave(self) -> bool {
+        match self.kind() {
+            Kind::Master => !matches!(self, Self::ScanDone | Self::ResponseMissing | Self::NotReplaced),
+            Kind::Any | Kind::Sender | Kind::Access | Kind::Slave | Kind::Tool => false,
+        }
+    }
+
+    /// Whether it is about one connection.
+    #[must_use]
+    pub const fn has_connection(self) -> bool {
+        matches!(
+            self,
+            Self::ConnectionChanged
+                | Self::TimedOut
+                | Self::ModeChanged
+                | Self::OutputChanged
+                | Self::InputChanged
+        )
     }
 }

@@ -1,13 +1,20 @@
 //! A scenario that has been checked: every name resolved, every number in its range.
 
+mod action;
+mod device;
 mod expect;
 mod fault;
+mod names;
 
 use core::time::Duration;
 
 use link_core::{BitRate, Frame, Instant};
 
-pub use expect::{EventName, Expectation, StateName, What, When};
+pub use action::{Action, Do, Output};
+pub use device::{AccessNode, ConnectionName, MasterNode, ScannedSlave, Sizes, SlaveNode, Write};
+pub use expect::{
+    ConnectionStateName, EventName, Expectation, ModeName, SlaveStateName, StateName, What, When,
+};
 pub use fault::{Fault, FaultKind};
 
 use super::values::TimeRange;
@@ -70,6 +77,12 @@ pub struct Node {
 pub enum Role {
     /// A DeviceNet node that gets on the line and defends its MAC ID, no more.
     Access(AccessNode),
+    /// A DeviceNet slave.
+    Slave(Box<SlaveNode>),
+    /// A DeviceNet master.
+    Master(Box<MasterNode>),
+    /// A tool that recovers nodes through the offline connection set.
+    Tool(AccessNode),
     /// Plays a recording.
     Replay(Vec<Recorded>),
     /// Receives, and never disturbs the bus: listen-only.
@@ -91,6 +104,9 @@ impl Role {
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Access(_) => "access",
+            Self::Slave(_) => "slave",
+            Self::Master(_) => "master",
+            Self::Tool(_) => "tool",
             Self::Replay(_) => "replay",
             Self::Listener => "listener",
             Self::Babbler { .. } => "babbler",
@@ -98,35 +114,70 @@ impl Role {
         }
     }
 
-    /// Whether `what` can be expected of it.
+    /// What every node that performs network access has.
     #[must_use]
-    pub const fn can_be(&self, what: &What) -> bool {
-        let has_access = matches!(self, Self::Access(_));
-        match what.event {
-            Some(EventName::Sent) if matches!(self, Self::Listener) => false,
-            Some(event) if event.is_of_access() && !has_access => false,
-            Some(_) | None => has_access || what.state.is_none(),
+    pub const fn access(&self) -> Option<&AccessNode> {
+        match self {
+            Self::Access(access) | Self::Tool(access) => Some(access),
+            Self::Slave(slave) => Some(&slave.access),
+            Self::Master(master) => Some(&master.access),
+            Self::Replay(_) | Self::Listener | Self::Babbler { .. } | Self::External => None,
+        }
+    }
+
+    pub(super) const fn access_mut(&mut self) -> Option<&mut AccessNode> {
+        match self {
+            Self::Access(access) | Self::Tool(access) => Some(access),
+            Self::Slave(slave) => Some(&mut slave.access),
+            Self::Master(master) => Some(&mut master.access),
+            Self::Replay(_) | Self::Listener | Self::Babbler { .. } | Self::External => None,
+        }
+    }
+
+    /// Whether it is one of these.
+    #[must_use]
+    pub const fn is(&self, kind: Kind) -> bool {
+        match kind {
+            Kind::Any => true,
+            Kind::Sender => !matches!(self, Self::Listener),
+            Kind::Access => self.access().is_some(),
+            Kind::Slave => matches!(self, Self::Slave(_)),
+            Kind::Master => matches!(self, Self::Master(_)),
+            Kind::Tool => matches!(self, Self::Tool(_)),
         }
     }
 }
 
-/// A node with `role = "access"`.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct AccessNode {
-    /// The MAC ID switch, 0 to 63.
-    pub mac: u8,
-    /// Vendor ID.
-    pub vendor: u16,
-    /// Serial number.
-    pub serial: u32,
-    /// Physical port number, 0 to 127.
-    pub port: u8,
-    /// Bus-off interrupt: after bus-off reset the controller and begin anew.
-    pub boi: bool,
-    /// Quick Connect: on line with the first duplicate MAC ID check request.
-    pub quick_connect: bool,
-    /// It can be found and repaired through the offline connection set.
-    pub offline_set: bool,
+/// Nodes that can be or do the same things.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum Kind {
+    /// All.
+    Any,
+    /// Those that can send.
+    Sender,
+    /// Those that perform network access.
+    Access,
+    /// `role = "slave"`
+    Slave,
+    /// `role = "master"`
+    Master,
+    /// `role = "tool"`
+    Tool,
+}
+
+impl Kind {
+    /// The roles that are meant, as a file names them.
+    #[must_use]
+    pub const fn roles(self) -> &'static [&'static str] {
+        match self {
+            Self::Any => &["access", "slave", "master", "tool", "replay", "listener", "babbler", "external"],
+            Self::Sender => &["access", "slave", "master", "tool", "replay", "babbler", "external"],
+            Self::Access => &["access", "slave", "master", "tool"],
+            Self::Slave => &["slave"],
+            Self::Master => &["master"],
+            Self::Tool => &["tool"],
+        }
+    }
 }
 
 /// A frame that a replay node plays.
@@ -136,55 +187,6 @@ pub struct Recorded {
     pub after: Duration,
     /// What is sent.
     pub frame: Frame,
-}
-
-/// `[[action]]`
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Action {
-    /// When.
-    pub at: Instant,
-    /// To whom; several when the node has a `count`.
-    pub nodes: Vec<NodeIndex>,
-    /// What.
-    pub what: Do,
-}
-
-/// What an action does.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Do {
-    /// Takes the plug out of the bus; the node keeps its power.
-    Cut,
-    /// Puts it back.
-    Plug,
-    /// Switches the node off.
-    PowerOff,
-    /// Switches it on.
-    PowerOn,
-    /// Both, one after the other.
-    PowerCycle,
-    /// Turns the MAC ID switch.
-    SetMac(u8),
-    /// Turns the bit rate switch.
-    SetBitRate(BitRate),
-    /// Resets the device, as its Identity object's Reset service does.
-    Reset,
-}
-
-impl Do {
-    /// The name in the file.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Cut => "cut",
-            Self::Plug => "plug",
-            Self::PowerOff => "power_off",
-            Self::PowerOn => "power_on",
-            Self::PowerCycle => "power_cycle",
-            Self::SetMac(_) => "set_mac",
-            Self::SetBitRate(_) => "set_bit_rate",
-            Self::Reset => "reset",
-        }
-    }
 }
 
 /// `[[note]]`: a heading in the trace.

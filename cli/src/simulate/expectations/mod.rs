@@ -4,13 +4,15 @@
 mod tests;
 
 use core::fmt;
+use std::rc::Rc;
 
 use link_core::Instant;
 
-use crate::scenario::{EventName, Expectation, NodeIndex, Scenario, StateName, Time, What, When};
+use super::exchange::{Exchange, Happening};
+use crate::scenario::{Expectation, NodeIndex, Scenario, StateName, Time, What, When};
 
 /// What a node is at a moment, as far as it can be expected.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Status {
     /// Of network access; `None` for roles without one.
     pub state: Option<StateName>,
@@ -20,6 +22,8 @@ pub struct Status {
     pub rec: u16,
     /// The controller is bus-off.
     pub bus_off: bool,
+    /// Connections and data of a slave or a master.
+    pub exchange: Rc<Exchange>,
 }
 
 /// An expectation that did not hold.
@@ -71,7 +75,7 @@ struct Watched {
     since: Instant,
     /// What has happened at the last moment of which something is known. More may happen at it, so that it is judged when
     /// a later one comes.
-    news: Vec<(Instant, EventName)>,
+    news: Vec<(Instant, Happening)>,
 }
 
 /// One expectation of one node.
@@ -100,7 +104,7 @@ impl Judge {
                 news: Vec::new(),
             })
             .collect();
-        let can_be = |what: &What, node: &NodeIndex| scenario.nodes[node.0].role.can_be(what);
+        let can_be = |what: &What, node: &NodeIndex| what.fits(&scenario.nodes[node.0].role);
         let mut cases = Vec::new();
         let mut of_node = vec![Vec::new(); nodes.len()];
         for expectation in &scenario.expectations {
@@ -120,7 +124,7 @@ impl Judge {
 
     /// What a node is now.
     pub(super) fn status(&self, node: NodeIndex) -> Status {
-        self.nodes[node.0].status
+        self.nodes[node.0].status.clone()
     }
 
     /// A node has changed.
@@ -131,15 +135,15 @@ impl Judge {
             return;
         }
         for &case in &self.of_node[node.0] {
-            self.cases[case].held(watched.since, at, false, watched.status);
+            self.cases[case].held(watched.since, at, false, &watched.status);
         }
         (watched.status, watched.since) = (status, at);
     }
 
     /// Something has happened to a node.
-    pub(super) fn happened(&mut self, at: Instant, node: NodeIndex, event: EventName) {
+    pub(super) fn happened(&mut self, at: Instant, node: NodeIndex, event: impl Into<Happening>) {
         self.settle(node, |when| when < at);
-        self.nodes[node.0].news.push((at, event));
+        self.nodes[node.0].news.push((at, event.into()));
     }
 
     /// The run is over.
@@ -148,7 +152,7 @@ impl Judge {
             self.settle(NodeIndex(node), |_| true);
             let watched = &self.nodes[node];
             for &case in &self.of_node[node] {
-                self.cases[case].held(watched.since, end, true, watched.status);
+                self.cases[case].held(watched.since, end, true, &watched.status);
             }
         }
         let mut verdict = Verdict::default();
@@ -175,7 +179,7 @@ impl Judge {
         }
         for (at, event) in watched.news.drain(..) {
             for &case in &self.of_node[node.0] {
-                self.cases[case].happened(at, event, watched.status);
+                self.cases[case].happened(at, event, &watched.status);
             }
         }
     }
@@ -196,33 +200,33 @@ impl Case {
     }
 
     /// The node was `status` from `since` on, until `until` or, at the end of the run, that moment included.
-    fn held(&mut self, since: Instant, until: Instant, to_the_end: bool, status: Status) {
+    fn held(&mut self, since: Instant, until: Instant, to_the_end: bool, status: &Status) {
         let (from, to) = self.window();
         // At the first moment of a time the last of several changes counts; after it, each does.
         let overlaps = since <= to && (until > from || (to_the_end && until == from));
         let is = self.expectation.what.event.is_none() && self.expectation.what.holds_of(status);
         if overlaps {
             let first = since.max(from);
-            self.last = Some((first, status));
+            self.last = Some((first, status.clone()));
             if is {
-                self.inside.get_or_insert((first, status));
+                self.inside.get_or_insert_with(|| (first, status.clone()));
             } else {
-                self.broken.get_or_insert((first, status));
+                self.broken.get_or_insert_with(|| (first, status.clone()));
             }
         } else if since > to && is {
             self.after.get_or_insert(since);
         }
     }
 
-    fn happened(&mut self, at: Instant, event: EventName, status: Status) {
-        if self.expectation.what.event != Some(event) {
+    fn happened(&mut self, at: Instant, event: Happening, status: &Status) {
+        if !event.is(&self.expectation.what) {
             return;
         }
         let (from, to) = self.window();
         match self.expectation.what.holds_of(status) {
             true if at > to => _ = self.after.get_or_insert(at),
-            true if at >= from => _ = self.inside.get_or_insert((at, status)),
-            false if (from..=to).contains(&at) => self.missed = Some((at, status)),
+            true if at >= from => _ = self.inside.get_or_insert_with(|| (at, status.clone())),
+            false if (from..=to).contains(&at) => self.missed = Some((at, status.clone())),
             true | false => {}
         }
     }
@@ -232,33 +236,33 @@ impl Case {
         let what = &self.expectation.what;
         let last = || match (&self.last, what.event) {
             (_, Some(event)) => match &self.missed {
-                Some((at, status)) => format!("{event} at {}, but {}", time(*at), what.show(*status)),
+                Some((at, status)) => format!("{event} at {}, but {}", time(*at), what.show(status)),
                 None => format!("no {event}"),
             },
-            (Some((since, status)), None) => format!("{} since {}", what.show(*status), time(*since)),
+            (Some((since, status)), None) => format!("{} since {}", what.show(status), time(*since)),
             (None, None) => "nothing".to_owned(),
         };
         // What is said of the run to its end is said of the run that was.
         let is_over = |from: Instant, to: Option<Instant>| end >= to.unwrap_or(from);
         match self.expectation.when {
-            When::Within(_, to) => match (self.inside, self.after) {
+            When::Within(_, to) => match (&self.inside, self.after) {
                 (Some(_), _) => Some(Ok(())),
                 (None, _) if end < to.unwrap_or(planned_end) => None,
                 (None, Some(later)) => Some(Err(format!("{}; it came at {}", last(), time(later)))),
                 (None, None) => Some(Err(format!("{}; it never came after", last()))),
             },
-            When::At(at) => match self.inside {
+            When::At(at) => match &self.inside {
                 Some(_) => Some(Ok(())),
                 None if end < at => None,
                 None => Some(Err(last())),
             },
-            When::Never(from, to) => match self.inside {
-                Some((at, _)) if what.event.is_some() => Some(Err(format!("it at {}", time(at)))),
-                Some((at, status)) => Some(Err(format!("{} at {}", what.show(status), time(at)))),
+            When::Never(from, to) => match &self.inside {
+                Some((at, _)) if what.event.is_some() => Some(Err(format!("it at {}", time(*at)))),
+                Some((at, status)) => Some(Err(format!("{} at {}", what.show(status), time(*at)))),
                 None => is_over(from, to).then_some(Ok(())),
             },
-            When::Always(from, to) => match self.broken {
-                Some((at, status)) => Some(Err(format!("{} at {}", what.show(status), time(at)))),
+            When::Always(from, to) => match &self.broken {
+                Some((at, status)) => Some(Err(format!("{} at {}", what.show(status), time(*at)))),
                 None => is_over(from, to).then_some(Ok(())),
             },
         }
@@ -267,15 +271,16 @@ impl Case {
 
 impl What {
     /// Whether a status is all that is expected; events are not part of it.
-    fn holds_of(&self, status: Status) -> bool {
+    fn holds_of(&self, status: &Status) -> bool {
         self.state.is_none_or(|state| status.state == Some(state))
             && self.tec.is_none_or(|tec| tec.holds(status.tec))
             && self.rec.is_none_or(|rec| rec.holds(status.rec))
             && self.bus_off.is_none_or(|bus_off| status.bus_off == bus_off)
+            && status.exchange.holds(self)
     }
 
     /// Of a status that which is asked for.
-    fn show(&self, status: Status) -> String {
+    fn show(&self, status: &Status) -> String {
         let mut words = Vec::new();
         if self.state.is_some() {
             words.push(status.state.map_or("no state", StateName::name).to_owned());
@@ -289,6 +294,7 @@ impl What {
         if self.bus_off.is_some() {
             words.push(if status.bus_off { "bus-off" } else { "not bus-off" }.to_owned());
         }
+        words.extend(status.exchange.show(self));
         words.join(", ")
     }
 }
@@ -302,6 +308,7 @@ fn describe(expectation: &Expectation) -> String {
     words.extend(what.tec.map(|tec| format!("TEC {tec}")));
     words.extend(what.rec.map(|rec| format!("REC {rec}")));
     words.extend(what.bus_off.map(|off| if off { "bus-off" } else { "not bus-off" }.to_owned()));
+    words.extend(exchanged(what));
     let words = words.join(" and ");
     let range = |from: Instant, to: Option<Instant>| match to {
         Some(to) => format!(" from {} to {}", time(from), time(to)),
@@ -315,6 +322,21 @@ fn describe(expectation: &Expectation) -> String {
         When::Never(from, to) => format!("never {words}{}", range(from, to)),
         When::Always(from, to) => format!("always {words}{}", range(from, to)),
     }
+}
+
+/// What is expected of connections and data.
+fn exchanged(what: &What) -> Vec<String> {
+    let connection = what.connection.map_or_else(String::new, |name| format!("{name} "));
+    let of_slave = what.slave.map_or_else(String::new, |mac| format!(" of slave {mac}"));
+    let hex = |data: &Vec<u8>| data.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+    let mut words = Vec::new();
+    words.extend(what.connection_state.map(|state| format!("{connection}{state}")));
+    words.extend(what.mode.map(|mode| format!("{connection}{mode}")));
+    words.extend(what.input.as_ref().map(|input| format!("{connection}input {}{of_slave}", hex(input))));
+    words.extend(what.output.as_ref().map(|output| format!("{connection}output {}", hex(output))));
+    words.extend(what.slave_state.map(|state| format!("slave{} {state}", of_slave.replace(" of slave", ""))));
+    words.extend(what.status.map(|status| format!("status {status}{of_slave}")));
+    words
 }
 
 fn time(at: Instant) -> Time {

@@ -1,6 +1,7 @@
 //! A run of one node, told by hand, against what can be expected of it.
 
 use super::*;
+use crate::scenario::EventName;
 use std::path::Path;
 
 const NODE: NodeIndex = NodeIndex(0);

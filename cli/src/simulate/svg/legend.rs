@@ -6,12 +6,14 @@ use super::{ERROR_COLOUR, LOAD_COLOUR, MARGIN, WIDTH};
 use crate::simulate::picture::{Picture, Shade};
 
 impl Shade {
-    pub(super) const LEGEND: [(Self, &'static str); 8] = [
+    pub(super) const LEGEND: [(Self, &'static str); 10] = [
         (Self::Off, "no power"),
         (Self::Cut, "cable unplugged"),
         (Self::Sending, "sending the check"),
         (Self::Waiting, "waiting 1 s"),
         (Self::OnLine, "on line"),
+        (Self::Exchanging, "exchanging I/O"),
+        (Self::TimedOut, "I/O timed out"),
         (Self::Fault, "communication fault"),
         (Self::BusOff, "bus-off"),
         (Self::Present, "attached"),
@@ -23,7 +25,9 @@ impl Shade {
             Self::Cut => "#adb5bd",
             Self::Sending => "#f4a259",
             Self::Waiting => "#f6d55c",
-            Self::OnLine => "#4caf7a",
+            Self::OnLine => "#a3d9b1",
+            Self::Exchanging => "#4caf7a",
+            Self::TimedOut => "#c77dbb",
             Self::Fault => "#d64545",
             Self::BusOff => "#5b1a2b",
             Self::Present => "#7b9acc",
@@ -94,7 +98,7 @@ mod tests {
         }
         let picture = Picture { end: Instant::from_millis(1_000), rows: vec![all], ..Picture::default() };
         let items = legend_items(&picture);
-        assert_eq!(items.len(), 10);
+        assert_eq!(items.len(), 12);
         assert!(items.iter().any(|item| item.y > LEGEND_TOP));
         let end = |item: &LegendItem| item.x + 20.0 + item.words.len() as f64 * LEGEND_LETTER;
         assert!(items.iter().all(|item| end(item) <= WIDTH - MARGIN));
