@@ -105,6 +105,9 @@ pub struct DecodeArgs {
     /// two significant digits, the longest is exact
     #[arg(long)]
     pub summary: bool,
+    /// Instead of the frames, the scan list of each master, rebuilt from its traffic: [[node.scan]] tables of a scenario
+    #[arg(long, conflicts_with = "summary")]
+    pub scanlist: bool,
     /// The bit rate of the bus, from which the summary computes the bus load
     #[arg(long, value_name = "RATE", default_value = "125k", value_parser = parse_bit_rate)]
     pub bit_rate: u32,

@@ -10,6 +10,7 @@ use link_core::Instant;
 use super::clock::Clock;
 use super::json;
 use super::outside::Outside;
+use super::scan_list::ScanLists;
 use super::sheets::{Note, Sheets};
 use super::summary::Summary;
 use crate::args::DecodeArgs;
@@ -39,6 +40,7 @@ enum View {
         summary: Box<Summary>,
         json: bool,
     },
+    ScanLists(ScanLists),
     /// Nothing: standard output gets the frames themselves, or nobody reads it.
     Silent,
 }
@@ -72,6 +74,7 @@ impl Decoder {
     pub fn new(args: &DecodeArgs, json: bool, coloured: bool) -> Self {
         let view = match (args.summary, json) {
             _ if args.is_record_on_stdout() => View::Silent,
+            _ if args.scanlist => View::ScanLists(ScanLists::default()),
             (true, json) => View::Summary { summary: Box::new(Summary::new(args.bit_rate)), json },
             (false, true) => View::Json,
             (false, false) => View::Text { trace: Trace::new(coloured), clock: Clock::new(args.time) },
@@ -124,6 +127,11 @@ impl Decoder {
                 }
                 View::Json => json::object(out, frame, name, &meaning, note.as_ref()),
                 View::Summary { summary, .. } => summary.observe(bus, frame, &meaning),
+                View::ScanLists(lists) => {
+                    if let Some(reading) = meaning.reading() {
+                        lists.observe(bus, reading);
+                    }
+                }
                 View::Silent => {}
             }
         }
@@ -135,6 +143,13 @@ impl Decoder {
 
     /// Appends the summary, if that is what is wanted. `file` names a bus that has no name.
     pub fn finish(&mut self, out: &mut Vec<u8>, channels: &Channels, file: &str) {
+        if let View::ScanLists(lists) = &self.view {
+            for (bus, monitor) in self.monitors.iter().enumerate() {
+                let name = channels.iter().nth(bus).unwrap_or(file);
+                out.extend_from_slice(lists.toml(bus, &printable(name), monitor).as_bytes());
+            }
+            return;
+        }
         let View::Summary { summary, json } = &mut self.view else { return };
         for (bus, monitor) in self.monitors.iter().enumerate() {
             summary.learn(bus, monitor);

@@ -6,6 +6,7 @@ mod decoder;
 mod json;
 mod outside;
 mod progress;
+mod scan_list;
 mod sheets;
 mod summary;
 
@@ -107,6 +108,11 @@ fn check(args: &DecodeArgs, json: bool) -> Result<(), Failure> {
         && from > to
     {
         return Err(Failure::Usage(format!("--from {from} is after --to {to}: no frame can be shown")));
+    }
+    if args.scanlist && (json || args.is_record_on_stdout()) {
+        return Err(Failure::Usage(
+            "a scan list is TOML on standard output: leave --json and `--record -` out".to_owned(),
+        ));
     }
     if args.is_record_on_stdout() && (json || args.summary) {
         let other = if json { "--json" } else { "--summary" };

@@ -88,6 +88,7 @@ table! {
         multicast_poll: RawIo,
         input: String,
         ucmm: bool,
+        unconnected_port: bool,
         heartbeat: Time,
         shutdown_message: bool,
         run: bool,

@@ -10,7 +10,8 @@ use crate::scenario::Time;
 #[derive(Args, Clone, Debug, Default)]
 #[command(after_long_help = "\
 A scenario is a TOML file: nodes, what happens to them, faults of the bus, expectations. Without one, the built-in plant is \
-simulated, which shows how nodes get on line and what goes wrong when two have one MAC ID. The same scenario and seed give \
+simulated: a master, a slave of every kind, a duplicate MAC ID, a cable, a replacement; its figures come last. I/O frames that say \
+nothing new are counted; --all-frames tells them. The same scenario and seed give \
 the same output, byte for byte. docs/scenarios.md describes every table and key; --print-plant prints one to start from.
 
 Exit codes:

@@ -149,7 +149,12 @@ pub fn run(args: &SimulateArgs, json: bool) -> Result<Exit, Failure> {
         picture.end = outcome.end;
         fs::write(path, svg::draw(&picture)).map_err(|error| unwritable(path, &error))?;
     }
-    conclude(&mut output, &outcome, args.summary, json, &scenario);
+    // The built-in plant ends with its figures.
+    let with_summary = args.summary || (args.scenario.is_none() && !json);
+    if with_summary && !args.summary {
+        output.buffer.push(b'\n');
+    }
+    conclude(&mut output, &outcome, with_summary, json, &scenario);
     output.flush()?;
     Ok(if outcome.verdict.failures.is_empty() { Exit::Done } else { Exit::Findings })
 }

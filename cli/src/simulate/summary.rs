@@ -264,8 +264,9 @@ impl ScanSummary {
         use core::fmt::Write as _;
         // The node with that MAC ID at the end, if there is one.
         let name = |mac: u8| {
-            let found = nodes.iter().find(|node| node.mac == Some(mac) && node.slave.is_some());
-            found.map_or("-", |node| node.node.as_str())
+            let mut own = nodes.iter().filter(|node| node.mac == Some(mac) && node.slave.is_some());
+            let online = own.clone().find(|node| node.state == Some(StateName::OnLine));
+            online.or_else(|| own.next()).map_or("-", |node| node.node.as_str())
         };
         let names = self.slaves.iter().map(|slave| name(slave.mac).chars().count());
         let width = names.max().unwrap_or(0).max(master.chars().count() + 3);

@@ -43,6 +43,8 @@ struct Exchanged {
 
 struct Known {
     frame: Frame,
+    /// What was wrong with it.
+    problem: Option<&'static str>,
     /// The MAC ID of the slave.
     slave: Option<u8>,
 }
@@ -232,14 +234,16 @@ impl Exchanged {
             | Kind::Io => false,
             _ => return false,
         };
-        if self.all || reading.problem.is_some() {
+        if self.all {
             return false;
         }
         let slave = if is_command { reading.dst } else { reading.src }.map(u8::from);
         let fragment = reading.frag.and_then(|_| record.frame.data().first().copied());
         let key = (record.segment, record.frame.raw_id(), fragment);
-        let known = Known { frame: *record.frame, slave };
-        let is_known = self.told.insert(key, known).is_some_and(|last| last.frame == *record.frame);
+        let problem = reading.problem.map(|problem| problem.code());
+        let known = Known { frame: *record.frame, problem, slave };
+        let last = self.told.insert(key, known);
+        let is_known = last.is_some_and(|last| last.frame == *record.frame && last.problem == problem);
         self.silent += u64::from(is_known);
         is_known
     }

@@ -72,10 +72,14 @@ fn the_connections_of_a_slave() {
         ),
         ("input = \"01\"", "9:9: `input` has 1 byte; expected 2, as the longest connection produces"),
         ("input = \"0x01\"", "9:9: `input` is `0x01`; expected bytes in hex such as \"01FF\""),
+        (
+            "unconnected_port = false",
+            "9:20: without `unconnected_port` and without `ucmm` nobody can reach the slave; expected one of them",
+        ),
         ("heartbeat = \"1.5s\"", "9:13: `heartbeat` is 1.5s; expected whole seconds, 0s (none) to 255s"),
         (
             "run = true",
-            "9:7: `run` means nothing for the role `slave`; expected `name`, `count`, `role`, `power_up`, `reaction`, `bit_rate`, `clock_ppm`, `protocol`, `mac`, `identity`, `port`, `boi`, `quick_connect`, `offline_set`, `switches`, `poll`, `bit_strobe`, `cos`, `cyclic`, `multicast_poll`, `input`, `ucmm`, `heartbeat` or `shutdown_message`",
+            "9:7: `run` means nothing for the role `slave`; expected `name`, `count`, `role`, `power_up`, `reaction`, `bit_rate`, `clock_ppm`, `protocol`, `mac`, `identity`, `port`, `boi`, `quick_connect`, `offline_set`, `switches`, `poll`, `bit_strobe`, `cos`, `cyclic`, `multicast_poll`, `input`, `ucmm`, `unconnected_port`, `heartbeat` or `shutdown_message`",
         ),
     ] {
         refused(SLAVE, more, expected);

@@ -14,7 +14,8 @@ fn the_built_in_plant_holds_what_it_promises() {
         assert!(text.lines().any(|line| line.starts_with(&format!("{act}. "))), "act {act} has no heading");
     }
     assert!(text.ends_with("expectations held\n"), "{text}");
-    assert!(text.lines().count() < 250, "too long to be read");
+    assert!(text.contains("\nscanner: ") && text.contains(" scans, min "), "the figures are missing");
+    assert!(text.lines().count() < 480, "too long to be read");
 }
 
 #[test]
@@ -48,5 +49,9 @@ fn the_plant_is_printed_and_standard_input_is_read() {
         .stdin(input)
         .output()
         .expect("the program runs");
-    assert_eq!(stdout(&read), stdout(&devicenet(&["simulate"])));
+    // Only the built-in plant ends with its figures.
+    let figures = stdout(&devicenet(&["simulate", "--summary"])).to_owned();
+    let trace = stdout(&read).split("\n\n34 of ").next().unwrap_or_default();
+    let built_in = devicenet(&["simulate"]);
+    assert!(stdout(&built_in).starts_with(trace) && stdout(&built_in).ends_with(&figures));
 }

@@ -69,10 +69,10 @@ fn json_has_the_fields_of_decode_and_the_states() {
     let lines = lines_of_json(&output);
     let request = lines.iter().find(|line| line["event"] == "frame").expect("a frame");
     assert_eq!(request["kind"], "dup_mac_request");
-    assert_eq!(request["nodes"], serde_json::json!(["far"]));
-    assert_eq!((request["id"].as_u64(), request["n"].as_u64()), (Some(0x457), Some(1)));
+    assert_eq!(request["nodes"], serde_json::json!(["panel"]));
+    assert_eq!((request["id"].as_u64(), request["n"].as_u64()), (Some(0x467), Some(1)));
     assert_eq!(request["vendor"].as_u64(), Some(0x1234));
-    assert_eq!(request["t"].as_f64(), Some(0.000_952));
+    assert_eq!(request["t"].as_f64(), Some(0.051_272));
     let failed = lines.iter().find(|line| line["event"] == "error_frame").expect("an error frame");
     assert_eq!((failed["error"].as_str(), failed["by"].as_str()), (Some("ack"), Some("scanner")));
     let to: Vec<&str> = (lines.iter())
@@ -137,7 +137,7 @@ fn the_decoder_finds_the_same_last_states_in_the_recording() {
     assert_eq!(devicenet(&["simulate", "--record", recording.path()]).status.code(), Some(0));
     let output = devicenet(&["decode", "--summary", recording.path()]);
     let text = stdout(&output);
-    for (node, serial) in [("10", "0x00005001"), ("20", "0x00004001")] {
+    for (node, serial) in [("10", "0x00002001"), ("20", "0x00002011")] {
         let row =
             text.lines().rfind(|line| line.split_whitespace().next() == Some(node) && line.ends_with(serial));
         assert!(row.is_some_and(|row| row.contains("  online  ")), "{text}");
@@ -156,9 +156,15 @@ fn the_picture_has_a_row_for_each_node_and_a_legend() {
         include_str!("../../../docs/plant.svg"),
         "the README shows another picture: cargo run --release -- simulate --summary --svg docs/plant.svg"
     );
-    for words in
-        ["scanner", "gripper", "on line", "bus load", "communication fault", "time in seconds", "8. Repair"]
-    {
+    for words in [
+        "scanner",
+        "new-eye",
+        "exchanging I/O",
+        "bus load",
+        "communication fault",
+        "time in seconds",
+        "6. Repair",
+    ] {
         assert!(svg.contains(&format!(">{words}")), "{words} is missing");
     }
 }
@@ -169,6 +175,6 @@ fn the_summary_is_a_table_with_the_last_states() {
     let text = stdout(&output);
     let twin = text.lines().find(|line| line.starts_with("twin")).expect("the twin");
     let words: Vec<&str> = twin.split_whitespace().collect();
-    assert_eq!(words[..4], ["twin", "access", "13", "online"]);
+    assert_eq!(words[..4], ["twin", "slave", "20", "online"]);
     assert!(text.contains("22s at 125 kbit/s: "), "{text}");
 }

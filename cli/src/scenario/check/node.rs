@@ -228,6 +228,7 @@ const SLAVE: &[&str] = &[
     "multicast_poll",
     "input",
     "ucmm",
+    "unconnected_port",
     "heartbeat",
     "shutdown_message",
 ];

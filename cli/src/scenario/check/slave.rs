@@ -24,10 +24,17 @@ impl Checker<'_> {
             multicast_poll: Sizes::default(),
             input: Vec::new(),
             ucmm: is_set(raw.ucmm.as_ref()),
+            unconnected_port: raw.unconnected_port.as_ref().is_none_or(|port| *port.get_ref()),
             heartbeat: raw.heartbeat.as_ref().map(|time| self.heartbeat(time)).transpose()?,
             shutdown_message: is_set(raw.shutdown_message.as_ref()),
             detects_bit_rate: raw.bit_rate.as_ref().is_some_and(|rate| *rate.get_ref() == RateSetting::Auto),
         };
+        if let (Some(port), false) = (&raw.unconnected_port, slave.ucmm || slave.unconnected_port) {
+            return self.fail(
+                &port.span(),
+                "without `unconnected_port` and without `ucmm` nobody can reach the slave; expected one of them",
+            );
+        }
         let mut longest = 0;
         for (name, io) in connections(raw) {
             let sizes = self.offered(name, io)?;

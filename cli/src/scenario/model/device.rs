@@ -56,6 +56,8 @@ pub struct SlaveNode {
     pub input: Vec<u8>,
     /// It has the UCMM.
     pub ucmm: bool,
+    /// It has the unconnected port of Group 2.
+    pub unconnected_port: bool,
     /// The heartbeat interval in seconds, 0 for none; `None` if it has no heartbeat.
     pub heartbeat: Option<u8>,
     /// It says so when it leaves the network on purpose.

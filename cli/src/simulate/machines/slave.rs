@@ -87,6 +87,7 @@ impl SlaveMachine {
         };
         config.heartbeat_interval = kept.heartbeat;
         config.options.set(Options::SHUTDOWN_MESSAGE, node.shutdown_message);
+        config.options.set(Options::UNCONNECTED_PORT, node.unconnected_port);
         let mut slave = if node.ucmm {
             Server::Ucmm(server(config, device))
         } else {
