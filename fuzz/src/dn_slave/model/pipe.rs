@@ -200,9 +200,8 @@ impl Pipe {
         }
     }
 
-    /// The end of the connection: the response in one frame that told so still goes out.
+    /// The end of the connection: the response in one frame that told so still goes out, and the acknowledge before it.
     pub(super) fn close(&mut self) {
-        self.acknowledge = None;
         self.forget();
         if !self.pieces.is_empty() {
             self.abort();
@@ -211,6 +210,7 @@ impl Pipe {
 
     pub(super) fn clear(&mut self) {
         self.close();
+        self.acknowledge = None;
         self.abort();
     }
 
