@@ -260,7 +260,7 @@ impl Network {
         }
     }
 
-    /// Undisturbed, every slave on line that is alone with its MAC ID has exactly one master, which knows it.
+    /// Undisturbed, every slave on line that is alone with its MAC ID has a master, which knows it.
     fn come_to_rest(&mut self) {
         self.nodes.iter_mut().for_each(|node| node.deaf = 0);
         self.run_for(REST);
@@ -276,9 +276,12 @@ impl Network {
             };
             let runs: Vec<u8> =
                 masters.iter().filter(running).map(|&master| self.nodes[master].mac).collect();
-            let owner: Vec<u8> = self.referee.owner(at).into_iter().collect();
-            assert_eq!(runs, owner, "who runs slave {mac}, and who owns it");
-            assert_eq!(owner.len(), 1, "slave {mac} is left alone");
+            let owner = self.referee.owner(at).unwrap_or_else(|| panic!("slave {mac} is left alone"));
+            assert!(runs.contains(&owner), "slave {mac} of master {owner} is run by {runs:?}");
+            // A slave that changed hands while its former master polled answers that one as well: neither can tell.
+            let others_were_owners =
+                runs.iter().all(|&runs| runs == owner || self.referee.was_owner(at, runs));
+            assert!(others_were_owners, "slave {mac} of master {owner} is run by {runs:?}");
         }
     }
 }

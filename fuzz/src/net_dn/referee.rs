@@ -18,8 +18,10 @@ struct Observed {
     last_check: Instant,
     /// It heard another node with its MAC ID.
     faulted: bool,
-    /// Of a slave: what it told, who asked it for an allocation, and the last poll command that it heard.
+    /// Of a slave: what it told, who owned it before, who asked it for an allocation, and the last poll command that it
+    /// heard.
     owner: Option<u8>,
+    former: Vec<u8>,
     asked: Vec<u8>,
     command: Option<(Option<u8>, Vec<u8>)>,
     output: u8,
@@ -34,8 +36,10 @@ impl Referee {
 
     pub(super) fn power_cycle(&mut self, at: usize) {
         let (owner, output) = (self.nodes[at].owner, self.nodes[at].output);
+        let mut former = core::mem::take(&mut self.nodes[at].former);
+        former.extend(owner);
         // What it had it gives up itself, and tells so.
-        self.nodes[at] = Observed { owner, output, ..Observed::new(self.nodes[at].mac) };
+        self.nodes[at] = Observed { owner, former, output, ..Observed::new(self.nodes[at].mac) };
     }
 
     /// Two check requests, a second after each, and nobody objected.
@@ -46,6 +50,11 @@ impl Referee {
 
     pub(super) fn owner(&self, at: usize) -> Option<u8> {
         self.nodes[at].owner
+    }
+
+    /// Whether a slave has been of that master before.
+    pub(super) fn was_owner(&self, at: usize, master: u8) -> bool {
+        self.nodes[at].former.contains(&master)
     }
 
     /// A node sends a frame to its end.
@@ -104,14 +113,21 @@ impl Referee {
         } else {
             node.asked.clear();
         }
+        node.former.extend(node.owner.filter(|_| owner.is_none()));
         node.owner = owner;
     }
 
-    /// A slave has consumed a command.
+    /// A slave has consumed a command. Its identifier does not tell who sent it: a master that has not noticed yet that it
+    /// lost the slave is obeyed as well, a stranger is not.
     pub(super) fn consumed(&mut self, at: usize) {
         let node = &mut self.nodes[at];
         let (sender, data) = node.command.clone().expect("it heard one");
-        assert_eq!(sender, node.owner, "slave {} obeys another than its owner", node.mac);
+        let was_owner = sender.is_some_and(|sender| node.former.contains(&sender));
+        assert!(
+            sender == node.owner || was_owner,
+            "slave {} obeys another than its owner: {sender:?}",
+            node.mac
+        );
         node.output = data[0];
     }
 
@@ -142,6 +158,7 @@ impl Observed {
             last_check: Instant::ZERO,
             faulted: false,
             owner: None,
+            former: Vec::new(),
             asked: Vec::new(),
             command: None,
             output: 0,
