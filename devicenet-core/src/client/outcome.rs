@@ -3,6 +3,8 @@
 use core::time::Duration;
 
 use cip_core::message::{EmitError, Response};
+use link_core::Timers;
+use link_core::timers::TimerKey;
 
 /// How long a client waits.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -40,6 +42,17 @@ pub enum TimerChange {
     Set(Duration),
     /// Stop it.
     Clear,
+}
+
+impl TimerChange {
+    /// Does it to the owner's timer for the conversation.
+    pub fn apply<K: TimerKey<N>, const N: usize>(self, timers: &mut Timers<K, N>, key: K) {
+        match self {
+            Self::Keep => {}
+            Self::Set(span) => timers.set_after(key, span),
+            Self::Clear => timers.clear(key),
+        }
+    }
 }
 
 /// What a frame meant to a conversation.

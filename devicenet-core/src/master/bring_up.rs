@@ -23,7 +23,7 @@ use cip_core::identity::Revision;
 use cip_core::message::{AttributeRequest, Response};
 
 use super::config::Config;
-use super::contact::{RELEASE, released};
+use super::door;
 use super::event::count;
 use super::scan_list::IoInstance;
 use super::slot::{Sending, Slot, SlotTimer};
@@ -136,9 +136,9 @@ impl<const N: usize> Slot<N> {
                 self.conversation.start(&request, tries)
             }
             Step::ReleaseIo { bit } => {
-                let data = [bit.unwrap_or(released(self.entry.choice()))];
+                let data = [bit.unwrap_or(door::released(self.entry.choice()))];
                 let request = cip_core::message::Request::new(
-                    cip_core::code::ServiceCode(RELEASE),
+                    cip_core::code::ServiceCode(door::RELEASE),
                     ClassId::DEVICENET,
                     InstanceId(1),
                     &data,
@@ -171,10 +171,10 @@ impl<const N: usize> Slot<N> {
                 self.conversation.start_attribute(&request, tries)
             }
             Step::Close => {
-                let [low, high] = self.opened.map_or(0, |connection| connection.0).to_le_bytes();
                 let route = Route::ucmm(own, self.entry.mac_id);
                 self.conversation.reroute(route, config.unconnected);
-                self.conversation.start_body(&[RELEASE, low, high], tries)
+                let connection = self.opened.unwrap_or(InstanceId::CLASS);
+                self.conversation.start_body(&door::close(connection), tries)
             }
         };
         started.is_ok()

@@ -12,10 +12,11 @@
 use core::time::Duration;
 
 use cip_core::code::{GeneralStatus, InstanceId};
-use cip_core::message::{AllocationChoice, BodyFormat, Response};
+use cip_core::message::{AllocationChoice, Response};
 
 use super::bring_up::refusal;
 use super::config::{Config, FirstContact};
+use super::door;
 use super::event::count;
 use super::slot::{Slot, SlotTimer};
 use super::state::{Cause, Contact, Stage, Step};
@@ -39,27 +40,34 @@ impl<const N: usize> Slot<N> {
 
     pub(super) fn contact(&mut self, config: &Config, own: MacId, contact: Contact) {
         self.stage = Stage::Contacting(contact);
-        let slave = self.entry.mac_id;
         let everything = self.entry.choice().union(AllocationChoice::EXPLICIT);
-        let body = match contact {
-            Contact::Allocate { .. } => {
-                [ALLOCATE, CLASS, INSTANCE, AllocationChoice::EXPLICIT.bits(), own.number()]
+        let tries = config.tries;
+        match contact {
+            Contact::Allocate { .. } => self.ask_port(config, own, &door::allocate_explicit(own), tries),
+            Contact::ReleaseAll => self.ask_port(config, own, &door::release(everything), tries),
+            Contact::ReleaseOne { bit } => {
+                let choice = AllocationChoice::from_bits_retain(bit);
+                self.ask_port(config, own, &door::release(choice), tries);
             }
-            Contact::ReleaseAll => [RELEASE, CLASS, INSTANCE, released(everything), 0],
-            Contact::ReleaseOne { bit } => [RELEASE, CLASS, INSTANCE, bit, 0],
-            Contact::Open => [ALLOCATE, config.ucmm_format.code(), OPEN_GROUP_3, 0, 0],
-        };
-        let (route, len) = match contact {
-            Contact::Allocate { .. } => (Route::group2_unconnected(own, slave), 5),
-            Contact::ReleaseAll | Contact::ReleaseOne { .. } => (Route::group2_unconnected(own, slave), 4),
-            Contact::Open => (Route::ucmm(own, slave), 3),
-        };
+            Contact::Open => self.ask_ucmm(config, own, &door::open(config.ucmm_format), tries),
+        }
+    }
+
+    /// Says something at the unconnected port of Group 2.
+    pub(super) fn ask_port(&mut self, config: &Config, own: MacId, body: &[u8], tries: u8) {
+        let route = Route::group2_unconnected(own, self.entry.mac_id);
         self.conversation.reroute(route, config.unconnected);
-        self.say(body.get(..len).unwrap_or(&[]), config.tries);
+        self.say(body, tries);
+    }
+
+    /// Says something to the UCMM.
+    pub(super) fn ask_ucmm(&mut self, config: &Config, own: MacId, body: &[u8], tries: u8) {
+        self.conversation.reroute(Route::ucmm(own, self.entry.mac_id), config.unconnected);
+        self.say(body, tries);
     }
 
     /// Starts a transaction of this module, all of which fit.
-    pub(super) fn say(&mut self, body: &[u8], tries: u8) {
+    fn say(&mut self, body: &[u8], tries: u8) {
         let started = self.conversation.start_body(body, tries);
         debug_assert!(started.is_ok(), "{started:?}");
         self.keep_time();
@@ -74,8 +82,7 @@ impl<const N: usize> Slot<N> {
     ) {
         match (contact, response) {
             (Contact::Allocate { .. }, Response::Success { data, .. }) => {
-                let format = data.first().and_then(|&byte| BodyFormat::from_code(byte & FORMAT));
-                let Some(format) = format else {
+                let Some(format) = door::format_told(data) else {
                     return self.give_up(config, own, Cause::Refused, ScannerStatus::INITIALISATION_REFUSED);
                 };
                 let route = Route::predefined(own, self.entry.mac_id, format);
@@ -124,7 +131,7 @@ impl<const N: usize> Slot<N> {
 
     /// The I/O connections of the entry one by one, each as a release choice.
     pub(super) fn io_choice_after(&self, bit: u8) -> Option<u8> {
-        let wanted = released(self.entry.choice());
+        let wanted = door::released(self.entry.choice());
         IO_CHOICES.into_iter().find(|&choice| choice > bit && wanted & choice != 0)
     }
 
@@ -136,7 +143,7 @@ impl<const N: usize> Slot<N> {
             server: self.entry.mac_id,
             body_format: FormatByte(format),
             group: GroupSelect::GROUP_3,
-            source_message: MessageId::new(OPEN_GROUP_3 & 0x0F)?,
+            source_message: MessageId::new(door::SOURCE_MESSAGE)?,
         };
         let answer = OpenResponse {
             xid: false,
@@ -215,17 +222,10 @@ impl<const N: usize> Slot<N> {
 
     /// Releases the connections, or closes the one that the UCMM opened; nobody waits for the answer.
     pub(super) fn let_go(&mut self, config: &Config, own: MacId, held: AllocationChoice) {
-        let slave = self.entry.mac_id;
-        let (route, body) = match self.opened {
-            Some(connection) => {
-                let [low, high] = connection.0.to_le_bytes();
-                (Route::ucmm(own, slave), [RELEASE, low, high, 0])
-            }
-            None => (Route::group2_unconnected(own, slave), [RELEASE, CLASS, INSTANCE, released(held)]),
-        };
-        let len = if self.opened.is_some() { 3 } else { 4 };
-        self.conversation.reroute(route, config.unconnected);
-        self.say(body.get(..len).unwrap_or(&[]), 1);
+        match self.opened {
+            Some(connection) => self.ask_ucmm(config, own, &door::close(connection), 1),
+            None => self.ask_port(config, own, &door::release(held), 1),
+        }
     }
 
     /// Back to waiting, for `pause`.
@@ -245,21 +245,5 @@ fn back_off(config: &Config, failures: u8) -> Duration {
     doubled.unwrap_or(config.retry_at_most).min(config.retry_at_most)
 }
 
-/// A release choice: acknowledge suppression is no connection.
-pub(super) fn released(choice: AllocationChoice) -> u8 {
-    choice.difference(AllocationChoice::ACK_SUPPRESSION).bits()
-}
-
-/// Also Open with the UCMM.
-const ALLOCATE: u8 = 0x4B;
-/// Also Close with the UCMM.
-pub(super) const RELEASE: u8 = 0x4C;
-/// The DeviceNet object.
-const CLASS: u8 = 0x03;
-const INSTANCE: u8 = 0x01;
-/// Group Select 3, and the Message ID for the master's requests on connections that the UCMM opens.
-pub(super) const OPEN_GROUP_3: u8 = 0x34;
 /// The choices of I/O connections, one bit each.
 const IO_CHOICES: [u8; 5] = [0x02, 0x04, 0x08, 0x10, 0x20];
-/// The body format in an Allocate response.
-const FORMAT: u8 = 0x0F;

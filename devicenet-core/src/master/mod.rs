@@ -91,7 +91,7 @@
 //!
 //! | File | Subject |
 //! |---|---|
-//! | `contact`, `bring_up` | from the first contact to established connections |
+//! | `door`, `contact`, `bring_up` | from the first contact to established connections |
 //! | `cycle`, `output` | the scan, and the order in which frames leave |
 //! | `receive` | I/O data, responses, heartbeats |
 //! | `replacement` | automatic device replacement |
@@ -120,6 +120,7 @@ mod command;
 mod config;
 mod contact;
 mod cycle;
+mod door;
 mod event;
 mod machine;
 mod node;

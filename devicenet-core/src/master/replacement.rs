@@ -18,16 +18,17 @@ use core::time::Duration;
 use cip_core::code::{AttributeId, ClassId, DeviceType, InstanceId, VendorId};
 use cip_core::codec::{Reader, Wire};
 use cip_core::identity::Revision;
-use cip_core::message::{AllocationChoice, AttributeRequest, BodyFormat, Response};
+use cip_core::message::{AllocationChoice, AttributeRequest, Response};
 use link_core::timers::TimerKey;
 use link_core::{Frame, Instant, Timers};
 
 use super::config::Config;
+use super::door;
 use super::event::MasterEvent;
 use super::machine::Master;
 use super::slot::Slot;
 use super::status::ScannerStatus;
-use crate::client::{Conversation, Progress, Route, TimerChange, Waits};
+use crate::client::{Conversation, Progress, Route, Waits};
 use crate::id::MacId;
 use crate::message::{DeviceIdentity, DuplicateMacCheck};
 
@@ -136,11 +137,7 @@ impl<const N: usize> Candidate<N> {
     }
 
     pub(super) fn keep_time(&mut self) {
-        match self.conversation.take_timer() {
-            TimerChange::Keep => {}
-            TimerChange::Set(span) => self.timers.set_after(Wait::Conversation, span),
-            TimerChange::Clear => self.timers.clear(Wait::Conversation),
-        }
+        self.conversation.take_timer().apply(&mut self.timers, Wait::Conversation);
     }
 
     /// Ends the look, and looks again later.
@@ -156,7 +153,8 @@ impl<const N: usize> Candidate<N> {
         self.timers.clear_all();
     }
 
-    fn say(&mut self, route: Route, config: &Config, body: &[u8]) {
+    fn ask_port(&mut self, config: &Config, own: MacId, body: &[u8]) {
+        let route = Route::group2_unconnected(own, MacId::MAX);
         self.conversation.reroute(route, config.unconnected);
         let started = self.conversation.start_body(body, 1);
         debug_assert!(started.is_ok(), "{started:?}");
@@ -233,9 +231,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     fn look(&mut self) {
         let own = self.access().mac_id();
         self.candidate.stage = Looking::Allocating;
-        let explicit = AllocationChoice::EXPLICIT.bits();
-        let route = Route::group2_unconnected(own, MacId::MAX);
-        self.candidate.say(route, &self.config, &[0x4B, 0x03, 0x01, explicit, own.number()]);
+        self.candidate.ask_port(&self.config, own, &door::allocate_explicit(own));
     }
 
     /// Somebody checks MAC ID 63: out of the box, on line in a second or two.
@@ -275,8 +271,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         match (self.candidate.stage, response) {
             (Looking::Away, _) => {}
             (Looking::Allocating, Response::Success { data, .. }) => {
-                let format = data.first().and_then(|&byte| BodyFormat::from_code(byte & 0x0F));
-                let Some(format) = format else { return self.candidate.leave(retry) };
+                let Some(format) = door::format_told(data) else { return self.candidate.leave(retry) };
                 let route = Route::predefined(own, MacId::MAX, format);
                 self.candidate.conversation.reroute(route, self.config.connected);
                 self.candidate.ask(1);
@@ -341,9 +336,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             }
         }
         self.candidate.stage = Looking::Releasing;
-        let route = Route::group2_unconnected(own, MacId::MAX);
-        let explicit = AllocationChoice::EXPLICIT.bits();
-        self.candidate.say(route, &self.config, &[0x4C, 0x03, 0x01, explicit]);
+        self.candidate.ask_port(&self.config, own, &door::release(AllocationChoice::EXPLICIT));
     }
 
     pub(super) fn candidate_event(&mut self) -> Option<MasterEvent> {

@@ -13,7 +13,7 @@ use super::event::{SlaveCounters, SlaveEvent, count};
 use super::scan_list::{IoInstance, ScanEntry};
 use super::state::{Cause, EDGES, SlaveState, Stage};
 use super::status::ScannerStatus;
-use crate::client::{Conversation, Route, TimerChange, Waits};
+use crate::client::{Conversation, Route, Waits};
 use crate::id::MacId;
 
 /// One slave: its entry, its state, its data.
@@ -265,11 +265,7 @@ impl<const N: usize> Slot<N> {
 
     /// Carries out what the conversation wants of its timer.
     pub(super) fn keep_time(&mut self) {
-        match self.conversation.take_timer() {
-            TimerChange::Keep => {}
-            TimerChange::Set(span) => self.timers.set_after(SlotTimer::Conversation, span),
-            TimerChange::Clear => self.timers.clear(SlotTimer::Conversation),
-        }
+        self.conversation.take_timer().apply(&mut self.timers, SlotTimer::Conversation);
     }
 
     /// Starts or restarts the watchdog of an instance: four times the expected packet rate, none for 0.

@@ -4,12 +4,13 @@
 //! allocated anew, which the owner may. With a UCMM-capable slave a connection is opened for the request and closed after
 //! it.
 
-use cip_core::code::{GeneralStatus, ServiceCode};
+use cip_core::code::GeneralStatus;
 use cip_core::codec::{Wire, Writer};
-use cip_core::message::{AllocationChoice, AttributeRequest, BodyFormat, Request, Response};
+use cip_core::message::{AllocationChoice, AttributeRequest, Request, Response};
 use heapless::Vec;
 
 use super::config::Config;
+use super::door;
 use super::event::{SlaveEvent, count};
 use super::slot::{Slot, TalkStage};
 use crate::client::{Failure, Route, StartError};
@@ -52,16 +53,11 @@ impl<const N: usize> Slot<N> {
     /// Opens a connection, or allocates the predefined one again.
     fn connect(&mut self, config: &Config, own: MacId) {
         self.talk.stage = TalkStage::Connecting;
-        let slave = self.entry.mac_id;
-        let open = [ServiceCode::ALLOCATE.0, config.ucmm_format.code(), super::contact::OPEN_GROUP_3];
-        let allocate = [ServiceCode::ALLOCATE.0, 0x03, 0x01, AllocationChoice::EXPLICIT.bits(), own.number()];
-        let (route, body) = if self.ucmm {
-            (Route::ucmm(own, slave), &open[..])
+        if self.ucmm {
+            self.ask_ucmm(config, own, &door::open(config.ucmm_format), config.tries);
         } else {
-            (Route::group2_unconnected(own, slave), &allocate[..])
-        };
-        self.conversation.reroute(route, config.unconnected);
-        self.say(body, config.tries);
+            self.ask_port(config, own, &door::allocate_explicit(own), config.tries);
+        }
     }
 
     /// A response while the slave runs.
@@ -100,8 +96,7 @@ impl<const N: usize> Slot<N> {
                 true
             }
             (false, Response::Success { data, .. }) => {
-                let format = data.first().and_then(|&byte| BodyFormat::from_code(byte & 0x0F));
-                let Some(format) = format else { return false };
+                let Some(format) = door::format_told(data) else { return false };
                 self.format = format;
                 self.conversation.reroute(Route::predefined(own, slave, format), config.connected);
                 true
