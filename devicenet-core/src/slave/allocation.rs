@@ -33,14 +33,6 @@ pub(super) enum Door {
     Dynamic(u8),
 }
 
-/// What the device offers.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(super) struct Offer {
-    pub(super) choice: AllocationChoice,
-    /// The group of multicast poll that is not the master's.
-    pub(super) group: Option<MacId>,
-}
-
 impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     /// Allocate_Master/Slave_Connection_Set. The first condition that holds gives the answer, and then nothing changes:
     ///
@@ -56,9 +48,11 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     /// | 7 | change of state and cyclic together | 0x09 / 0x02 |
     /// | 8 | bit 7 of the choice, bit 6 or 7 of the allocator, an allocator other than the requester where that matters | 0x09 / 0x02 |
     /// | 9 | an identifier is used by a connection opened through the UCMM | 0x02 / 0x04 |
+    ///
+    /// `offer`: the connections that the device has.
     pub(super) fn allocate(
         &mut self,
-        offer: Offer,
+        offer: AllocationChoice,
         requester: Requester,
         data: &[u8],
         out: &mut Writer<'_>,
@@ -74,7 +68,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         if self.master.is_none() {
             self.release_timed_out();
             self.held = AllocationChoice::empty();
-            self.group = offer.group.unwrap_or(master);
+            self.group = self.foreign_group.unwrap_or(master);
         }
         self.master = Some(master);
         self.parent = match requester.door {
@@ -100,7 +94,12 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     /// | 2 | nothing chosen, or bit 7 | 0x09 / 0x02 |
     /// | 3 | a connection that this device does not have | 0x02 / 0x02 |
     /// | 4 | a connection that does not exist | 0x0B / 0x02 |
-    pub(super) fn release(&mut self, offer: Offer, requester: Requester, data: &[u8]) -> Result<(), Failure> {
+    pub(super) fn release(
+        &mut self,
+        offer: AllocationChoice,
+        requester: Requester,
+        data: &[u8],
+    ) -> Result<(), Failure> {
         let [choice] = exact(data)?;
         let mut choice = AllocationChoice::from_bits_retain(choice);
         if self.options.contains(Options::RELEASE_BY_OWNER_ONLY)
@@ -114,7 +113,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         if choice.is_empty() || choice.intersects(NO_CONNECTION) {
             return Err(INVALID_CHOICE);
         }
-        if !offer.choice.contains(choice) {
+        if !offer.contains(choice) {
             return Err(NOT_OFFERED);
         }
         if !self.held.contains(choice) {
@@ -127,7 +126,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
 
     fn check_allocate(
         &self,
-        offer: Offer,
+        offer: AllocationChoice,
         requester: Requester,
         choice: AllocationChoice,
         allocator: u8,
@@ -140,7 +139,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         if choice.is_empty() || (suppressed && !choice.intersects(BOTH)) {
             return Err(INVALID_CHOICE);
         }
-        if !offer.choice.contains(connections) {
+        if !offer.contains(connections) {
             return Err(NOT_OFFERED);
         }
         if requester.door == Door::Unconnected

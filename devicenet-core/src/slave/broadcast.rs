@@ -16,7 +16,7 @@ use crate::message::{DeviceState, Heartbeat, HeartbeatFlags, Shutdown, ShutdownC
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
     /// The interval begins, if there is one.
     pub(super) fn start_heartbeat(&mut self) {
-        match self.heartbeat_interval.filter(|_| A::PARTS.contains(Parts::HEARTBEAT)) {
+        match self.node.heartbeat_interval.filter(|_| A::PARTS.contains(Parts::HEARTBEAT)) {
             None | Some(0) => self.node.timers.clear(Timer::Heartbeat),
             Some(seconds) => {
                 let millis = u32::from(seconds).saturating_mul(1000);
@@ -59,7 +59,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     fn is_shutdown_due(&self) -> bool {
         A::PARTS.contains(Parts::SHUTDOWN_MESSAGE)
-            && self.departure.as_ref().is_some_and(Departure::is_shutting_down)
+            && self.node.departure.as_ref().is_some_and(Departure::is_shutting_down)
             && self.node.lines.explicit != Some(Sent::Shutdown)
             && self.node.lines.ucmm != Some(Sent::Shutdown)
     }

@@ -14,19 +14,15 @@ use super::application::{Application, End, IoKind};
 use super::config::Options;
 use super::dynamic::FIRST_INSTANCE;
 use super::io::LongMessages;
-use super::node::{Changed, Node};
+use super::node::Changed;
+use super::server::Server;
 use crate::id::{Identifier, MacId, MessageGroup};
 
 /// The object, put together for one request.
-pub(super) struct ConnectionObject<'a, A, const DYNAMIC: usize> {
-    pub(super) node: &'a mut Node<A, DYNAMIC>,
-    pub(super) application: &'a mut A,
-    /// The own MAC ID.
-    pub(super) mac: MacId,
-    /// The longest explicit message.
-    pub(super) message: u16,
-    /// Attribute 8 of poll and of multicast poll.
-    pub(super) consumed_sizes: [u16; 2],
+pub(super) struct ConnectionObject<'s, 'a, A, const MESSAGE: usize, const DYNAMIC: usize> {
+    pub(super) server: &'s mut Server<'a, A, MESSAGE, DYNAMIC>,
+    /// Attribute 8 of the instance that is asked, if it is for I/O.
+    pub(super) consumed_size: usize,
 }
 
 /// An instance that exists.
@@ -55,14 +51,16 @@ enum Which {
 /// | 0x0D Apply_Attributes | | I/O |
 /// | 0x0E, 0x10 | Get of the revision, 1 | yes |
 /// | 0x11 Find_Next_Object_Instance | yes | yes |
-impl<A: Application, const DYNAMIC: usize> Object for ConnectionObject<'_, A, DYNAMIC> {
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
+    for ConnectionObject<'_, '_, A, MESSAGE, DYNAMIC>
+{
     const CLASS: ClassId = ClassId::CONNECTION;
 
     fn attributes(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
         match self.which(instance) {
             Some(Which::Explicit | Which::Dynamic(_)) => Some(&EXPLICIT),
             Some(Which::Io(kind)) => {
-                let configuring = self.node.io(kind).state() == IoState::Configuring;
+                let configuring = self.server.node.io(kind).state() == IoState::Configuring;
                 Some(match (kind, A::SELECTS_ASSEMBLIES) {
                     (IoKind::MulticastPoll, false) if configuring => &MULTICAST,
                     (IoKind::MulticastPoll, true) if configuring => &MULTICAST_SELECTING,
@@ -70,7 +68,7 @@ impl<A: Application, const DYNAMIC: usize> Object for ConnectionObject<'_, A, DY
                     (_, true) => &IO_SELECTING,
                 })
             }
-            None if self.node.options.contains(Options::READ_NON_EXISTENT_STATE)
+            None if self.server.node.options.contains(Options::READ_NON_EXISTENT_STATE)
                 && (1..=5).contains(&instance.0) =>
             {
                 Some(&NON_EXISTENT)
@@ -104,9 +102,9 @@ impl<A: Application, const DYNAMIC: usize> Object for ConnectionObject<'_, A, DY
             9 => {
                 let requested = u16::from_le_bytes(exact(value)?);
                 let used = match which {
-                    Which::Explicit => self.node.explicit_packet_rate(requested),
-                    Which::Io(kind) => self.node.io_packet_rate(kind, requested),
-                    Which::Dynamic(index) => self.node.dynamic_packet_rate(index, requested),
+                    Which::Explicit => self.server.node.explicit_packet_rate(requested),
+                    Which::Io(kind) => self.server.node.io_packet_rate(kind, requested),
+                    Which::Dynamic(index) => self.server.node.dynamic_packet_rate(index, requested),
                 }?;
                 out.u16(used)?;
             }
@@ -114,8 +112,8 @@ impl<A: Application, const DYNAMIC: usize> Object for ConnectionObject<'_, A, DY
                 let [action] = exact(value)?;
                 let action = WatchdogAction(action);
                 match which {
-                    Which::Explicit => self.node.explicit.set_watchdog_action(action),
-                    Which::Io(kind) => self.node.io_mut(kind).set_watchdog_action(action),
+                    Which::Explicit => self.server.node.explicit.set_watchdog_action(action),
+                    Which::Io(kind) => self.server.node.io_mut(kind).set_watchdog_action(action),
                     Which::Dynamic(index) => self.dynamic(index)?.set_watchdog_action(action),
                 }?;
             }
@@ -124,8 +122,8 @@ impl<A: Application, const DYNAMIC: usize> Object for ConnectionObject<'_, A, DY
             17 => {
                 let Which::Io(kind) = which else { return Err(NOT_SETTABLE) };
                 let millis = u16::from_le_bytes(exact(value)?);
-                self.node.io_mut(kind).settings_mut().set_production_inhibit_time(millis)?;
-                if self.node.options.contains(Options::ANSWER_INHIBIT_TIME) {
+                self.server.node.io_mut(kind).settings_mut().set_production_inhibit_time(millis)?;
+                if self.server.node.options.contains(Options::ANSWER_INHIBIT_TIME) {
                     out.u16(millis)?;
                 }
             }
@@ -133,8 +131,10 @@ impl<A: Application, const DYNAMIC: usize> Object for ConnectionObject<'_, A, DY
                 let [code] = exact(value)?;
                 let multiplier = TimeoutMultiplier(code);
                 match which {
-                    Which::Explicit => self.node.explicit.settings_mut().set_multiplier(multiplier),
-                    Which::Io(kind) => self.node.io_mut(kind).settings_mut().set_multiplier(multiplier),
+                    Which::Explicit => self.server.node.explicit.settings_mut().set_multiplier(multiplier),
+                    Which::Io(kind) => {
+                        self.server.node.io_mut(kind).settings_mut().set_multiplier(multiplier)
+                    }
                     Which::Dynamic(index) => self.dynamic(index)?.settings_mut().set_multiplier(multiplier),
                 }?;
             }
@@ -160,7 +160,7 @@ impl<A: Application, const DYNAMIC: usize> Object for ConnectionObject<'_, A, DY
             ServiceCode::APPLY_ATTRIBUTES => {
                 let Some(Which::Io(kind)) = self.which(call.instance) else { return Err(NOT_SUPPORTED) };
                 call.no_data()?;
-                self.node.io_step(kind, IoCause::Applied)?;
+                self.server.node.io_step(kind, IoCause::Applied)?;
             }
             ServiceCode::FIND_NEXT_OBJECT_INSTANCE => {
                 return cip_core::object::find_next_instance(self, call, out);
@@ -171,36 +171,44 @@ impl<A: Application, const DYNAMIC: usize> Object for ConnectionObject<'_, A, DY
     }
 }
 
-impl<A: Application, const DYNAMIC: usize> ConnectionObject<'_, A, DYNAMIC> {
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
+    ConnectionObject<'_, '_, A, MESSAGE, DYNAMIC>
+{
     fn which(&self, instance: InstanceId) -> Option<Which> {
         if instance.0 == 1 {
-            return (self.node.explicit.state() != ExplicitState::NonExistent).then_some(Which::Explicit);
+            return (self.server.node.explicit.state() != ExplicitState::NonExistent)
+                .then_some(Which::Explicit);
         }
         if let Some(kind) = IoKind::of_instance(instance).and_then(IoKind::offered::<A>) {
-            return (self.node.io(kind).state() != IoState::NonExistent).then_some(Which::Io(kind));
+            return (self.server.node.io(kind).state() != IoState::NonExistent).then_some(Which::Io(kind));
         }
         let index = u8::try_from(instance.0.checked_sub(FIRST_INSTANCE.into())?).ok()?;
-        self.node.is_open(index).then_some(Which::Dynamic(index))
+        self.server.node.is_open(index).then_some(Which::Dynamic(index))
     }
 
     fn dynamic(&mut self, index: u8) -> Result<&mut cip_core::connection::ExplicitConnection, Failure> {
-        self.node.dynamic.get_mut(usize::from(index)).map(|dynamic| &mut dynamic.connection).ok_or(GONE)
+        self.server
+            .node
+            .dynamic
+            .get_mut(usize::from(index))
+            .map(|dynamic| &mut dynamic.connection)
+            .ok_or(GONE)
     }
 
     fn view(&self, which: Which) -> ConnectionView {
         match which {
             Which::Explicit => ConnectionView {
-                state: self.node.explicit.state().into(),
-                produced_id: Identifier::explicit_response(self.mac).raw(),
-                consumed_id: Identifier::explicit_request(self.mac).raw(),
-                settings: *self.node.explicit.settings(),
+                state: self.server.node.explicit.state().into(),
+                produced_id: Identifier::explicit_response(self.server.access.mac_id()).raw(),
+                consumed_id: Identifier::explicit_request(self.server.access.mac_id()).raw(),
+                settings: *self.server.node.explicit.settings(),
                 ..self.explicit_view(0x21)
             },
-            Which::Dynamic(index) => match self.node.dynamic.get(usize::from(index)) {
+            Which::Dynamic(index) => match self.server.node.dynamic.get(usize::from(index)) {
                 Some(dynamic) => ConnectionView {
                     state: dynamic.connection.state().into(),
-                    produced_id: dynamic.produced(self.mac).map_or(NO_ID, Identifier::raw),
-                    consumed_id: dynamic.consumed(self.mac).map_or(NO_ID, Identifier::raw),
+                    produced_id: dynamic.produced(self.server.access.mac_id()).map_or(NO_ID, Identifier::raw),
+                    consumed_id: dynamic.consumed(self.server.access.mac_id()).map_or(NO_ID, Identifier::raw),
                     settings: *dynamic.connection.settings(),
                     ..self.explicit_view(dynamic.characteristics())
                 },
@@ -213,42 +221,50 @@ impl<A: Application, const DYNAMIC: usize> ConnectionObject<'_, A, DYNAMIC> {
     /// What all explicit connections have in common.
     fn explicit_view(&self, characteristics: u8) -> ConnectionView {
         ConnectionView {
-            state: self.node.explicit.state().into(),
+            state: self.server.node.explicit.state().into(),
             instance_type: InstanceType::EXPLICIT,
             transport_class_trigger: TransportClassTrigger(0x83),
             produced_id: NO_ID,
             consumed_id: NO_ID,
             comm_characteristics: CommCharacteristics(characteristics),
-            produced_size: self.message,
-            consumed_size: self.message,
-            settings: *self.node.explicit.settings(),
+            produced_size: u16::try_from(MESSAGE).unwrap_or(u16::MAX),
+            consumed_size: u16::try_from(MESSAGE).unwrap_or(u16::MAX),
+            settings: *self.server.node.explicit.settings(),
             produced_path: ConnectionPath::Empty,
             consumed_path: ConnectionPath::Empty,
         }
     }
 
     fn io_view(&self, kind: IoKind) -> ConnectionView {
-        let connection = self.node.io(kind);
+        let connection = self.server.node.io(kind);
         let defaults = connection.kind().defaults();
-        let master = self.node.master.unwrap_or(MacId::MIN);
+        let master = self.server.node.master.unwrap_or(MacId::MIN);
         let (produced_id, consumed_id) = match kind {
-            IoKind::Poll => (Identifier::poll_response(self.mac), Identifier::poll_command(self.mac)),
-            IoKind::BitStrobe => {
-                (Identifier::bit_strobe_response(self.mac), Identifier::bit_strobe_command(master))
-            }
-            IoKind::ChangeOfState => {
-                (Identifier::change_of_state(self.mac), Identifier::change_of_state_acknowledge(self.mac))
-            }
+            IoKind::Poll => (
+                Identifier::poll_response(self.server.access.mac_id()),
+                Identifier::poll_command(self.server.access.mac_id()),
+            ),
+            IoKind::BitStrobe => (
+                Identifier::bit_strobe_response(self.server.access.mac_id()),
+                Identifier::bit_strobe_command(master),
+            ),
+            IoKind::ChangeOfState => (
+                Identifier::change_of_state(self.server.access.mac_id()),
+                Identifier::change_of_state_acknowledge(self.server.access.mac_id()),
+            ),
             IoKind::MulticastPoll => (
-                Identifier::multicast_poll_response(self.mac),
-                Identifier::multicast_poll_command(self.node.group),
+                Identifier::multicast_poll_response(self.server.access.mac_id()),
+                Identifier::multicast_poll_command(self.server.node.group),
             ),
         };
         let (produces, consumes) = directions(connection.kind());
-        let [poll_size, multicast_size] = self.consumed_sizes;
-        let acknowledges_only = kind == IoKind::Poll && !self.node.held.contains(AllocationChoice::POLL);
+        let acknowledges_only =
+            kind == IoKind::Poll && !self.server.node.held.contains(AllocationChoice::POLL);
         let path = |end| {
-            self.application.assembly(kind, end).map_or(ConnectionPath::Empty, ConnectionPath::Assembly)
+            self.server
+                .application
+                .assembly(kind, end)
+                .map_or(ConnectionPath::Empty, ConnectionPath::Assembly)
         };
         ConnectionView {
             state: connection.state().into(),
@@ -258,16 +274,11 @@ impl<A: Application, const DYNAMIC: usize> ConnectionObject<'_, A, DYNAMIC> {
             consumed_id: if consumes { consumed_id.raw() } else { NO_ID },
             comm_characteristics: defaults.comm_characteristics,
             produced_size: if produces && !acknowledges_only {
-                self.application.produced_size(kind)
+                self.server.application.produced_size(kind)
             } else {
                 0
             },
-            consumed_size: match kind {
-                IoKind::BitStrobe => 8,
-                IoKind::ChangeOfState => 0,
-                IoKind::Poll => poll_size,
-                IoKind::MulticastPoll => multicast_size,
-            },
+            consumed_size: u16::try_from(self.consumed_size).unwrap_or(u16::MAX),
             settings: *connection.settings(),
             produced_path: if produces { path(End::Produced) } else { ConnectionPath::Empty },
             consumed_path: match kind {
@@ -284,8 +295,8 @@ impl<A: Application, const DYNAMIC: usize> ConnectionObject<'_, A, DYNAMIC> {
             .filter(|id| id.group() == MessageGroup::Group2 && id.message_id() == 1)
             .and_then(Identifier::mac_id)
             .ok_or(Failure::new(GeneralStatus::INVALID_ATTRIBUTE_VALUE))?;
-        self.node.group = group;
-        self.node.changed.insert(Changed::FILTER);
+        self.server.node.group = group;
+        self.server.node.changed.insert(Changed::FILTER);
         Ok(())
     }
 
@@ -295,21 +306,22 @@ impl<A: Application, const DYNAMIC: usize> ConnectionObject<'_, A, DYNAMIC> {
         if !A::SELECTS_ASSEMBLIES {
             return Err(NOT_SETTABLE);
         }
-        if self.node.io(kind).state() != IoState::Configuring {
+        if self.server.node.io(kind).state() != IoState::Configuring {
             return Err(GeneralStatus::OBJECT_STATE_CONFLICT.into());
         }
         let path = Epath::packed(value).logical()?;
         let assembly = path.instance.filter(|_| path.class == Some(ClassId::ASSEMBLY));
-        let before = self.application.assembly(kind, end);
-        let selected = assembly.is_some_and(|assembly| self.application.select_assembly(kind, end, assembly));
+        let before = self.server.application.assembly(kind, end);
+        let selected =
+            assembly.is_some_and(|assembly| self.server.application.select_assembly(kind, end, assembly));
         if !selected {
             return Err(GeneralStatus::INVALID_ATTRIBUTE_VALUE.into());
         }
-        let size =
-            usize::from(self.application.produced_size(kind)).max(self.application.consumed(kind).len());
+        let size = usize::from(self.server.application.produced_size(kind))
+            .max(self.server.application.consumed(kind).len());
         if size > A::Long::CAPACITY {
             // The one before was good enough.
-            let _ = before.map(|assembly| self.application.select_assembly(kind, end, assembly));
+            let _ = before.map(|assembly| self.server.application.select_assembly(kind, end, assembly));
             return Err(GeneralStatus::INVALID_ATTRIBUTE_VALUE.into());
         }
         Ok(())
@@ -317,24 +329,24 @@ impl<A: Application, const DYNAMIC: usize> ConnectionObject<'_, A, DYNAMIC> {
 
     fn reset(&mut self, which: Which) -> Result<(), Failure> {
         match which {
-            Which::Explicit => self.node.explicit_step(ExplicitCause::Reset)?,
+            Which::Explicit => self.server.node.explicit_step(ExplicitCause::Reset)?,
             // Nobody owns the slave any more: the data would flow for nobody.
-            Which::Io(_) if self.node.master.is_none() => {
+            Which::Io(_) if self.server.node.master.is_none() => {
                 return Err(GeneralStatus::OBJECT_STATE_CONFLICT.into());
             }
-            Which::Io(kind) => self.node.io_step(kind, IoCause::Reset)?,
-            Which::Dynamic(index) => self.node.dynamic_step(index, ExplicitCause::Reset)?,
+            Which::Io(kind) => self.server.node.io_step(kind, IoCause::Reset)?,
+            Which::Dynamic(index) => self.server.node.dynamic_step(index, ExplicitCause::Reset)?,
         }
         Ok(())
     }
 
     fn delete(&mut self, which: Which) -> Result<(), Failure> {
         match which {
-            Which::Explicit => self.node.explicit_step(ExplicitCause::Released)?,
-            Which::Io(kind) => self.node.io_step(kind, IoCause::Released)?,
-            Which::Dynamic(index) => self.node.dynamic_step(index, ExplicitCause::Released)?,
+            Which::Explicit => self.server.node.explicit_step(ExplicitCause::Released)?,
+            Which::Io(kind) => self.server.node.io_step(kind, IoCause::Released)?,
+            Which::Dynamic(index) => self.server.node.dynamic_step(index, ExplicitCause::Released)?,
         }
-        self.node.changed.insert(Changed::ALLOCATION);
+        self.server.node.changed.insert(Changed::ALLOCATION);
         Ok(())
     }
 

@@ -2,7 +2,6 @@
 
 use cip_core::fragment::{IO_MESSAGE_MAX, IO_UNFRAGMENTED_LEN};
 use cip_core::identity::DeviceState;
-use cip_core::object::AcknowledgeSettings;
 use link_core::Queue;
 
 use super::Diagnostics;
@@ -70,6 +69,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let (vendor, serial) = (device.vendor, device.serial);
         let identity = application.identity();
         let module = ModuleStatus::of(identity.state.unwrap_or(DeviceState::OPERATIONAL), identity.status);
+        let node = Node::new(&config);
         let mut access = config.access;
         access.offline_set &= A::PARTS.contains(Parts::OFFLINE_SET);
         access.device = crate::message::DeviceIdentity { vendor, serial };
@@ -87,7 +87,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         Self {
             application,
             access: Access::new(access),
-            node: Node::new(config.options, config.resolution),
+            node,
             port: Port {
                 stored: config.bit_rate.rate,
                 active: config.bit_rate.rate,
@@ -98,19 +98,14 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             explicit: Transfer::new(limit),
             transfers: [(); DYNAMIC].map(|()| transfer.clone()),
             long: A::Long::default(),
-            acknowledge: AcknowledgeSettings::default(),
             answers: Queue::new(),
-            departure: None,
             detection: Detection::new(config.bit_rate.detect),
-            heartbeat_interval: config.heartbeat_interval,
             heartbeat_due: false,
             mode_due: false,
             online: false,
             shown: NetworkStatus::Off,
             module,
             receive_time_out: config.receive_time_out,
-            group: config.multicast_group,
-            failures: config.failures,
         }
     }
 }

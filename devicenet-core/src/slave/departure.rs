@@ -51,12 +51,12 @@ impl Departure {
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
     /// A node that is about to leave serves nobody: the response that is on its way is the last.
     pub(super) const fn check_departure(&self) -> Result<(), Ignored> {
-        if self.departure.is_some() { Err(Ignored::Leaving) } else { Ok(()) }
+        if self.node.departure.is_some() { Err(Ignored::Leaving) } else { Ok(()) }
     }
 
     /// Goes on if the response has been sent.
     pub(super) fn follow_departure(&mut self, now: Instant) {
-        let Some(departure) = &mut self.departure else { return };
+        let Some(departure) = &mut self.node.departure else { return };
         if departure.stage != Stage::Response {
             return;
         }
@@ -80,7 +80,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// The response, and the shutdown message if there was to be one, have been sent, or never will be.
     pub(super) fn leave(&mut self, now: Instant) {
-        match self.departure.take() {
+        match self.node.departure.take() {
             Some(Departure { why: Why::MacId(mac), .. }) => {
                 // That it can be set was checked when the request was answered.
                 let _ = self.access.set_mac_id(now, mac);
@@ -117,7 +117,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             self.port.active = self.port.stored;
             self.mode_due = true;
         }
-        self.acknowledge = cip_core::object::AcknowledgeSettings::default();
+        self.node.acknowledge = cip_core::object::AcknowledgeSettings::default();
         self.access.reset_with_switches(now, mac);
     }
 
@@ -127,8 +127,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if kind != ResetType::OUT_OF_BOX && kind != ResetType::OUT_OF_BOX_KEEP_COMMUNICATION {
             return mac;
         }
-        if self.heartbeat_interval.is_some_and(|seconds| seconds != 0) {
-            self.heartbeat_interval = Some(0);
+        if self.node.heartbeat_interval.is_some_and(|seconds| seconds != 0) {
+            self.node.heartbeat_interval = Some(0);
             self.node.events.raise(SlaveEvent::StoreHeartbeatInterval(0));
         }
         if kind == ResetType::OUT_OF_BOX_KEEP_COMMUNICATION {

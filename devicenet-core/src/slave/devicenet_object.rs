@@ -5,13 +5,13 @@ use cip_core::codec::Writer;
 use cip_core::object::{AttributeRule, Call, Effects, Failure, Object, exact};
 use link_core::{BitRate, BusErrorKind, LinkEvent};
 
-use super::allocation::{Offer, Requester};
 use super::application::Application;
 use super::bit_rate::{self, BIT_RATES};
 use super::config::Options;
+use super::departure::Departure;
 use super::event::{SlaveEvent, count};
-use super::node::Node;
-use crate::access::{Access, MacIdSource};
+use super::server::Server;
+use crate::access::MacIdSource;
 use crate::id::MacId;
 
 /// What the address and bit rate switches of a device show. A device without one of them has 0 there.
@@ -54,15 +54,9 @@ pub(super) struct Port {
 }
 
 /// The object, put together for one request.
-pub(super) struct DeviceNetObject<'a, A, const DYNAMIC: usize> {
-    pub(super) access: &'a mut Access,
-    pub(super) node: &'a mut Node<A, DYNAMIC>,
-    pub(super) port: &'a mut Port,
-    pub(super) offer: Offer,
-    pub(super) requester: Requester,
-    /// The MAC ID that the node shall have once the response is sent.
-    pub(super) new_mac_id: &'a mut Option<MacId>,
-}
+pub(super) struct DeviceNetObject<'s, 'a, A, const MESSAGE: usize, const DYNAMIC: usize>(
+    pub(super) &'s mut Server<'a, A, MESSAGE, DYNAMIC>,
+);
 
 /// | Attribute | Value | Access |
 /// |---|---|---|
@@ -77,7 +71,9 @@ pub(super) struct DeviceNetObject<'a, A, const DYNAMIC: usize> {
 /// | 12 | diagnostic counters | Get, Set clears them |
 ///
 /// Services besides Get and Set: 0x4B Allocate, 0x4C Release. Class attribute 1 (revision) is 2.
-impl<A: Application, const DYNAMIC: usize> Object for DeviceNetObject<'_, A, DYNAMIC> {
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
+    for DeviceNetObject<'_, '_, A, MESSAGE, DYNAMIC>
+{
     const CLASS: ClassId = ClassId::DEVICENET;
     const REVISION: u16 = 2;
 
@@ -85,44 +81,46 @@ impl<A: Application, const DYNAMIC: usize> Object for DeviceNetObject<'_, A, DYN
         if instance.0 != 1 {
             return None;
         }
-        let mac_from_switches = self.access.config().mac_id_source == MacIdSource::Switches;
-        let rules: &'static [AttributeRule] = match (mac_from_switches, self.port.rate_from_switches) {
+        let mac_from_switches = self.0.access.config().mac_id_source == MacIdSource::Switches;
+        let rules: &'static [AttributeRule] = match (mac_from_switches, self.0.port.rate_from_switches) {
             (false, false) => &MAC_ID_SET,
             (true, false) => &RATE_SET,
             (true, true) => &NONE_SET,
             (false, true) => &ONLY_MAC_ID_SET,
         };
         let without_switches = rules.len().saturating_sub(SWITCH_ATTRIBUTES);
-        if self.port.switches.is_some() { Some(rules) } else { rules.get(..without_switches) }
+        if self.0.port.switches.is_some() { Some(rules) } else { rules.get(..without_switches) }
     }
 
     fn get(&self, _: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
-        let switches = self.port.switches;
+        let switches = self.0.port.switches;
         match attribute.0 {
-            1 => out.u8(self.access.mac_id().number())?,
-            2 => out.u8(bit_rate::number(if self.node.options.contains(Options::READ_ACTIVE_BIT_RATE) {
-                self.port.active
-            } else {
-                self.port.stored
-            }))?,
-            3 => out.u8(self.access.bus_off_interrupt().into())?,
-            4 => out.u8(self.access.bus_off_counter())?,
+            1 => out.u8(self.0.access.mac_id().number())?,
+            2 => {
+                out.u8(bit_rate::number(if self.0.node.options.contains(Options::READ_ACTIVE_BIT_RATE) {
+                    self.0.port.active
+                } else {
+                    self.0.port.stored
+                }))?
+            }
+            3 => out.u8(self.0.access.bus_off_interrupt().into())?,
+            4 => out.u8(self.0.access.bus_off_counter())?,
             5 => {
-                let master = self.node.master.map_or(NOT_ALLOCATED, MacId::number);
-                out.bytes(&[self.node.choice().bits(), master])?;
+                let master = self.0.node.master.map_or(NOT_ALLOCATED, MacId::number);
+                out.bytes(&[self.0.node.choice().bits(), master])?;
             }
             6 => {
-                let differs = switches.is_some_and(|read| read.mac_id != self.access.mac_id().number());
+                let differs = switches.is_some_and(|read| read.mac_id != self.0.access.mac_id().number());
                 out.u8(differs.into())?;
             }
             7 => {
-                let in_use = bit_rate::number(self.port.active);
+                let in_use = bit_rate::number(self.0.port.active);
                 out.u8(switches.is_some_and(|read| read.bit_rate != in_use).into())?;
             }
             8 => out.u8(switches.map_or(0, |read| read.mac_id))?,
             9 => out.u8(switches.map_or(0, |read| read.bit_rate))?,
-            10 => out.u8(self.access.quick_connect().into())?,
-            12 => self.port.diagnostics.emit(out)?,
+            10 => out.u8(self.0.access.quick_connect().into())?,
+            12 => self.0.port.diagnostics.emit(out)?,
             _ => return Err(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED.into()),
         }
         Ok(())
@@ -139,25 +137,27 @@ impl<A: Application, const DYNAMIC: usize> Object for DeviceNetObject<'_, A, DYN
         match attribute.0 {
             1 => {
                 let [mac] = exact(value)?;
-                *self.new_mac_id = Some(MacId::new(mac).ok_or(invalid)?);
+                let mac = MacId::new(mac).ok_or(invalid)?;
+                self.0.node.events.raise(SlaveEvent::StoreMacId(mac));
+                self.0.node.departure = Some(Departure::mac_id(mac, self.0.requester.door));
             }
             2 => {
                 let [number] = exact(value)?;
                 let rate = *BIT_RATES.get(usize::from(number)).ok_or(invalid)?;
-                self.port.stored = rate;
-                self.node.events.raise(SlaveEvent::StoreBitRate(rate));
+                self.0.port.stored = rate;
+                self.0.node.events.raise(SlaveEvent::StoreBitRate(rate));
             }
-            3 => self.access.set_bus_off_interrupt(boolean(value)?),
+            3 => self.0.access.set_bus_off_interrupt(boolean(value)?),
             4 => {
                 let [count] = exact(value)?;
-                self.access.set_bus_off_counter(count).map_err(|_| invalid)?;
+                self.0.access.set_bus_off_counter(count).map_err(|_| invalid)?;
             }
             10 => {
                 let enabled = boolean(value)?;
-                self.access.set_quick_connect(enabled);
-                self.node.events.raise(SlaveEvent::StoreQuickConnect(enabled));
+                self.0.access.set_quick_connect(enabled);
+                self.0.node.events.raise(SlaveEvent::StoreQuickConnect(enabled));
             }
-            12 => self.port.diagnostics = Diagnostics::default(),
+            12 => self.0.port.diagnostics = Diagnostics::default(),
             _ => return Err(GeneralStatus::ATTRIBUTE_NOT_SETTABLE.into()),
         }
         Ok(Effects::NONE)
@@ -166,10 +166,10 @@ impl<A: Application, const DYNAMIC: usize> Object for DeviceNetObject<'_, A, DYN
     fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
         match call.service {
             ServiceCode::ALLOCATE if !call.instance.is_class() => {
-                self.node.allocate(self.offer, self.requester, call.data, out)?;
+                self.0.node.allocate(self.0.offer(), self.0.requester, call.data, out)?;
             }
             ServiceCode::RELEASE if !call.instance.is_class() => {
-                self.node.release(self.offer, self.requester, call.data)?;
+                self.0.node.release(self.0.offer(), self.0.requester, call.data)?;
             }
             _ => return Err(GeneralStatus::SERVICE_NOT_SUPPORTED.into()),
         }

@@ -1,14 +1,11 @@
 //! The machine: what it is made of, and where each input goes.
 
 use cip_core::message::{AllocationChoice, BodyFormat};
-use cip_core::object::{AcknowledgeSettings, FailureOptions};
 use link_core::timers::TimerKey;
 use link_core::{Action, Deadline, Frame, Input, Instant, LinkEvent, Machine, Queue, TxOutcome, TxToken};
 
-use super::allocation::Offer;
 use super::application::{Application, IoKind, Parts};
 use super::config::Options;
-use super::departure::Departure;
 use super::detection::Detection;
 use super::devicenet_object::{Port, Switches};
 use super::dynamic::DynamicTimer;
@@ -16,7 +13,6 @@ use super::event::{Counters, Event, SlaveEvent, count, count_wide};
 use super::indicator::ModuleStatus;
 use super::lines::{self, Line};
 use super::node::{Changed, Node};
-use super::server::offered;
 use super::timer::Timer;
 use super::transfer::{Piece, Rules, Transfer};
 use super::unconnected::Answer;
@@ -36,12 +32,9 @@ pub struct Slave<A: Application, const MESSAGE: usize, const DYNAMIC: usize> {
     pub(super) explicit: Transfer<MESSAGE>,
     pub(super) transfers: [DynamicTransfer<MESSAGE>; DYNAMIC],
     pub(super) long: A::Long,
-    pub(super) acknowledge: AcknowledgeSettings,
     /// Responses of the unconnected ports that are still to be sent.
     pub(super) answers: Queue<Answer, 3>,
-    pub(super) departure: Option<Departure>,
     pub(super) detection: Detection,
-    pub(super) heartbeat_interval: Option<u8>,
     pub(super) heartbeat_due: bool,
     /// The bit rate is to be told to the controller.
     pub(super) mode_due: bool,
@@ -49,8 +42,6 @@ pub struct Slave<A: Application, const MESSAGE: usize, const DYNAMIC: usize> {
     pub(super) shown: NetworkStatus,
     pub(super) module: ModuleStatus,
     pub(super) receive_time_out: u16,
-    pub(super) group: Option<crate::MacId>,
-    pub(super) failures: FailureOptions,
 }
 
 /// A slave without the UCMM: it is reached through the Group 2 unconnected port only.
@@ -111,11 +102,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             receive_time_out: self.receive_time_out,
             reacknowledge_last: self.node.options.contains(Options::REACKNOWLEDGE_LAST),
         }
-    }
-
-    pub(super) fn offer(&self) -> Offer {
-        let device = self.application.offered().union(AllocationChoice::EXPLICIT);
-        Offer { choice: offered::<A>().intersection(device), group: self.group }
     }
 
     fn frame(&mut self, now: Instant, frame: &Frame) {
@@ -262,7 +248,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     #[inline]
     pub(super) fn follow(&mut self, now: Instant) {
         let online = self.access.is_online();
-        if self.online != online || self.departure.is_some() || !self.node.changed.is_empty() {
+        if self.online != online || self.node.departure.is_some() || !self.node.changed.is_empty() {
             self.follow_changes(now);
         }
     }
@@ -273,7 +259,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             self.online = self.access.is_online();
             if self.online { self.go_online() } else { self.go_offline(now) }
         }
-        if self.departure.is_some() {
+        if self.node.departure.is_some() {
             self.follow_departure(now);
             if self.online && !self.access.is_online() {
                 self.online = false;

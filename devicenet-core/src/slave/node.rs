@@ -8,10 +8,12 @@ use cip_core::connection::{
     TimerResolution, Watchdog,
 };
 use cip_core::message::AllocationChoice;
+use cip_core::object::{AcknowledgeSettings, FailureOptions};
 use link_core::{Instant, Timers};
 
 use super::application::{Application, IoKind, IoMode};
-use super::config::Options;
+use super::config::{Config, Options};
+use super::departure::Departure;
 use super::dynamic::{Dynamic, DynamicTimer};
 use super::event::{Events, SlaveEvent, count};
 use super::lines::Lines;
@@ -23,6 +25,7 @@ use crate::id::MacId;
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub(super) struct Node<A, const DYNAMIC: usize> {
     pub(super) options: Options,
+    pub(super) failures: FailureOptions,
     pub(super) resolution: TimerResolution,
     /// Instance 1.
     pub(super) explicit: ExplicitConnection,
@@ -38,6 +41,11 @@ pub(super) struct Node<A, const DYNAMIC: usize> {
     pub(super) parent: Parent,
     /// Whose multicast poll is consumed.
     pub(super) group: MacId,
+    /// Whose it is after an allocation, if not the master's.
+    pub(super) foreign_group: Option<MacId>,
+    pub(super) acknowledge: AcknowledgeSettings,
+    pub(super) heartbeat_interval: Option<u8>,
+    pub(super) departure: Option<Departure>,
     /// Something that others have to follow has changed.
     pub(super) changed: Changed,
     pub(super) lines: Lines,
@@ -75,10 +83,11 @@ bitflags::bitflags! {
 }
 
 impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
-    pub(super) fn new(options: Options, resolution: TimerResolution) -> Self {
+    pub(super) fn new(config: &Config) -> Self {
         Self {
-            options,
-            resolution,
+            options: config.options,
+            failures: config.failures,
+            resolution: config.resolution,
             explicit: ExplicitConnection::NON_EXISTENT,
             io: [IoConnection::NON_EXISTENT; 4],
             modes: [IoMode::Inactive; 4],
@@ -87,6 +96,10 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             master: None,
             parent: Parent::Predefined,
             group: MacId::MIN,
+            foreign_group: config.multicast_group,
+            acknowledge: AcknowledgeSettings::default(),
+            heartbeat_interval: config.heartbeat_interval,
+            departure: None,
             changed: Changed::empty(),
             lines: Lines::default(),
             timers: Timers::new(),

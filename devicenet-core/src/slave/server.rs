@@ -2,14 +2,12 @@
 
 use cip_core::code::{ClassId, GeneralStatus, InstanceId, ServiceCode};
 use cip_core::codec::Writer;
+use cip_core::fragment::IO_UNFRAGMENTED_LEN;
 use cip_core::identity::IdentityStatus;
 use cip_core::message::{AllocationChoice, BodyFormat, Request};
-use cip_core::object::{
-    AcknowledgeHandler, AcknowledgeSettings, Call, Effect, Effects, Failure, FailureOptions, ObjectSet,
-    respond, serve,
-};
+use cip_core::object::{AcknowledgeHandler, Call, Effect, Effects, Failure, ObjectSet, respond, serve};
 
-use super::allocation::{Offer, Requester};
+use super::allocation::Requester;
 use super::application::{Application, IoKind};
 use super::config::Options;
 use super::connection_object::ConnectionObject;
@@ -20,52 +18,36 @@ use super::machine::{DynamicTransfer, Slave};
 use super::node::{BOTH, Changed, Node};
 use super::transfer::Transfer;
 use crate::access::Access;
-use crate::id::MacId;
 use cip_core::connection::IoState;
 
 /// All objects of a slave, put together for one request.
-pub(super) struct Server<'a, A, const DYNAMIC: usize> {
+pub(super) struct Server<'a, A, const MESSAGE: usize, const DYNAMIC: usize> {
     pub(super) access: &'a mut Access,
     pub(super) node: &'a mut Node<A, DYNAMIC>,
     pub(super) port: &'a mut Port,
     pub(super) application: &'a mut A,
-    pub(super) acknowledge: &'a mut AcknowledgeSettings,
-    pub(super) heartbeat_interval: &'a mut Option<u8>,
-    pub(super) departure: &'a mut Option<Departure>,
-    pub(super) failures: FailureOptions,
-    pub(super) offer: Offer,
     pub(super) requester: Requester,
-    /// The longest explicit message.
-    pub(super) message: usize,
 }
 
 /// The objects, the predefined explicit connection, and those that were opened dynamically.
 pub(super) type Serving<'a, A, const MESSAGE: usize, const DYNAMIC: usize> =
-    (Server<'a, A, DYNAMIC>, &'a mut Transfer<MESSAGE>, &'a mut [DynamicTransfer<MESSAGE>; DYNAMIC]);
+    (Server<'a, A, MESSAGE, DYNAMIC>, &'a mut Transfer<MESSAGE>, &'a mut [DynamicTransfer<MESSAGE>; DYNAMIC]);
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
     /// The objects for a request, and beside them the buffers of the explicit connections.
-    #[inline(never)]
-    pub(super) fn serving(&mut self, requester: Requester) -> Serving<'_, A, MESSAGE, DYNAMIC> {
-        let offer = self.offer();
+    pub(super) const fn serving(&mut self, requester: Requester) -> Serving<'_, A, MESSAGE, DYNAMIC> {
         let server = Server {
             access: &mut self.access,
             node: &mut self.node,
             port: &mut self.port,
             application: &mut self.application,
-            acknowledge: &mut self.acknowledge,
-            heartbeat_interval: &mut self.heartbeat_interval,
-            departure: &mut self.departure,
-            failures: self.failures,
-            offer,
             requester,
-            message: MESSAGE,
         };
         (server, &mut self.explicit, &mut self.transfers)
     }
 }
 
-impl<A: Application, const DYNAMIC: usize> Server<'_, A, DYNAMIC> {
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, MESSAGE, DYNAMIC> {
     /// Answers a request, from the service byte on. An error: there is no answer.
     pub(super) fn answer(&mut self, body: &[u8], out: &mut Writer<'_>) -> Result<(), Ignored> {
         match body.first() {
@@ -76,7 +58,7 @@ impl<A: Application, const DYNAMIC: usize> Server<'_, A, DYNAMIC> {
         count(&mut self.node.events.counters.requests);
         let answered = match self.call(body)? {
             Ok(call) => {
-                let (options, by) = (self.failures, call);
+                let (options, by) = (self.node.failures, call);
                 respond(self, &call, options, out).map(|effects| self.carry_out(&by, effects))
             }
             Err(failure) => {
@@ -108,15 +90,21 @@ impl<A: Application, const DYNAMIC: usize> Server<'_, A, DYNAMIC> {
         }
     }
 
+    /// The connections that can be allocated.
+    pub(super) fn offer(&self) -> AllocationChoice {
+        let device = self.application.offered().union(AllocationChoice::EXPLICIT);
+        offered::<A>().intersection(device)
+    }
+
     /// What the service leaves to be done, and to be told.
     fn carry_out(&mut self, call: &Call<'_>, effects: Effects) {
         if let Some(kind) = effects.reset {
-            *self.departure = Some(Departure::reset(kind, self.requester.door));
+            self.node.departure = Some(Departure::reset(kind, self.requester.door));
             return;
         }
         let own = Effect::ATTRIBUTE_SET | Effect::HEARTBEAT_INTERVAL | Effect::ACKNOWLEDGE;
         if effects.of.contains(Effect::HEARTBEAT_INTERVAL) {
-            let seconds = self.heartbeat_interval.unwrap_or(0);
+            let seconds = self.node.heartbeat_interval.unwrap_or(0);
             self.node.changed.insert(Changed::HEARTBEAT);
             self.node.events.raise(SlaveEvent::StoreHeartbeatInterval(seconds));
         }
@@ -135,54 +123,37 @@ impl<A: Application, const DYNAMIC: usize> Server<'_, A, DYNAMIC> {
         if self.node.master.is_some() {
             identity.status.insert(IdentityStatus::OWNED);
         }
-        identity.heartbeat_interval = *self.heartbeat_interval;
+        identity.heartbeat_interval = self.node.heartbeat_interval;
         let effects = serve(&mut identity, call, out)?;
-        *self.heartbeat_interval = identity.heartbeat_interval;
-        Ok(effects)
-    }
-
-    fn serve_devicenet(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
-        let mut new_mac_id = None;
-        let effects = serve(
-            &mut DeviceNetObject {
-                access: self.access,
-                node: self.node,
-                port: self.port,
-                offer: self.offer,
-                requester: self.requester,
-                new_mac_id: &mut new_mac_id,
-            },
-            call,
-            out,
-        )?;
-        if let Some(mac) = new_mac_id {
-            self.node.events.raise(SlaveEvent::StoreMacId(mac));
-            *self.departure = Some(Departure::mac_id(mac, self.requester.door));
-        }
+        self.node.heartbeat_interval = identity.heartbeat_interval;
         Ok(effects)
     }
 
     fn serve_connection(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
-        let consumed_sizes = [IoKind::Poll, IoKind::MulticastPoll]
-            .map(|kind| u16::try_from(self.application.consumed(kind).len()).unwrap_or(u16::MAX));
-        let mac: MacId = self.access.mac_id();
-        let message = u16::try_from(self.message).unwrap_or(u16::MAX);
-        let (node, application) = (&mut *self.node, &mut *self.application);
-        serve(&mut ConnectionObject { node, application, mac, message, consumed_sizes }, call, out)
+        let kind = IoKind::of_instance(call.instance).and_then(IoKind::offered::<A>);
+        let consumed_size = match kind {
+            Some(kind @ (IoKind::Poll | IoKind::MulticastPoll)) => self.application.consumed(kind).len(),
+            Some(IoKind::BitStrobe) => IO_UNFRAGMENTED_LEN,
+            Some(IoKind::ChangeOfState) | None => 0,
+        };
+        serve(&mut ConnectionObject { server: self, consumed_size }, call, out)
     }
 
     fn serve_acknowledge(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
-        let mut handler = AcknowledgeHandler::new(self.acknowledge);
-        handler.established = self.node.io(IoKind::ChangeOfState).state() == IoState::Established;
+        let established = self.node.io(IoKind::ChangeOfState).state() == IoState::Established;
+        let mut handler = AcknowledgeHandler::new(&mut self.node.acknowledge);
+        handler.established = established;
         serve(&mut handler, call, out)
     }
 }
 
-impl<A: Application, const DYNAMIC: usize> ObjectSet for Server<'_, A, DYNAMIC> {
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> ObjectSet
+    for Server<'_, A, MESSAGE, DYNAMIC>
+{
     fn serve(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Option<Result<Effects, Failure>> {
         match call.class {
             ClassId::IDENTITY => Some(self.serve_identity(call, out)),
-            ClassId::DEVICENET => Some(self.serve_devicenet(call, out)),
+            ClassId::DEVICENET => Some(serve(&mut DeviceNetObject(self), call, out)),
             ClassId::CONNECTION => Some(self.serve_connection(call, out)),
             ClassId::ACKNOWLEDGE_HANDLER if A::IO.intersects(BOTH) => Some(self.serve_acknowledge(call, out)),
             _ => self.application.objects().serve(call, out),

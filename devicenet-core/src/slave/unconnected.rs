@@ -97,12 +97,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     fn serve_unconnected(&mut self, header: ExplicitHeader, call: &Call<'_>, out: &mut Writer<'_>) {
-        let failures = self.failures;
         let (mut server, ..) = self.serving(Requester {
             mac: header.mac,
             door: Door::Unconnected,
             format: BodyFormat::Class8Instance8,
         });
+        let failures = server.node.failures;
         let refused = respond(&mut server, call, failures, out).is_err();
         count(&mut self.node.events.counters.requests);
         if refused {

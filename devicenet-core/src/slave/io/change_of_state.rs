@@ -45,7 +45,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// The acknowledge timer has run out.
     pub(in crate::slave) fn not_acknowledged(&mut self) {
-        if self.node.lines.retries < self.acknowledge.retry_limit {
+        if self.node.lines.retries < self.node.acknowledge.retry_limit {
             self.node.lines.retries = self.node.lines.retries.saturating_add(1);
             self.node.lines.want(IoKind::ChangeOfState);
         } else {
@@ -60,7 +60,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             return;
         }
         if self.node.is_acknowledged() {
-            self.node.timers.set_after_millis(Timer::Acknowledge, self.acknowledge.timer.into());
+            self.node.timers.set_after_millis(Timer::Acknowledge, self.node.acknowledge.timer.into());
         }
         if self.node.lines.retries == 0 {
             self.node.start_trigger();
