@@ -19,6 +19,7 @@
 //! Recordings are in `captures`, scenario files in `scenarios`, each with its source or purpose.
 
 pub mod line;
+pub mod notation;
 pub mod outcomes;
 
 use std::path::{Path, PathBuf};

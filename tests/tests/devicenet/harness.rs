@@ -2,7 +2,8 @@
 
 use devicenet_cli::recording::{Content, Recording};
 use devicenet_core::monitor::{Monitor, MonitorConfig, Problem, Reading};
-use link_core::{Frame, Instant, frame::standard_id};
+use devicenet_tests::notation::frame;
+use link_core::{Frame, Instant};
 
 /// A monitor, and how much it has seen.
 pub(crate) struct Observer {
@@ -49,20 +50,6 @@ impl Observer {
     pub(crate) fn line(&mut self, millis: u64, text: &str) -> Line {
         self.observe(Instant::from_millis(millis), &frame(text))
     }
-}
-
-/// A frame written as `5FF: 00 E7 03`; what stands behind four blanks is a comment.
-#[track_caller]
-pub(crate) fn frame(text: &str) -> Frame {
-    let text = text.trim();
-    let text = text.split("    ").next().expect("there is a first part");
-    let (id, data) = text.split_once(':').expect("an identifier and a colon");
-    let id = u16::from_str_radix(id.trim(), 16).expect("an identifier in hexadecimal");
-    let data: Vec<u8> = data
-        .split_whitespace()
-        .map(|byte| u8::from_str_radix(byte, 16).expect("bytes in hexadecimal"))
-        .collect();
-    Frame::new(standard_id(id), &data).expect("at most eight bytes")
 }
 
 /// Every classic frame of a recording in `tests/captures`.

@@ -1,6 +1,7 @@
 //! Whatever is on the bus: the monitor reads on, says nothing that was not sent, and finds its way again.
 
 use devicenet_core::monitor::{Monitor, MonitorConfig, SizedMonitor};
+use devicenet_tests::notation::frame;
 use link_core::{
     Frame, Id, Instant,
     frame::{extended_id, standard_id},
@@ -8,7 +9,7 @@ use link_core::{
 use proptest::prelude::*;
 use proptest::sample::Index;
 
-use crate::harness::{Line, Observer, capture, frame};
+use crate::harness::{Line, Observer, capture};
 
 /// Few nodes and plausible bytes, so that frames meet each other's state.
 fn any_frame() -> impl Strategy<Value = Frame> {

@@ -103,6 +103,7 @@ const INTRODUCTION: &str = "# Fault matrix
 What goes wrong on a network, and what must hold then. Each row is a test: this page is written by it
 (`UPDATE_DOCS=1 cargo test -p devicenet-tests --test exchanges`), and a test fails when the page is stale.
 The exchanges were written by hand from the tables of CIP Vol. 3, frame by frame; a frame that is not in them fails the test too.
+They are played on the simulated bus, and their traces, with the times of the bus, are the snapshots beside the test.
 ";
 
 /// Faults that are not those of one slave alone.
@@ -194,7 +195,7 @@ const FAULTS: &[&str] = &[
     "Nothing chosen",
     "I/O without an explicit connection",
     "A packet rate of 0",
-    "At the edge by one millisecond",
+    "At the edge by one bit",
     "Watchdog action 0: timed out",
     "Watchdog action 1: auto delete",
     "Watchdog action 2: auto reset",

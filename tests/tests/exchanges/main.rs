@@ -9,29 +9,35 @@
 )]
 //! Exchanges of a slave with the rest of the bus, frame by frame: those of `tests/exchanges`, and two that were recorded.
 
-mod bench;
+use std::panic::catch_unwind;
+
+mod bus;
 mod device;
 mod documents;
+mod host;
+mod log;
+mod player;
 mod recorded;
 mod script;
 
-use script::Exchange;
-
-/// Every line of every exchange was written from CIP Vol. 3, by hand: a failing one means that the code is wrong.
+/// Every line of every exchange was written from CIP Vol. 3, by hand: a failing one means that the code is wrong. The trace
+/// has the same in words, with the times of the bus.
 #[test]
 fn every_exchange_goes_as_it_is_written() {
-    for exchange in script::all() {
-        exchange.play();
-    }
-}
-
-/// The same in words, as the passive decoder has them.
-#[test]
-fn exchanges_in_words() {
+    let mut failed = Vec::new();
     for (file, exchanges) in script::files() {
-        let words: Vec<String> = exchanges.iter().map(Exchange::words).collect();
-        insta::with_settings!({ snapshot_suffix => file, prepend_module_to_snapshot => false, omit_expression => true }, {
-            insta::assert_snapshot!("words", words.join("\n"));
-        });
+        let mut traces = Vec::new();
+        for exchange in &exchanges {
+            match catch_unwind(|| exchange.play()) {
+                Ok(trace) => traces.push(format!("{}\n{trace}", exchange.name)),
+                Err(_) => failed.push(format!("{file}: {}", exchange.name)),
+            }
+        }
+        if traces.len() == exchanges.len() {
+            insta::with_settings!({ snapshot_suffix => file, prepend_module_to_snapshot => false, omit_expression => true }, {
+                insta::assert_snapshot!("trace", traces.join("\n"));
+            });
+        }
     }
+    assert!(failed.is_empty(), "{failed:#?}");
 }

@@ -1,5 +1,6 @@
 //! Two recordings of a Group 2 only slave published in 1998: what it was sent goes to ours, and ours answers the same, byte
-//! for byte, but for the differences that are listed here. Times are compared to 0.3 ms, the delay of the test bench.
+//! for byte, but for the differences that are listed here. Times are those at which a frame was asked for, in whole milliseconds; they
+//! were measured to 0.3 ms.
 
 use core::time::Duration;
 
@@ -7,11 +8,13 @@ use cip_core::code::{DeviceType, VendorId};
 use cip_core::identity::{DeviceIdentity, ProductName, Revision};
 use devicenet_cli::recording::{Content, Recording};
 use devicenet_core::MacId;
-use devicenet_core::slave::{Config, Options};
-use link_core::{Input, Instant, LinkEvent};
+use devicenet_core::slave::{Config, Options, Slave};
+use devicenet_tests::notation::frame;
+use link_core::{BitRate, Instant};
 
-use crate::bench::{Bench, frame};
+use crate::bus::Bus;
 use crate::device::Block;
+use crate::host::Host;
 
 /// What it sent, and what ours sends instead.
 struct Difference {
@@ -94,22 +97,26 @@ fn answers(stimulus: &str) -> Vec<String> {
     };
     let mut config = Config::new(&device, MacId::new(10).expect("a MAC ID"));
     config.options.insert(Options::READ_NON_EXISTENT_STATE);
-    let mut bench = Bench::<_, 0>::new(config, Block::new(device, &[0x03, 0x6B, 0x00], 0));
-    bench.now = Instant::from_millis(2500);
-    bench.input(Input::Link(LinkEvent::Up));
+    let slave =
+        Slave::<_, 64, 0>::new(config, Block::new(device, &[0x03, 0x6B, 0x00], 0)).expect("valid sizes");
+    let mut bus = Bus::new(BitRate::K500, Host::new(slave), ["1".to_owned()]);
+    bus.run_until(Instant::from_millis(2500));
+    bus.up();
     for line in stimulus.lines().filter(|line| !line.starts_with('#')) {
         let (millis, what) = line.split_once(' ').expect("a time and a frame");
-        bench.run_until(Instant::from_millis(millis.parse().expect("milliseconds")));
-        if let Some((id, data)) = what.split_once('#') {
-            let data: Vec<String> =
-                data.as_bytes().chunks(2).map(|two| String::from_utf8_lossy(two).into()).collect();
-            bench.input(Input::Frame(frame(&format!("{id}: {}", data.join(" ")))));
-        }
+        let end = Instant::from_millis(millis.parse().expect("milliseconds"));
+        let Some((id, data)) = what.split_once('#') else {
+            bus.run_until(end);
+            continue;
+        };
+        let data: Vec<_> = data.as_bytes().chunks(2).map(String::from_utf8_lossy).collect();
+        let heard = frame(&format!("{id}: {}", data.join(" ")));
+        bus.run_until(bus.begin_of(&heard, end));
+        bus.sends("1", heard);
     }
-    bench
-        .sent
+    bus.all_sent()
         .iter()
-        .map(|(at, frame)| line(at.saturating_since(Instant::ZERO), &frame.to_string()))
+        .map(|sent| line(sent.asked.saturating_since(Instant::ZERO), &sent.frame.to_string()))
         .collect()
 }
 
