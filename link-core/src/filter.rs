@@ -100,13 +100,16 @@ impl FilterSet {
         Self { filters: heapless::Vec::new() }
     }
 
+    /// These filters, of which none should cover another.
+    #[must_use]
+    pub fn of<const N: usize>(filters: [Filter; N]) -> Self {
+        Self { filters: heapless::Vec::from_array(filters) }
+    }
+
     /// Every frame passes.
     #[must_use]
     pub fn all() -> Self {
-        let mut set = Self::none();
-        set.add(Filter::ALL_STANDARD);
-        set.add(Filter::ALL_EXTENDED);
-        set
+        Self::of([Filter::ALL_STANDARD, Filter::ALL_EXTENDED])
     }
 
     /// Adds a filter, in place of those that it covers. A full set is widened to every identifier of that format

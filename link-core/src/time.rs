@@ -68,7 +68,8 @@ impl Instant {
     /// This moment plus `millis` milliseconds, at most [`MAX`](Self::MAX).
     #[must_use]
     pub fn saturating_add_millis(self, millis: u32) -> Self {
-        Self(self.0.saturating_add(u64::from(millis).saturating_mul(1_000_000)))
+        // 2^32 ms are less than 2^52 ns.
+        Self(self.0.saturating_add(u64::from(millis).wrapping_mul(1_000_000)))
     }
 
     /// The last moment before this one, at least [`ZERO`](Self::ZERO).

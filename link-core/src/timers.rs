@@ -55,12 +55,8 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
 
     /// Starts or restarts a timer. One that is set to [`Instant::MAX`] does not run.
     pub fn set(&mut self, key: K, at: Instant) {
-        let slot = self.at.get_mut(key.index());
-        debug_assert!(slot.is_some(), "the index of the timer \"{}\" is not one of {N}", key.why());
-        if let Some(slot) = slot {
-            *slot = at;
-        }
-        self.bound = self.bound.min(at);
+        debug_assert!(key.index() < N, "the index of the timer \"{}\" is not one of {N}", key.why());
+        set(&mut self.at, &mut self.bound, key.index(), at);
     }
 
     /// Starts or restarts a timer that expires `span` from the latest moment that was noted.
@@ -101,23 +97,13 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
         if now < self.bound {
             return None;
         }
-        let (index, at) = earliest(&self.at);
-        self.bound = at;
-        if at > now || at == Instant::MAX {
-            return None;
-        }
-        let key = *K::ALL.get(index)?;
-        self.clear(key);
-        Some(key)
+        K::ALL.get(take_expired(&mut self.at, &mut self.bound, now)?).copied()
     }
 
     /// The next deadline.
     #[must_use]
     pub fn next(&self) -> Option<Deadline> {
-        let (index, at) = earliest(&self.at);
-        if at == Instant::MAX {
-            return None;
-        }
+        let (index, at) = earliest(&self.at)?;
         K::ALL.get(index).map(|key| Deadline { at, why: key.why() })
     }
 
@@ -134,18 +120,41 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
 
     /// The bound was reached: what it stood for may run later by now, or not at all.
     fn is_due_after_all(&mut self, now: Instant) -> bool {
-        (_, self.bound) = earliest(&self.at);
-        self.bound <= now && self.bound != Instant::MAX
+        let first = earliest(&self.at);
+        self.bound = first.map_or(Instant::MAX, |(_, at)| at);
+        first.is_some() && self.bound <= now
     }
 }
 
-/// The first of the timers that expire next: one copy of the code for the timers of all machines.
+// One copy of the code for the timers of all machines.
+
 #[inline(never)]
-fn earliest(timers: &[Instant]) -> (usize, Instant) {
-    let mut first = (0, Instant::MAX);
+fn set(timers: &mut [Instant], bound: &mut Instant, index: usize, at: Instant) {
+    if let Some(slot) = timers.get_mut(index) {
+        *slot = at;
+    }
+    *bound = at.min(*bound);
+}
+
+/// Stops the first of the timers that are over at `now`.
+#[inline(never)]
+fn take_expired(timers: &mut [Instant], bound: &mut Instant, now: Instant) -> Option<usize> {
+    let first = earliest(timers);
+    *bound = first.map_or(Instant::MAX, |(_, at)| at);
+    let (index, _) = first.filter(|(_, at)| *at <= now)?;
+    *timers.get_mut(index)? = Instant::MAX;
+    Some(index)
+}
+
+/// The first of the timers that expire next.
+#[inline(never)]
+fn earliest(timers: &[Instant]) -> Option<(usize, Instant)> {
+    let mut first = None;
+    let mut bound = Instant::MAX;
     for (index, &at) in timers.iter().enumerate() {
-        if at < first.1 {
-            first = (index, at);
+        if at < bound {
+            bound = at;
+            first = Some((index, at));
         }
     }
     first

@@ -130,7 +130,8 @@ impl Machine for Access {
     }
 
     fn poll(&mut self, now: Instant) -> Option<Action<AccessEvent>> {
-        self.poll_except_transmit(now).or_else(|| self.transmit::<true>())
+        self.timers.advance(now);
+        self.poll_except_transmit(core::convert::identity).or_else(|| self.transmit::<true, _>())
     }
 
     fn deadline(&self) -> Option<Deadline> {
@@ -182,15 +183,6 @@ impl Access {
     /// When it must be called next if there is nothing to send or tell.
     pub(crate) fn next_wait(&self) -> Option<Deadline> {
         self.timers.next()
-    }
-
-    /// All that [`poll`](Machine::poll) does but hand out frames, so that a node can put others before them.
-    pub(crate) fn poll_except_transmit(&mut self, now: Instant) -> Option<Action<AccessEvent>> {
-        self.timers.advance(now);
-        self.withdraw()
-            .or_else(|| self.restart_controller())
-            .or_else(|| self.set_filter())
-            .or_else(|| self.events.pop().map(Action::Event))
     }
 
     /// Whether a wait is over at `now`.

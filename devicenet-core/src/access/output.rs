@@ -17,42 +17,48 @@ impl Access {
             || self.wanted().is_some()
     }
 
-    fn must_withdraw(&self) -> bool {
-        self.in_flight.is_some_and(|in_flight| in_flight.fate == Fate::Unwanted)
+    /// All that [`poll`](link_core::Machine::poll) does but hand out frames, so that a node can put others before them.
+    /// `event`: what becomes of its events in those of the node.
+    pub(crate) fn poll_except_transmit<E>(
+        &mut self,
+        event: impl FnOnce(AccessEvent) -> E,
+    ) -> Option<Action<E>> {
+        if self.must_withdraw() {
+            self.in_flight.as_mut()?.fate = Fate::Abandoned;
+            return Some(Action::Withdraw(Self::TOKEN));
+        }
+        if let State::SendingDupMac {
+            stage: SendStage::Restarting { commanded: commanded @ false }, ..
+        } = &mut self.state
+        {
+            *commanded = true;
+            return Some(Action::Link(LinkCommand::Reset));
+        }
+        if self.take_filter_change() {
+            return Some(Action::Link(LinkCommand::SetFilter(self.filter())));
+        }
+        self.events.pop().map(|told| Action::Event(event(told)))
     }
 
-    pub(super) fn withdraw(&mut self) -> Option<Action<AccessEvent>> {
-        if !self.must_withdraw() {
-            return None;
-        }
-        self.in_flight.as_mut()?.fate = Fate::Abandoned;
-        Some(Action::Withdraw(Self::TOKEN))
+    fn must_withdraw(&self) -> bool {
+        self.in_flight.is_some_and(|in_flight| in_flight.fate == Fate::Unwanted)
     }
 
     const fn must_restart_controller(&self) -> bool {
         matches!(self.state, State::SendingDupMac { stage: SendStage::Restarting { commanded: false }, .. })
     }
 
-    pub(super) fn restart_controller(&mut self) -> Option<Action<AccessEvent>> {
-        let State::SendingDupMac { stage: SendStage::Restarting { commanded: commanded @ false }, .. } =
-            &mut self.state
-        else {
-            return None;
-        };
-        *commanded = true;
-        Some(Action::Link(LinkCommand::Reset))
-    }
-
     fn must_set_filter(&self) -> bool {
         self.state != State::NonExistent && self.told != Some(self.listening())
     }
 
-    pub(super) fn set_filter(&mut self) -> Option<Action<AccessEvent>> {
-        if !self.must_set_filter() {
-            return None;
+    /// Whether the port must be told the filter; from now on it has been.
+    pub(crate) fn take_filter_change(&mut self) -> bool {
+        let change = self.must_set_filter();
+        if change {
+            self.told = Some(self.listening());
         }
-        self.told = Some(self.listening());
-        Some(Action::Link(LinkCommand::SetFilter(self.filter())))
+        change
     }
 
     /// The frame to send now. It follows from the state.
@@ -79,7 +85,7 @@ impl Access {
     }
 
     /// The next frame, if one is to be handed out.
-    pub(crate) fn transmit<const OFFLINE_SET: bool>(&mut self) -> Option<Action<AccessEvent>> {
+    pub(crate) fn transmit<const OFFLINE_SET: bool, E>(&mut self) -> Option<Action<E>> {
         let what = self.wanted()?;
         let frame = self.take::<OFFLINE_SET>(what)?;
         self.in_flight = Some(InFlight { what, fate: Fate::Wanted });

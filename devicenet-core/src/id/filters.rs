@@ -9,7 +9,7 @@ use super::{Identifier, MacId};
 /// Every node, checking or on line: the duplicate MAC ID check of its own MAC ID, `0x407 + 8n`.
 #[must_use]
 pub fn duplicate_mac_check(node: MacId) -> FilterSet {
-    [exact(Identifier::duplicate_mac_check(node))].into_iter().collect()
+    FilterSet::of([exact(Identifier::duplicate_mac_check(node))])
 }
 
 /// The duplicate MAC ID checks of every node: a master learns from them that a slave comes up.
@@ -21,7 +21,7 @@ pub fn duplicate_mac_checks() -> Filter {
 /// A faulted node that takes part in the offline connection set: 0x7ED.
 #[must_use]
 pub fn communication_faulted() -> FilterSet {
-    [exact(Identifier::COMMUNICATION_FAULTED_REQUEST)].into_iter().collect()
+    FilterSet::of([exact(Identifier::COMMUNICATION_FAULTED_REQUEST)])
 }
 
 /// A Group 2 Only server: the check, the unconnected port, explicit requests, poll commands and COS acknowledges
@@ -35,11 +35,14 @@ pub fn group2_only_server(
 ) -> FilterSet {
     // Message IDs 4 to 7 of one MAC ID differ in the low two bits only.
     let requests = Filter::standard(Identifier::explicit_request(node).into(), 0x7FC);
-    [requests, exact(Identifier::change_of_state_acknowledge(node))]
-        .into_iter()
-        .chain(strobe_master.map(|master| exact(Identifier::bit_strobe_command(master))))
-        .chain(multicast_group.map(|group| exact(Identifier::multicast_poll_command(group))))
-        .collect()
+    let mut filters = FilterSet::of([requests, exact(Identifier::change_of_state_acknowledge(node))]);
+    if let Some(master) = strobe_master {
+        filters.add(exact(Identifier::bit_strobe_command(master)));
+    }
+    if let Some(group) = multicast_group {
+        filters.add(exact(Identifier::multicast_poll_command(group)));
+    }
+    filters
 }
 
 /// A UCMM-capable Group 2 server: as [`group2_only_server`], and the UCMM requests of all sources (their destination is
@@ -85,13 +88,11 @@ pub fn master(node: MacId, slaves: impl IntoIterator<Item = MacId>) -> FilterSet
 /// (0x7EE), and the answers of faulted nodes (0x7EC).
 #[must_use]
 pub fn offline_owner() -> FilterSet {
-    [
+    FilterSet::of([
         exact(Identifier::COMMUNICATION_FAULTED_RESPONSE),
         exact(Identifier::OFFLINE_OWNERSHIP_RESPONSE),
         exact(Identifier::OFFLINE_OWNERSHIP_REQUEST),
-    ]
-    .into_iter()
-    .collect()
+    ])
 }
 
 fn exact(id: Identifier) -> Filter {

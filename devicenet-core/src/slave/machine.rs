@@ -353,7 +353,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
 
     fn poll(&mut self, now: Instant) -> Option<Action<Event>> {
         self.node.advance(now);
-        self.output(now)
+        self.output()
     }
 
     fn deadline(&self) -> Option<Deadline> {

@@ -1,8 +1,9 @@
 //! What a slave sends and tells. It follows from its state; nothing but the answers of the unconnected ports is queued.
 
+use cip_core::message::AllocationChoice;
 use heapless::Vec;
 use link_core::timers::TimerKey;
-use link_core::{Action, Frame, Instant, LinkCommand, Mode};
+use link_core::{Action, Frame, Instant, LinkCommand, Mode, TxToken};
 
 use super::application::{Application, IoKind, Parts};
 use super::dynamic::DynamicTimer;
@@ -17,7 +18,7 @@ use crate::id::{Identifier, MessageGroup};
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
     /// The next thing to do: I/O, then what the controller must be told, then other frames in the order of their
     /// identifiers, then events.
-    pub(super) fn output(&mut self, now: Instant) -> Option<Action<Event>> {
+    pub(super) fn output(&mut self) -> Option<Action<Event>> {
         if DYNAMIC > 0
             && let Some(action) = self.send_dynamic(MessageGroup::Group1)
         {
@@ -25,22 +26,34 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
         match self.node.lines.ready().and_then(IoKind::offered::<A>) {
             Some(kind) => self.send_io(kind),
-            None => self.output_besides_io(now),
+            None => self.output_besides_io(),
         }
     }
 
     #[inline(never)]
-    fn output_besides_io(&mut self, now: Instant) -> Option<Action<Event>> {
-        if !self.must_manage() && self.node.lines.is_free(Line::EXPLICIT) && self.is_explicit_line_due() {
-            return self.send_explicit();
+    fn output_besides_io(&mut self) -> Option<Action<Event>> {
+        if self.must_manage()
+            && let Some(action) = self.manage()
+        {
+            return Some(action);
         }
-        self.manage(now)
-            .or_else(|| self.send_explicit())
-            .or_else(|| if DYNAMIC > 0 { self.send_dynamic(MessageGroup::Group2) } else { None })
-            .or_else(|| self.send_for_access())
-            .or_else(|| if DYNAMIC > 0 { self.send_dynamic(MessageGroup::Group3) } else { None })
-            .or_else(|| if DYNAMIC > 0 { self.send_on_ucmm() } else { None })
-            .or_else(|| self.tell().map(|event| Action::Event(Event::Slave(event))))
+        if let Some(action) = self.send_explicit() {
+            return Some(action);
+        }
+        if DYNAMIC > 0
+            && let Some(action) = self.send_dynamic(MessageGroup::Group2)
+        {
+            return Some(action);
+        }
+        if let Some(action) = self.send_for_access() {
+            return Some(action);
+        }
+        if DYNAMIC > 0
+            && let Some(action) = self.send_dynamic(MessageGroup::Group3).or_else(|| self.send_on_ucmm())
+        {
+            return Some(action);
+        }
+        self.tell().map(|event| Action::Event(Event::Slave(event)))
     }
 
     /// Whether the controller may have to be told something before the next response.
@@ -50,20 +63,23 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// What the controller must be told, and what network access tells.
     #[inline(never)]
-    fn manage(&mut self, now: Instant) -> Option<Action<Event>> {
-        self.withdraw()
-            .or_else(|| self.set_mode())
-            .or_else(|| {
-                // On line the filter is the slave's; what network access alone would hear is not enough.
-                match self.access.poll_except_transmit(now)? {
-                    Action::Link(LinkCommand::SetFilter(_)) if self.access.is_online() => {
-                        self.node.changed.remove(Changed::FILTER);
-                        Some(Action::Link(LinkCommand::SetFilter(self.filter())))
-                    }
-                    action => Some(action.map_event(Event::Access)),
-                }
-            })
-            .or_else(|| self.set_filter())
+    fn manage(&mut self) -> Option<Action<Event>> {
+        if let Some(token) = self.withdraw() {
+            return Some(Action::Withdraw(token));
+        }
+        if core::mem::take(&mut self.mode_due) {
+            let listen_only = self.detection.listens();
+            return Some(Action::Link(LinkCommand::SetMode(Mode {
+                bit_rate: self.port.active,
+                listen_only,
+            })));
+        }
+        // On line the filter is the slave's; what network access alone would hear is not enough.
+        if self.access.is_online() && (self.access.take_filter_change() || self.must_set_filter()) {
+            self.node.changed.remove(Changed::FILTER);
+            return Some(Action::Link(LinkCommand::SetFilter(self.filter())));
+        }
+        self.access.poll_except_transmit(Event::Access)
     }
 
     pub(crate) fn has_output(&self) -> bool {
@@ -88,60 +104,37 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     fn send_for_access(&mut self) -> Option<Action<Event>> {
-        let action = if A::PARTS.contains(Parts::OFFLINE_SET) {
-            self.access.transmit::<true>()
+        if A::PARTS.contains(Parts::OFFLINE_SET) {
+            self.access.transmit::<true, _>()
         } else {
-            self.access.transmit::<false>()
-        };
-        action.map(|action| action.map_event(Event::Access))
+            self.access.transmit::<false, _>()
+        }
     }
 
-    fn withdraw(&mut self) -> Option<Action<Event>> {
+    fn withdraw(&mut self) -> Option<TxToken> {
         if let Some(token) = self.node.lines.withdraw() {
-            return Some(Action::Withdraw(token));
+            return Some(token);
         }
         for (DynamicTimer(index), dynamic) in
             <DynamicTimer as TimerKey<DYNAMIC>>::ALL.into_iter().zip(&mut self.transfers)
         {
             if core::mem::take(&mut dynamic.unwanted) {
-                return Some(Action::Withdraw(lines::dynamic_token(index)));
+                return Some(lines::dynamic_token(index));
             }
         }
         None
-    }
-
-    fn set_mode(&mut self) -> Option<Action<Event>> {
-        if !core::mem::take(&mut self.mode_due) {
-            return None;
-        }
-        let listen_only = self.detection.listens();
-        Some(Action::Link(LinkCommand::SetMode(Mode { bit_rate: self.port.active, listen_only })))
     }
 
     fn must_set_filter(&self) -> bool {
         self.node.changed.contains(Changed::FILTER) && self.access.is_online()
     }
 
-    fn set_filter(&mut self) -> Option<Action<Event>> {
-        if !self.must_set_filter() {
-            return None;
-        }
-        self.node.changed.remove(Changed::FILTER);
-        Some(Action::Link(LinkCommand::SetFilter(self.filter())))
-    }
-
     /// What the slave needs to hear on line.
     pub(crate) fn filter(&self) -> link_core::FilterSet {
         let mac = self.access.mac_id();
-        let strobe = self
-            .node
-            .master
-            .filter(|_| self.node.held.contains(cip_core::message::AllocationChoice::BIT_STROBE));
-        let group = self
-            .node
-            .held
-            .contains(cip_core::message::AllocationChoice::MULTICAST_POLL)
-            .then_some(self.node.group);
+        let held = self.node.held.intersection(A::IO);
+        let strobe = self.node.master.filter(|_| held.contains(AllocationChoice::BIT_STROBE));
+        let group = held.contains(AllocationChoice::MULTICAST_POLL).then_some(self.node.group);
         if DYNAMIC == 0 {
             return crate::id::group2_only_server(mac, strobe, group);
         }
