@@ -2,12 +2,12 @@
 
 use core::fmt;
 
-use link_core::TxOutcome;
 use link_core::link::LinkCommandKind;
+use link_core::{Frame, TxOutcome};
 
 use super::state::{Cause, StateKind};
 use crate::id::{Identifier, MacId};
-use crate::message::{Direction, DuplicateMacCheck, ParseError};
+use crate::message::{CommunicationFaultedRequest, Direction, DuplicateMacCheck, ParseError, Wire};
 
 /// What happened.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -70,8 +70,10 @@ pub enum AccessEvent {
     BadFrame {
         /// Where it was.
         id: Identifier,
-        /// What is wrong with it.
-        error: ParseError,
+        /// Its data, and zeros. [`error`](AccessEvent::error) says what is wrong with them.
+        data: [u8; Frame::MAX_DATA],
+        /// How many bytes it had.
+        len: u8,
     },
     /// Frames were lost before they could be looked at: a duplicate may have gone unnoticed.
     FramesLost {
@@ -80,6 +82,20 @@ pub enum AccessEvent {
     },
     /// The port cannot do what it was asked.
     LinkRefused(LinkCommandKind),
+}
+
+impl AccessEvent {
+    /// What is wrong with a [`BadFrame`](Self::BadFrame).
+    #[must_use]
+    pub fn error(&self) -> Option<ParseError> {
+        let Self::BadFrame { id, data, len } = self else { return None };
+        let field = data.get(..usize::from(*len))?;
+        if *id == Identifier::COMMUNICATION_FAULTED_REQUEST {
+            CommunicationFaultedRequest::parse(field).err()
+        } else {
+            DuplicateMacCheck::parse(field).err()
+        }
+    }
 }
 
 /// The frames that network access sends.
@@ -150,7 +166,10 @@ impl fmt::Display for AccessEvent {
             }
             Self::Identify { on: true } => f.write_str("identify on"),
             Self::Identify { on: false } => f.write_str("identify off"),
-            Self::BadFrame { id, error } => write!(f, "bad frame on {id}: {error}"),
+            Self::BadFrame { id, .. } => {
+                write!(f, "bad frame on {id}")?;
+                self.error().map_or(Ok(()), |error| write!(f, ": {error}"))
+            }
             Self::FramesLost { count } => write!(f, "{count} frames lost"),
             Self::LinkRefused(kind) => write!(f, "{kind:?} refused"),
         }

@@ -8,7 +8,7 @@ use super::event::{AccessEvent, Outgoing};
 use super::machine::{Access, Fate, InFlight, Listening, Timer, count};
 use super::state::{Cause, CheckRequest, Fault, SecondRequest, SendStage, State};
 use crate::id::Identifier;
-use crate::message::{Direction, DuplicateMacCheck, ParseError, Wire};
+use crate::message::{Direction, DuplicateMacCheck, Wire};
 
 impl Access {
     pub(super) fn frame<const OFFLINE_SET: bool>(&mut self, frame: &Frame) {
@@ -40,15 +40,12 @@ impl Access {
 
     /// A frame on the identifier of the own check.
     fn check(&mut self, id: Identifier, data: &[u8]) {
-        let other = match DuplicateMacCheck::parse(data) {
-            Ok(check) => Some(check),
-            Err(error) => {
-                self.bad_frame(id, error);
-                None
+        let other = DuplicateMacCheck::parse(data).ok();
+        if other.is_none() {
+            self.bad_frame(id, data);
+            if !self.config.accept_bad_dlc {
+                return;
             }
-        };
-        if other.is_none() && !self.config.accept_bad_dlc {
-            return;
         }
         // Without a first byte it is taken for a request, which is answered on line instead of obeyed.
         let direction = data.first().map_or(Direction::Request, |&byte| Direction::of(byte));
@@ -233,8 +230,14 @@ impl Access {
         self.counters.discarded = self.counters.discarded.saturating_add(1);
     }
 
-    pub(super) fn bad_frame(&mut self, id: Identifier, error: ParseError) {
+    pub(super) fn bad_frame(&mut self, id: Identifier, field: &[u8]) {
         count(&mut self.counters.bad_frames);
-        self.raise(AccessEvent::BadFrame { id, error });
+        let mut data = [0; Frame::MAX_DATA];
+        for (to, from) in data.iter_mut().zip(field) {
+            *to = *from;
+        }
+        // It is from a frame.
+        let len = u8::try_from(field.len()).unwrap_or(u8::MAX);
+        self.raise(AccessEvent::BadFrame { id, data, len });
     }
 }

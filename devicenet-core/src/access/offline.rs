@@ -25,9 +25,8 @@ use crate::message::{
 
 impl Access {
     pub(super) fn communication_faulted(&mut self, data: &[u8]) {
-        let request = match CommunicationFaultedRequest::parse(data) {
-            Ok(request) => request,
-            Err(error) => return self.bad_frame(Identifier::COMMUNICATION_FAULTED_REQUEST, error),
+        let Ok(request) = CommunicationFaultedRequest::parse(data) else {
+            return self.bad_frame(Identifier::COMMUNICATION_FAULTED_REQUEST, data);
         };
         match request {
             CommunicationFaultedRequest::Who(WhoRequest { nodes, delay_offset }) if self.is_meant(nodes) => {

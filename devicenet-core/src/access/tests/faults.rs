@@ -106,7 +106,8 @@ fn a_check_of_a_wrong_length_counts_as_a_duplicate() {
         bus.is(StateKind::CommFault);
         bus.tells(AccessEvent::Duplicate { direction: Direction::Request, other: None });
         assert_eq!(bus.node.counters().bad_frames, 1);
-        assert!(bus.events.iter().any(|event| matches!(event, AccessEvent::BadFrame { .. })));
+        let error = bus.events.iter().find_map(AccessEvent::error).unwrap();
+        assert_eq!(Err(error), DuplicateMacCheck::parse(data), "the event says what is wrong");
 
         let mut bus = Bus::online(config());
         bus.hears(CHECK, data);
