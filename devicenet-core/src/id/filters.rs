@@ -62,7 +62,8 @@ pub fn ucmm_requests() -> Filter {
 
 /// A master: its own check, UCMM responses and heartbeats of all nodes (0x740-0x77F), and of each slave the explicit
 /// responses (`0x403 + 8s`, and `0x600 + s` to `0x700 + s` on connections that the UCMM opened) and all I/O
-/// (`0x300 + s`, `0x340 + s`, `0x380 + s`, `0x3C0 + s`). More than three slaves are not told apart from other slaves.
+/// (`0x300 + s`, `0x340 + s`, `0x380 + s`, `0x3C0 + s`); and the poll commands to it (`0x405 + 8s`), which only another
+/// master that takes it for its own would send. More than three slaves are not told apart from other slaves.
 #[must_use]
 pub fn master(node: MacId, slaves: impl IntoIterator<Item = MacId>) -> FilterSet {
     let mut filters = duplicate_mac_check(node);
@@ -73,11 +74,13 @@ pub fn master(node: MacId, slaves: impl IntoIterator<Item = MacId>) -> FilterSet
             let mut widened = common;
             widened.add(Filter::standard(Identifier::multicast_poll_response(MacId::MIN).into(), 0x700));
             widened.add(Filter::standard(Identifier::explicit_response(MacId::MIN).into(), 0x607));
+            widened.add(Filter::standard(Identifier::poll_command(MacId::MIN).into(), 0x607));
             widened.add(Filter::standard(standard_id(GROUP_3), GROUP_3));
             return widened;
         }
         filters.add(Filter::standard(Identifier::multicast_poll_response(slave).into(), 0x73F));
-        filters.add(exact(Identifier::explicit_response(slave)));
+        // Message IDs 3 and 5, and with them 1 and 7.
+        filters.add(Filter::standard(Identifier::explicit_response(slave).into(), 0x7F9));
         // Any Message ID of Group 3.
         filters.add(Filter::standard(standard_id(GROUP_3 | u16::from(slave.number())), GROUP_3 | 0x3F));
     }
@@ -139,8 +142,10 @@ mod tests {
     #[test]
     fn a_master_hears_its_slaves() {
         let ids = accepted(&master(mac(0), [mac(37)]));
-        let expected =
-            [0x325, 0x365, 0x3A5, 0x3E5, 0x407, 0x52B, 0x625, 0x665, 0x6A5, 0x6E5, 0x725, 0x7A5, 0x7E5];
+        let expected = [
+            0x325, 0x365, 0x3A5, 0x3E5, 0x407, 0x529, 0x52B, 0x52D, 0x52F, 0x625, 0x665, 0x6A5, 0x6E5, 0x725,
+            0x7A5, 0x7E5,
+        ];
         assert!(ids.iter().copied().filter(|raw| !(0x740..=0x77F).contains(raw)).eq(expected));
         assert_eq!(ids.len(), expected.len() + 64);
     }
@@ -155,11 +160,12 @@ mod tests {
                 Identifier::bit_strobe_response(slave),
                 Identifier::poll_response(slave),
                 Identifier::explicit_response(slave),
+                Identifier::poll_command(slave),
             ] {
                 assert!(ids.contains(&id.raw()), "{id}");
             }
         }
-        assert!(!ids.contains(&Identifier::poll_command(mac(5)).raw()));
+        assert!(!ids.contains(&Identifier::explicit_request(mac(5)).raw()));
     }
 
     #[test]

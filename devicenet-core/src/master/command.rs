@@ -227,6 +227,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         if !slot.is_running() {
             return Err(CommandError::NotRunning);
         }
+        slot.end_verification(&self.config, own);
         if slot.talk.stage != TalkStage::Idle || slot.conversation.is_busy() {
             return Err(CommandError::Busy);
         }
@@ -251,7 +252,9 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     pub fn response(&self, slave: MacId) -> Option<Response<'_>> {
         let slot = self.slot(slave)?;
         match slot.talk.stage {
-            TalkStage::Idle | TalkStage::Closing => Response::parse(&slot.talk.data).ok(),
+            TalkStage::Idle | TalkStage::Closing | TalkStage::Verifying => {
+                Response::parse(&slot.talk.data).ok()
+            }
             TalkStage::Connecting | TalkStage::Asking { .. } => None,
         }
     }

@@ -193,12 +193,35 @@ impl<const N: usize> Slot<N> {
             | Stage::Configuring(_)
             | Stage::Running => AllocationChoice::empty(),
         };
-        count(&mut self.counters.attempts_failed);
-        self.wait(cause, status, back_off(config, self.failures));
-        self.failures = self.failures.saturating_add(1);
+        self.retreat(config, cause, status);
         if !held.is_empty() {
             self.let_go(config, own, held);
         }
+    }
+
+    /// The slave has let another master allocate it: whatever this one had there is gone, or it would have refused. Nothing
+    /// is released, for it might be the other's, but for a connection that the UCMM opened.
+    pub(super) fn taken_over(&mut self, config: &Config, own: MacId) {
+        match self.stage {
+            // An answer of its own is on the way.
+            Stage::Offline | Stage::Waiting | Stage::Contacting(_) => return,
+            Stage::Configuring(_) => {}
+            Stage::Running => {
+                count(&mut self.counters.timeouts);
+                self.abandon_talk();
+            }
+        }
+        self.retreat(config, Cause::OwnedByAnother, ScannerStatus::INITIALISATION_REFUSED);
+        if self.opened.is_some() {
+            self.let_go(config, own, AllocationChoice::EXPLICIT);
+        }
+    }
+
+    /// One more attempt has failed: the pause before the next is longer.
+    fn retreat(&mut self, config: &Config, cause: Cause, status: ScannerStatus) {
+        count(&mut self.counters.attempts_failed);
+        self.wait(cause, status, back_off(config, self.failures));
+        self.failures = self.failures.saturating_add(1);
     }
 
     /// What is allocated at a step. A Release of anything more would be refused as a whole.

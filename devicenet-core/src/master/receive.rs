@@ -2,9 +2,12 @@
 
 use core::time::Duration;
 
+use cip_core::code::ServiceCode;
 use cip_core::fragment::{IO_UNFRAGMENTED_LEN, IoOutcome};
+use cip_core::message::Response;
 use link_core::Frame;
 
+use super::config::Config;
 use super::event::{SlaveEvent, count, count32};
 use super::machine::Master;
 use super::scan_list::IoInstance;
@@ -13,7 +16,7 @@ use super::state::{Cause, Stage};
 use super::status::ScannerStatus;
 use crate::client::Progress;
 use crate::id::{Identifier, MacId, Purpose};
-use crate::message::{Direction, Heartbeat, Shutdown, Wire};
+use crate::message::{Direction, ExplicitMessage, Heartbeat, Shutdown, Wire};
 
 impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     pub(super) fn frame(&mut self, frame: &Frame) {
@@ -30,6 +33,14 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             Purpose::ChangeOfState => self.io(slave, IoInstance::StateChange, frame.data()),
             Purpose::MulticastPollResponse => self.io(slave, IoInstance::MulticastPoll, frame.data()),
             Purpose::ExplicitResponse | Purpose::UnconnectedResponse if self.broadcast(slave, frame) => {}
+            Purpose::ExplicitResponse if self.is_others_allocation(frame) => {
+                count32(&mut self.counters.unrelated);
+                self.with_slot(slave, Slot::taken_over);
+            }
+            Purpose::PollCommand => {
+                count32(&mut self.counters.unrelated);
+                self.with_slot(slave, Slot::verify_owner);
+            }
             _ => self.explicit_frame(slave, frame),
         }
     }
@@ -81,6 +92,24 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             return false;
         }
         true
+    }
+
+    /// A slave answers the Allocate of another master with success. A poll command names no master: two that take the slave
+    /// for theirs would both poll it, and believe its responses, for ever.
+    fn is_others_allocation(&self, frame: &Frame) -> bool {
+        let Ok(message) = ExplicitMessage::parse(frame.data()) else { return false };
+        let allocated = matches!(
+            Response::parse(message.body),
+            Ok(Response::Success { service: ServiceCode::ALLOCATE, .. })
+        );
+        allocated && message.mac != self.access().mac_id()
+    }
+
+    fn with_slot(&mut self, slave: MacId, act: impl FnOnce(&mut Slot<MESSAGE>, &Config, MacId)) {
+        let own = self.access().mac_id();
+        let Some(place) = self.place(slave) else { return };
+        let Some(slot) = self.slots.get_mut(place) else { return };
+        act(slot, &self.config, own);
     }
 
     fn explicit_frame(&mut self, slave: MacId, frame: &Frame) {

@@ -70,6 +70,8 @@ pub(super) enum TalkStage {
     Asking { reconnect: bool },
     /// The response is there; the connection that the UCMM opened for it is closed.
     Closing,
+    /// The application asked nothing: the slave is asked whose it is.
+    Verifying,
 }
 
 /// What a slave, or a multicast group, consumes.

@@ -103,7 +103,7 @@ pub enum Cause {
     Connected,
     /// Nobody answered.
     NoAnswer,
-    /// It is another master's.
+    /// It is another master's: it says so, or lets that master allocate it.
     OwnedByAnother,
     /// It answered with an error that cannot be worked around.
     Refused,
@@ -200,6 +200,7 @@ impl fmt::Display for Edge {
 /// | Configuring | connections established | Running |
 /// | Running | timed out | Waiting |
 /// | Running | duplicate MAC ID check heard | Waiting |
+/// | Running | owned by another master | Waiting |
 /// | Waiting | commanded | Waiting |
 /// | Contacting | commanded | Waiting |
 /// | Configuring | commanded | Waiting |
@@ -227,6 +228,7 @@ pub const EDGES: &[Edge] = {
         edge(Configuring, Established, Running),
         edge(Running, TimedOut, Waiting),
         edge(Running, CheckHeard, Waiting),
+        edge(Running, OwnedByAnother, Waiting),
         edge(Waiting, Commanded, Waiting),
         edge(Contacting, Commanded, Waiting),
         edge(Configuring, Commanded, Waiting),

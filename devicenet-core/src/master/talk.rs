@@ -9,10 +9,12 @@ use cip_core::codec::{Wire, Writer};
 use cip_core::message::{AllocationChoice, AttributeRequest, Request, Response};
 use heapless::Vec;
 
+use super::bring_up::refusal;
 use super::config::Config;
 use super::door;
 use super::event::{SlaveEvent, count};
 use super::slot::{Slot, TalkStage};
+use super::state::Cause;
 use crate::client::{Failure, Route, StartError};
 use crate::id::MacId;
 
@@ -83,6 +85,34 @@ impl<const N: usize> Slot<N> {
                 self.close(config, own);
             }
             TalkStage::Closing => self.talk.stage = TalkStage::Idle,
+            TalkStage::Verifying => {
+                self.end_verification(config, own);
+                if refusal(response) == Cause::OwnedByAnother {
+                    return self.taken_over(config, own);
+                }
+                self.reconnected(config, own, response);
+            }
+        }
+    }
+
+    /// Somebody else polls the slave. Either it is another master's, which this one has not heard, or that one has not heard
+    /// that it lost the slave: an Allocate of the explicit connection tells which. An application that asks something
+    /// meanwhile comes first; the next poll of the other is soon enough.
+    pub(super) fn verify_owner(&mut self, config: &Config, own: MacId) {
+        let is_free = self.talk.stage == TalkStage::Idle && !self.conversation.is_busy();
+        if self.is_running() && !self.ucmm && is_free {
+            self.talk.stage = TalkStage::Verifying;
+            self.ask_port(config, own, &door::allocate_explicit(own), config.tries);
+        }
+    }
+
+    /// Back to the explicit connection, whatever the slave would have said.
+    pub(super) fn end_verification(&mut self, config: &Config, own: MacId) {
+        if self.talk.stage == TalkStage::Verifying {
+            self.talk.stage = TalkStage::Idle;
+            let route = Route::predefined(own, self.entry.mac_id, self.format);
+            self.conversation.reroute(route, config.connected);
+            self.keep_time();
         }
     }
 
@@ -123,6 +153,7 @@ impl<const N: usize> Slot<N> {
                 self.close(config, own);
             }
             (TalkStage::Closing, _) => self.talk.stage = TalkStage::Idle,
+            (TalkStage::Verifying, _) => self.end_verification(config, own),
             (TalkStage::Idle, _) => {}
         }
     }
@@ -131,7 +162,7 @@ impl<const N: usize> Slot<N> {
     pub(super) fn abandon_talk(&mut self) {
         match self.talk.stage {
             TalkStage::Connecting | TalkStage::Asking { .. } => self.end_talk(Err(Failure::NoResponse)),
-            TalkStage::Idle | TalkStage::Closing => self.talk.stage = TalkStage::Idle,
+            TalkStage::Idle | TalkStage::Closing | TalkStage::Verifying => self.talk.stage = TalkStage::Idle,
         }
         self.opened = None;
     }

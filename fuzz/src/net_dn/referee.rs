@@ -25,8 +25,9 @@ struct Observed {
     asked: Vec<u8>,
     command: Option<(Option<u8>, Vec<u8>)>,
     output: u8,
-    /// Of a master: the last poll response of each MAC ID that it heard.
+    /// Of a master: the last poll response of each MAC ID that it heard, and whose Allocate each answered last with success.
     heard: Vec<(u8, Vec<u8>)>,
+    allocated: Vec<(u8, u8)>,
 }
 
 impl Referee {
@@ -52,9 +53,12 @@ impl Referee {
         self.nodes[at].owner
     }
 
-    /// Whether a slave has been of that master before.
-    pub(super) fn was_owner(&self, at: usize, master: u8) -> bool {
-        self.nodes[at].former.contains(&master)
+    /// Whether that master owned a slave before, and has not heard that it is another's now.
+    pub(super) fn has_missed(&self, master: u8, at: usize, owner: u8) -> bool {
+        let slave = &self.nodes[at];
+        let is_former = slave.former.contains(&master);
+        let knows = |node: &Observed| node.mac == master && node.allocated.contains(&(slave.mac, owner));
+        is_former && !self.nodes.iter().any(knows)
     }
 
     /// A node sends a frame to its end.
@@ -95,6 +99,11 @@ impl Referee {
         if id == 0x405 | mac << 3 {
             node.command = Some((sender, data.to_vec()));
         }
+        if let (0x403, [header, 0xCB, _]) = (id & !0x1F8, data) {
+            let slave = (id >> 3 & 0x3F) as u8;
+            node.allocated.retain(|(other, _)| *other != slave);
+            node.allocated.push((slave, header & 0x3F));
+        }
         if id & !0x3F == 0x3C0 {
             let slave = (id & 0x3F) as u8;
             node.heard.retain(|(other, _)| *other != slave);
@@ -117,18 +126,19 @@ impl Referee {
         node.owner = owner;
     }
 
-    /// A slave has consumed a command. Its identifier does not tell who sent it: a master that has not noticed yet that it
-    /// lost the slave is obeyed as well, a stranger is not.
+    /// A slave has consumed a command. Its identifier does not tell who sent it: a master that did not hear that it lost the
+    /// slave is obeyed as well, a stranger is not.
     pub(super) fn consumed(&mut self, at: usize) {
-        let node = &mut self.nodes[at];
+        let node = &self.nodes[at];
         let (sender, data) = node.command.clone().expect("it heard one");
-        let was_owner = sender.is_some_and(|sender| node.former.contains(&sender));
+        let missed = |(sender, owner)| self.has_missed(sender, at, owner);
+        let is_deaf = sender.zip(node.owner).is_some_and(missed);
         assert!(
-            sender == node.owner || was_owner,
+            sender == node.owner || is_deaf,
             "slave {} obeys another than its owner: {sender:?}",
             node.mac
         );
-        node.output = data[0];
+        self.nodes[at].output = data[0];
     }
 
     /// The output of a slave: that of the last command, or at rest.
@@ -163,6 +173,7 @@ impl Observed {
             command: None,
             output: 0,
             heard: Vec::new(),
+            allocated: Vec::new(),
         }
     }
 }

@@ -56,6 +56,7 @@ fn every_edge_is_taken() {
         make().wait(60_000);
     }
     contacting().hears("5FB: 04 94 0C 01");
+    Bus::running(config()).hears("5FB: 05 CB 00");
     let mut bus = contacting();
     while !bus.events.iter().any(|event| event.ends_with("no answer")) {
         bus.try_sends("5FE: 04 4B 03 01 01 04");

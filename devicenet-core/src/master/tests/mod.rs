@@ -9,5 +9,6 @@ mod explicit;
 mod io;
 mod loss;
 mod node;
+mod ownership;
 mod replacement;
 mod storage;

@@ -1,0 +1,111 @@
+//! Two masters that want the same slave.
+
+use cip_core::code::{AttributeId, ClassId, InstanceId};
+use cip_core::message::AttributeRequest;
+use link_core::{Input, TxOutcome, TxToken};
+
+use super::super::*;
+use super::bus::{Bus, config, mac};
+
+/// A poll command names no master. So this one stops when it hears that the slave let another allocate it, and asks for
+/// it again after pauses.
+#[test]
+fn a_slave_that_lets_another_master_allocate_it_is_given_up() {
+    for allocated in ["5FB: 05 CB 00", "5FB: 45 CB 01"] {
+        let mut bus = Bus::running(config());
+        bus.command(|master, _| master.set_run(true));
+        bus.hears(allocated);
+        bus.tells("slave 63: Running -> Waiting: owned by another master");
+        bus.is(63, SlaveState::Waiting, ScannerStatus::INITIALISATION_REFUSED);
+        assert_eq!(bus.withdrawn, [TxToken(0x1002)], "the poll that was on its way");
+        bus.takes();
+        bus.input(Input::TxDone(TxToken(0x1002), TxOutcome::Withdrawn));
+        bus.hears("3FF: 34 12");
+        assert_eq!(bus.master.input_data(mac(63), IoInstance::Poll), None, "it is for the other");
+        assert_eq!(bus.master.slave_counters(mac(63)).unwrap().timeouts, 1);
+        for pause in [1000, 2000, 4000] {
+            bus.wait(pause - 1);
+            bus.sends_nothing();
+            bus.wait(1);
+            let xid = if pause == 2000 { "04" } else { "44" };
+            bus.sends(&std::format!("5FE: {xid} 4B 03 01 01 04"));
+            bus.hears(&std::format!("5FB: {xid} 94 0C 01"));
+            bus.is(63, SlaveState::Waiting, ScannerStatus::INITIALISATION_REFUSED);
+        }
+    }
+}
+
+/// The same while it is configured; nothing is released, for it would be the other's.
+#[test]
+fn a_slave_that_is_configured_and_taken_by_another_is_not_released() {
+    let mut bus = Bus::online(config(), &[super::bus::polled()]);
+    bus.sends("5FE: 04 4B 03 01 01 04");
+    bus.hears("5FB: 04 CB 00");
+    bus.sends("5FC: 44 10 05 01 0C 03");
+    bus.hears("5FB: 05 CB 00");
+    bus.is(63, SlaveState::Waiting, ScannerStatus::INITIALISATION_REFUSED);
+    bus.wait(999);
+    bus.sends_nothing();
+}
+
+/// What is no allocation of another changes nothing: a refusal, a release, the master's own late answer, a heartbeat.
+#[test]
+fn other_answers_to_other_masters_are_nothing() {
+    let mut bus = Bus::running(config());
+    for other in ["5FB: 05 94 0C 01", "5FB: 05 CC", "5FB: 04 CB 00", "5FB: 85 CB 00", "5FB: 05 8E 00"] {
+        bus.hears(other);
+        bus.is(63, SlaveState::Running, ScannerStatus::NORMAL);
+    }
+}
+
+/// Somebody else polls slave 63, and this master did not hear why.
+#[track_caller]
+fn verifying() -> Bus {
+    let mut bus = Bus::running(Config { interscan_delay: core::time::Duration::from_secs(60), ..config() });
+    bus.sends("5FD:");
+    bus.hears("3FF: 34 12");
+    bus.hears("5FD: 77");
+    bus.sends("5FE: 44 4B 03 01 01 04");
+    bus
+}
+
+/// It was taken by another while the master was deaf.
+#[test]
+fn a_slave_that_another_polls_is_asked_whose_it_is() {
+    let mut bus = verifying();
+    bus.hears("5FB: 44 94 0C 01");
+    bus.tells("slave 63: Running -> Waiting: owned by another master");
+    bus.is(63, SlaveState::Waiting, ScannerStatus::INITIALISATION_REFUSED);
+}
+
+/// The other has not heard that it lost the slave: nothing changes, and the explicit connection works.
+#[test]
+fn a_slave_that_another_polls_and_that_is_this_masters_runs_on() {
+    for answer in ["94 0B 02", "CB 00", "94 0B FF"] {
+        let mut bus = verifying();
+        bus.hears(&std::format!("5FB: 44 {answer}"));
+        bus.is(63, SlaveState::Running, ScannerStatus::NORMAL);
+        let vendor = AttributeRequest::get(ClassId::IDENTITY, InstanceId(1), AttributeId(1));
+        bus.command(|master, now| master.request_attribute(now, mac(63), &vendor, 1)).unwrap();
+        bus.sends("5FC: 04 0E 01 01 01");
+        bus.hears("5FB: 04 8E E7 03");
+        bus.tells("slave 63: response");
+    }
+}
+
+/// The application need not know of it; and without an answer the watchdog judges.
+#[test]
+fn the_application_goes_before_the_question_whose_a_slave_is() {
+    let mut bus = verifying();
+    let vendor = AttributeRequest::get(ClassId::IDENTITY, InstanceId(1), AttributeId(1));
+    bus.command(|master, now| master.request_attribute(now, mac(63), &vendor, 1)).unwrap();
+    bus.sends("5FC: 04 0E 01 01 01");
+    bus.hears("5FB: 44 94 0C 01");
+    bus.is(63, SlaveState::Running, ScannerStatus::NORMAL);
+    bus.hears("5FB: 04 8E E7 03");
+    bus.tells("slave 63: response");
+
+    let mut bus = verifying();
+    bus.wait(320);
+    bus.tells("slave 63: Running -> Waiting: timed out");
+}
