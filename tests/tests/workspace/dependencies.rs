@@ -6,11 +6,12 @@ use cargo_metadata::{DependencyKind, MetadataCommand};
 use devicenet_tests::workspace_root;
 
 /// Each crate, and the crates of this workspace that it may depend on.
-const MAY_SEE: [(&str, &[&str]); 7] = [
+const MAY_SEE: [(&str, &[&str]); 8] = [
     ("link-core", &[]),
     ("cip-core", &["link-core"]),
     ("devicenet-core", &["link-core", "cip-core"]),
     ("transport-mock", &["link-core"]),
+    ("transport-socketcan", &["link-core"]),
     ("devicenet-cli", &["link-core", "cip-core", "devicenet-core", "transport-mock"]),
     ("devicenet-tests", &["link-core", "cip-core", "devicenet-core", "transport-mock", "devicenet-cli"]),
     (

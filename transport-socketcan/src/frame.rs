@@ -1,0 +1,79 @@
+//! Frames as the kernel has them, and as a machine has them.
+
+use link_core::{ExtendedId, Frame, Id, StandardId};
+use socketcan::CanFrame;
+
+/// A data or remote frame of the kernel; `None` for an error frame, or one that no bus can carry.
+///
+/// `len8_dlc` is the data length code on the wire where that is above 8.
+pub(crate) fn from_kernel(raw: &libc::can_frame) -> Option<Frame> {
+    if raw.can_id & libc::CAN_ERR_FLAG != 0 {
+        return None;
+    }
+    let id: Id = if raw.can_id & libc::CAN_EFF_FLAG != 0 {
+        ExtendedId::new(raw.can_id & libc::CAN_EFF_MASK)?.into()
+    } else {
+        StandardId::new(u16::try_from(raw.can_id & libc::CAN_SFF_MASK).ok()?)?.into()
+    };
+    let code = if raw.can_dlc == 8 && raw.len8_dlc > 8 { raw.len8_dlc } else { raw.can_dlc };
+    if raw.can_id & libc::CAN_RTR_FLAG != 0 {
+        return Frame::remote(id, code);
+    }
+    match code {
+        0..=8 => Frame::new(id, raw.data.get(..usize::from(code))?),
+        _ => Frame::with_dlc(id, code, raw.data),
+    }
+}
+
+/// The frame for the kernel. It is sent with a data length code of at most 8.
+pub(crate) fn to_kernel(frame: &Frame) -> Option<CanFrame> {
+    frame.to_can()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use socketcan::frame::can_frame_default;
+
+    fn raw(can_id: u32, can_dlc: u8, len8_dlc: u8) -> libc::can_frame {
+        let mut raw = can_frame_default();
+        (raw.can_id, raw.can_dlc, raw.len8_dlc, raw.data) =
+            (can_id, can_dlc, len8_dlc, [1, 2, 3, 4, 5, 6, 7, 8]);
+        raw
+    }
+
+    // linux/can.h: bit 31 extended, bit 30 remote, bit 29 error.
+    #[test]
+    fn the_upper_bits_say_what_it_is() {
+        assert_eq!(from_kernel(&raw(0x52F, 2, 0)).unwrap().to_string(), "52F [2] 01 02");
+        assert_eq!(from_kernel(&raw(0x8000_052F, 1, 0)).unwrap().to_string(), "0000052F [1] 01");
+        assert_eq!(from_kernel(&raw(0x4000_052F, 8, 0)).unwrap().to_string(), "52F [8] remote");
+        assert_eq!(from_kernel(&raw(0x2000_0004, 8, 0)), None);
+    }
+
+    #[test]
+    fn a_length_code_above_eight_is_kept() {
+        assert_eq!(from_kernel(&raw(0x52F, 8, 15)).unwrap().dlc(), 15);
+        assert_eq!(from_kernel(&raw(0x52F, 7, 15)).unwrap().dlc(), 7, "it counts for eight bytes only");
+        assert_eq!(from_kernel(&raw(0x52F, 8, 16)), None);
+    }
+
+    proptest! {
+        #[test]
+        fn there_and_back(id in 0..0x2000_0000_u32, extended: bool, remote: bool, data in prop::collection::vec(any::<u8>(), 0..=8)) {
+            let id: Id = if extended {
+                ExtendedId::new(id).unwrap().into()
+            } else {
+                StandardId::new(u16::try_from(id & 0x7FF).unwrap()).unwrap().into()
+            };
+            let frame = if remote { Frame::remote(id, u8::try_from(data.len()).unwrap()) } else { Frame::new(id, &data) };
+            let raw: libc::can_frame = match to_kernel(&frame.unwrap()).unwrap() {
+                CanFrame::Data(frame) => *frame.as_ref(),
+                CanFrame::Remote(frame) => *frame.as_ref(),
+                CanFrame::Error(_) => unreachable!(),
+            };
+            prop_assert_eq!(from_kernel(&raw), frame);
+        }
+    }
+}

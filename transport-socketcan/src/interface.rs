@@ -1,0 +1,165 @@
+//! A CAN interface of the machine: what it is, and what netlink can do to it.
+
+use std::fs;
+use std::io;
+
+use link_core::{BitRate, Mode};
+use socketcan::CanInterface;
+use socketcan::nl::{CanCtrlMode, CanState};
+
+use crate::error::Error;
+
+/// What an interface is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Kind {
+    /// It has a controller, with a bit rate.
+    Controller {
+        /// `None` before it was set the first time.
+        bit_rate: Option<BitRate>,
+        /// It neither sends nor acknowledges.
+        listen_only: bool,
+    },
+    /// `vcan`, `vxcan`, or an adapter that keeps its bit rate to itself (`slcan`).
+    WithoutBitRate,
+}
+
+/// A CAN interface, by its name. Its index changes when an adapter is unplugged and comes back.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Interface {
+    name: String,
+}
+
+impl Interface {
+    /// Looks an interface up.
+    ///
+    /// # Errors
+    /// [`Error::NoInterface`] and [`Error::NotCan`], with the names of those that there are.
+    pub fn find(name: &str) -> Result<Self, Error> {
+        let name = name.to_owned();
+        match hardware_type(&name) {
+            Some(ARPHRD_CAN) => Ok(Self { name }),
+            Some(_) => Err(Error::NotCan { name, present: Self::names() }),
+            None => Err(Error::NoInterface { name, present: Self::names() }),
+        }
+    }
+
+    /// The names of all CAN interfaces.
+    #[must_use]
+    pub fn names() -> Vec<String> {
+        let entries = fs::read_dir(CLASS_NET).into_iter().flatten().flatten();
+        let mut names: Vec<String> = entries
+            .filter_map(|entry| entry.file_name().into_string().ok())
+            .filter(|name| hardware_type(name) == Some(ARPHRD_CAN))
+            .collect();
+        names.sort();
+        names
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Its present index; `None` while it is unplugged.
+    pub(crate) fn index(&self) -> Option<u32> {
+        fs::read_to_string(format!("{CLASS_NET}/{}/ifindex", self.name)).ok()?.trim().parse().ok()
+    }
+
+    /// Whether it is there and up.
+    #[must_use]
+    pub fn is_up(&self) -> bool {
+        let flags = fs::read_to_string(format!("{CLASS_NET}/{}/flags", self.name)).unwrap_or_default();
+        let flags = flags.trim().trim_start_matches("0x");
+        u32::from_str_radix(flags, 16).is_ok_and(|flags| flags & IFF_UP != 0)
+    }
+
+    /// What it is, and in which mode.
+    ///
+    /// # Errors
+    /// What netlink says.
+    pub fn kind(&self) -> io::Result<Kind> {
+        let parameters = self.netlink()?.can_params().map_err(io_error)?;
+        if parameters.state.is_none() {
+            return Ok(Kind::WithoutBitRate);
+        }
+        Ok(Kind::Controller {
+            bit_rate: parameters.bit_timing.map(|timing| BitRate(timing.bitrate)).filter(|rate| rate.0 > 0),
+            listen_only: parameters.ctrl_mode.is_some_and(|modes| modes.has_mode(CanCtrlMode::ListenOnly)),
+        })
+    }
+
+    /// Sets bit rate and mode, for which it goes down and up again. `false`: they were in force already.
+    pub(crate) fn set_mode(&self, mode: Mode) -> io::Result<bool> {
+        match self.kind()? {
+            Kind::WithoutBitRate => return Ok(false),
+            Kind::Controller { bit_rate, listen_only }
+                if (bit_rate, listen_only) == (Some(mode.bit_rate), mode.listen_only) =>
+            {
+                return Ok(false);
+            }
+            Kind::Controller { .. } => {}
+        }
+        if mode.bit_rate.0 == 0 || mode.bit_rate > BitRate::M1 {
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a bit rate of classic CAN"));
+        }
+        let netlink = self.netlink()?;
+        netlink.bring_down().map_err(io_error)?;
+        let set = netlink
+            .set_bitrate(mode.bit_rate.0, None)
+            .and_then(|()| netlink.set_ctrlmode(CanCtrlMode::ListenOnly, mode.listen_only));
+        // Whatever came of it, an interface that was up is not left down.
+        let up = netlink.bring_up();
+        set.and(up).map_err(io_error)?;
+        Ok(true)
+    }
+
+    /// Takes the controller out of bus-off. One that is not off the bus, or an interface that has none, needs nothing.
+    pub(crate) fn restart(&self) -> io::Result<()> {
+        let netlink = self.netlink()?;
+        match netlink.state().map_err(io_error)? {
+            Some(CanState::BusOff) => netlink.restart().map_err(io_error),
+            _ => Ok(()),
+        }
+    }
+
+    fn netlink(&self) -> io::Result<CanInterface> {
+        let index = self.index().ok_or_else(|| io::Error::from_raw_os_error(libc::ENODEV))?;
+        Ok(CanInterface::open_iface(index))
+    }
+}
+
+fn hardware_type(name: &str) -> Option<u32> {
+    // A name with a slash would be another file.
+    if name.contains('/') {
+        return None;
+    }
+    fs::read_to_string(format!("{CLASS_NET}/{name}/type")).ok()?.trim().parse().ok()
+}
+
+/// The kernel's own words, where it said a number.
+fn io_error(error: socketcan::Error) -> io::Error {
+    match error {
+        socketcan::Error::Io(error) => error,
+        other => io::Error::other(other),
+    }
+}
+
+const CLASS_NET: &str = "/sys/class/net";
+/// linux/if_arp.h
+const ARPHRD_CAN: u32 = 280;
+/// linux/if.h
+const IFF_UP: u32 = 1;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_can_interface_is_told_apart() {
+        assert!(matches!(Interface::find("lo"), Err(Error::NotCan { .. })));
+        assert!(matches!(Interface::find("no-such-interface"), Err(Error::NoInterface { .. })));
+        assert!(matches!(Interface::find("../net/lo"), Err(Error::NoInterface { .. })));
+        assert!(matches!(Interface::find(""), Err(Error::NoInterface { .. })));
+    }
+}

@@ -1,0 +1,67 @@
+#![cfg(target_os = "linux")]
+#![cfg_attr(test, allow(clippy::arithmetic_side_effects, clippy::as_conversions, clippy::indexing_slicing))]
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+//! Linux SocketCAN: runs any [`Machine`](link_core::Machine) on a CAN interface of the kernel.
+//!
+//! ```no_run
+//! use core::ops::ControlFlow;
+//! use link_core::drive;
+//! use transport_socketcan::SocketCanPort;
+//! # fn run<M: link_core::Machine>(mut machine: M) -> Result<(), transport_socketcan::Error> {
+//! let mut port = SocketCanPort::open("can0")?;
+//! drive(&mut machine, &mut port, |_, now, event| -> ControlFlow<()> {
+//!     println!("{now:.6} {event:?}");
+//!     ControlFlow::Continue(())
+//! })
+//! # }
+//! ```
+//!
+//! # What the kernel tells, and what a machine hears
+//!
+//! | kernel | machine |
+//! |---|---|
+//! | a frame, with the kernel's time | [`Input::Frame`](link_core::Input::Frame) of that moment |
+//! | the echo of an own frame, marked `MSG_CONFIRM` | [`TxDone(_, Sent)`](link_core::TxOutcome::Sent): it was on the bus and acknowledged |
+//! | the same frame from a twin, unmarked | `Input::Frame`: an echo is never recognised by its content |
+//! | error frame, class bus-off | [`LinkEvent::BusOff`](link_core::LinkEvent::BusOff); frames in flight are `Dropped` |
+//! | error frame, restarted | `Up` |
+//! | error frame, controller | `ErrorWarning`, `ErrorPassive`, `ErrorActive`, `Overrun` |
+//! | error frame, protocol violation, no acknowledge | `BusError` with its kind |
+//! | error frame with counters | `Counters`, before the change of state |
+//! | `SO_RXQ_OVFL` | `Overrun { lost }` |
+//! | `ENETDOWN`, `ENODEV`, `ENXIO` | `Down`; frames in flight are `Dropped`; `Up` when the interface is back, found by its name |
+//! | `ENOBUFS` | nothing: the transmit queue is full, and the frame is offered again |
+//!
+//! The kernel's transmit queue is first in, first out. So that the most urgent frame goes first, the kernel has one frame of
+//! a port at a time; the others wait in the order of their arbitration keys.
+//!
+//! # Bit rate, listen-only, restart
+//!
+//! [`LinkCommand::SetMode`](link_core::LinkCommand::SetMode) and [`Reset`](link_core::LinkCommand::Reset) are carried out
+//! through netlink, which takes the right to administer the network. Without it the machine hears
+//! [`Refused`](link_core::LinkEvent::Refused), and [`SocketCanPort::refusal`] names the `ip link` command that does it.
+//! A mode that is in force already needs no right. A virtual interface has no bit rate, so it has every one.
+//!
+//! # Unsafe code
+//!
+//! One block, in the private module `receive`: `recvmmsg`, for neither the flag `MSG_CONFIRM` nor the count of lost frames
+//! is handed out by a safe interface.
+
+mod error;
+mod error_frame;
+mod frame;
+mod interface;
+mod link;
+mod outbox;
+mod port;
+mod receive;
+mod socket;
+mod stamp;
+#[cfg(feature = "tokio")]
+mod tokio;
+
+pub use error::{Error, Refusal};
+pub use interface::{Interface, Kind};
+pub use port::SocketCanPort;
+#[cfg(feature = "tokio")]
+pub use tokio::{TokioPort, drive};

@@ -1,0 +1,92 @@
+//! The kernel's time of a frame on the clock of the port.
+
+use core::time::Duration;
+
+use link_core::Instant;
+use link_core::time::Clock;
+
+/// Brings the kernel's stamps, which follow the wall clock, to a clock that only goes forward.
+///
+/// The distance of the two clocks is measured now and then. A stamp that would lie before the last known moment, or further
+/// ahead than frames can be told late, says that somebody has set the wall clock: then it is measured again, and the stamp
+/// is held between the last known moment and the present. So no jump of the wall clock reaches a machine.
+#[derive(Debug)]
+pub(crate) struct Stamps {
+    clock: Clock,
+    /// What the wall clock, since 1970, is ahead of ours.
+    ahead: Duration,
+    /// The latest moment that was told or asked for.
+    last: Instant,
+}
+
+impl Stamps {
+    pub(crate) fn start() -> Self {
+        let clock = Clock::start();
+        Self { clock, ahead: wall(), last: Instant::ZERO }
+    }
+
+    /// The latest moment that is known: the present, but for the work since.
+    pub(crate) const fn last(&self) -> Instant {
+        self.last
+    }
+
+    /// The present moment.
+    pub(crate) fn now(&mut self) -> Instant {
+        self.last = self.last.max(self.clock.now());
+        self.last
+    }
+
+    /// The moment of a stamp, since 1970.
+    pub(crate) fn moment(&mut self, stamp: Duration) -> Instant {
+        let at = self.on_our_clock(stamp);
+        if at.is_some_and(|at| at >= self.last && at.saturating_since(self.last) <= TRUSTED) {
+            self.last = at.unwrap_or(self.last);
+            return self.last;
+        }
+        let earliest = self.last;
+        let now = self.now();
+        self.ahead = wall().saturating_sub(now.saturating_since(Instant::ZERO));
+        let at = self.on_our_clock(stamp).unwrap_or(now);
+        // The present was asked for only to hold the stamp to it: frames behind this one are earlier.
+        self.last = at.clamp(earliest, now);
+        self.last
+    }
+
+    fn on_our_clock(&self, stamp: Duration) -> Option<Instant> {
+        Some(Instant::ZERO.saturating_add(stamp.checked_sub(self.ahead)?))
+    }
+}
+
+/// The wall clock since 1970.
+fn wall() -> Duration {
+    std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default()
+}
+
+/// A stamp within this of the last known moment is taken without asking for the present. A wall clock that was set by less
+/// goes unnoticed, and is no more than that ahead.
+const TRUSTED: Duration = Duration::from_millis(10);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stamp_of_now_is_now() {
+        let mut stamps = Stamps::start();
+        let before = stamps.now();
+        let at = stamps.moment(wall());
+        let after = stamps.now();
+        assert!(before <= at && at <= after, "{before} {at} {after}");
+    }
+
+    #[test]
+    fn a_wall_clock_that_was_set_reaches_nobody() {
+        let mut stamps = Stamps::start();
+        for jump in [Duration::from_secs(3600), Duration::from_millis(100)] {
+            let before = stamps.now();
+            let (early, late) = (stamps.moment(wall().saturating_sub(jump)), stamps.moment(wall() + jump));
+            let after = stamps.now();
+            assert!(before <= early && early <= late && late <= after, "{before} {early} {late} {after}");
+        }
+    }
+}
