@@ -55,7 +55,9 @@ impl Bus {
             .collect();
         let names = network.nodes().map(|node| network.name(node).to_owned()).collect();
         let bit = Duration::from_nanos(bit_rate.bit_time_nanos().expect("a rate of DeviceNet"));
-        Self { network, slave, peers, bit, log: Log::new(slave, names, 3 * bit) }
+        let mut bus = Self { network, slave, peers, bit, log: Log::new(slave, names, 3 * bit) };
+        bus.run_until(Instant::ZERO);
+        bus
     }
 
     pub(crate) fn now(&self) -> Instant {
@@ -76,6 +78,14 @@ impl Bus {
     /// The cable of the slave is unplugged.
     pub(crate) fn down(&mut self) {
         self.change(Change::Cut(self.slave));
+    }
+
+    /// The cables of all others are plugged, or unplugged.
+    pub(crate) fn others(&mut self, plugged: bool) {
+        for at in 0..self.peers.len() {
+            let node = self.peers[at].1;
+            self.change(if plugged { Change::Plug(node) } else { Change::Cut(node) });
+        }
     }
 
     /// The controller of the slave starts anew, and gives back what waits in it.

@@ -141,13 +141,19 @@ impl Log {
         for sender in record.senders {
             let name = &self.names[sender.node.index()];
             match sender.outcome {
+                SenderOutcome::Sent => who.push(name.as_str()),
                 SenderOutcome::LostArbitration { bit } => {
                     words.push_str(&format!("  [{name} lost arbitration in bit {bit}]"));
+                    continue;
                 }
-                _ => who.push(name.as_str()),
-            }
-            if sender.outcome != SenderOutcome::Sent {
-                continue;
+                SenderOutcome::Error(kind) => {
+                    words.push_str(&format!("  [{name} met a {kind}]"));
+                    continue;
+                }
+                SenderOutcome::Abandoned => {
+                    words.push_str(&format!("  [{name} broke off]"));
+                    continue;
+                }
             }
             let is_it = |one: &&mut Waiting| one.node == sender.node && one.frame == *record.frame;
             let waiting = self.waiting.iter_mut().find(is_it).expect("it was asked for");

@@ -14,6 +14,7 @@ use std::panic::catch_unwind;
 mod bus;
 mod device;
 mod documents;
+mod exhaustive;
 mod host;
 mod log;
 mod player;

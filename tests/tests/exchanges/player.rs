@@ -3,12 +3,13 @@
 use core::time::Duration;
 
 use devicenet_core::MacId;
+use devicenet_core::access::MacIdSource;
 use devicenet_core::slave::{Config, Options, Slave};
 use devicenet_tests::notation::{bytes, frame};
 use link_core::{BitRate, Instant};
 
 use crate::bus::Bus;
-use crate::device::{Block, Full, device};
+use crate::device::{Block, Full, Odd, device};
 use crate::host::Host;
 use crate::script::{Exchange, spoken};
 
@@ -87,6 +88,7 @@ impl Player {
                 let option = Options::from_name(rest).unwrap_or_else(|| panic!("{}: no option", self.place));
                 self.config.options.toggle(option);
             }
+            "config" => self.configure(rest),
             "start" => self.start(rest),
             ">" | ">>" => self.hears(rest, word == ">>"),
             "<" => self.sends(rest),
@@ -113,6 +115,7 @@ impl Player {
                     bus.spoil(frames);
                     bus.settle();
                 });
+                self.mark = self.bus().now();
             }
             "link" => match rest {
                 "up" => self.act("power on".to_owned(), Bus::up),
@@ -120,6 +123,10 @@ impl Player {
                 "restart" => self.act_now("controller restarted".to_owned(), Bus::restart_controller),
                 _ => panic!("{}: no event", self.place),
             },
+            "others" => {
+                self.overlapping = rest == "off";
+                self.bus().others(rest != "off");
+            }
             "in" => self.act(format!("inputs {rest}"), |bus| {
                 bus.host(|host, now| host.set_inputs(now, &bytes(rest)));
             }),
@@ -149,6 +156,25 @@ impl Player {
             self.start("online");
         }
         self.bus.as_mut().expect("it was started")
+    }
+
+    fn configure(&mut self, what: &str) {
+        let config = &mut self.config;
+        let (what, number) = what.rsplit_once(' ').unwrap_or((what, ""));
+        match (what, number) {
+            ("quick", "connect") => config.access.quick_connect = true,
+            ("general", "failure") => config.failures.group_2_only_failure = true,
+            ("path destination", "unknown") => config.failures.path_destination_unknown = true,
+            ("switches", "") => {
+                config.access.mac_id_source = MacIdSource::Switches;
+                config.bit_rate.from_switches = true;
+            }
+            ("heartbeat", seconds) => config.heartbeat_interval = Some(seconds.parse().expect("seconds")),
+            ("mac", number) => {
+                config.access.mac_id = MacId::new(number.parse().expect("a number")).expect("a MAC ID");
+            }
+            _ => panic!("{}: no such configuration", self.place),
+        }
     }
 
     /// Something is done to the slave: everything before it must have been looked at.
@@ -256,9 +282,10 @@ impl Player {
         }
         self.bus = Some(bus);
         let Some(choice) = words.next() else { return };
-        self.asks(&format!("5FE: 04 4B 03 01 {choice} 04"));
+        let group = 0x400 | u16::from(self.config.access.mac_id.number()) << 3;
+        self.asks(&format!("{:03X}: 04 4B 03 01 {choice} 04", group | 6));
         for instance in words {
-            self.asks(&format!("5FC: 04 10 05 0{instance} 09 50 00"));
+            self.asks(&format!("{:03X}: 04 10 05 0{instance} 09 50 00", group | 4));
         }
         self.bus().log.told.clear();
     }
@@ -281,9 +308,15 @@ impl Player {
                 Host::new(Slave::<_, 64, 0>::new(config, Block::new(device(), &short, 1)).expect(valid))
             }
             "full" => Host::new(Slave::<_, 64, 0>::new(config, Full::new(&short, 1)).expect(valid)),
+            "odd" => {
+                let odd = Odd(Block::new(device(), &short, 1));
+                Host::new(Slave::<_, 64, 0>::new(config, odd).expect(valid))
+            }
+            "longest" => Host::new(Slave::<_, 64, 0>::new(config, Full::new(&short, 448)).expect(valid)),
             "long" => Host::new(Slave::<_, 64, 0>::new(config, Full::new(&long, 10)).expect(valid)),
             "seven" => Host::new(Slave::<_, 64, 0>::new(config, Full::new(&long[..14], 14)).expect(valid)),
             "ucmm" => Host::new(Slave::<_, 64, 3>::new(config, Full::new(&short, 1)).expect(valid)),
+            "crowd" => Host::new(Slave::<_, 64, 16>::new(config, Full::new(&short, 1)).expect(valid)),
             other => panic!("{}: no device {other}", self.place),
         }
     }

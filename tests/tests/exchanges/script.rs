@@ -9,8 +9,10 @@
 //! |---|---|
 //! | `# Name` | an exchange begins |
 //! | `fault: words` | it is a row of the fault matrix; the words say what must hold |
-//! | `device: block`, `full`, `long`, `seven`, `ucmm` | two bytes in and one out by poll; by all connections; 16 in and 10 out; 14 each way; with three connections of the UCMM |
-//! | `option: NAME` | an option is turned over |
+//! | `device: block`, `odd` | two bytes in and one out by poll; with an object of its vendor |
+//! | `device: full`, `long`, `seven`, `longest` | by all connections; 16 in and 10 out; 14 each way; 448 out |
+//! | `device: ucmm`, `crowd` | as `full`, with three or sixteen connections of the UCMM |
+//! | `option: NAME`, `config: heartbeat 2` | an option is turned over; the slave is configured so |
 //! | `start: dark`, `online`, `allocated 03`, `established 03 2 3` | without power; on line; this choice allocated to master 4; and the EPR of these instances 80 ms |
 //! | `> 5FC: 04 0E 01 01 01`, `> 5FD: 01 by stranger` | another node sends this frame, to its end |
 //! | `>> 5FE: 05 4B 03 01 01 05` | another node wants to send this frame, and what follows comes at the same moment |
@@ -23,6 +25,7 @@
 //! | `slow: 20 ms` | the slave takes so long to hand a frame to its controller |
 //! | `spoil: 32` | what the slave hears of the next so many frames is wrong in one bit |
 //! | `link: up`, `down`, `restart` | its power or cable come, its cable goes, its controller starts anew |
+//! | `others: off`, `on` | the cables of all others go, and come |
 //! | `in: 01 02`, `out: 01` | the inputs become, the outputs of poll are |
 //! | `lamp: flashing red` | the network status indicator shows |
 //! | `repeat 3: > 5FD: 01` | the same line several times |
