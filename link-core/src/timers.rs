@@ -56,7 +56,10 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
     /// Starts or restarts a timer. One that is set to [`Instant::MAX`] does not run.
     pub fn set(&mut self, key: K, at: Instant) {
         debug_assert!(key.index() < N, "the index of the timer \"{}\" is not one of {N}", key.why());
-        set(&mut self.at, &mut self.bound, key.index(), at);
+        if let Some(slot) = self.at.get_mut(key.index()) {
+            *slot = at;
+        }
+        self.bound = self.bound.min(at);
     }
 
     /// Starts or restarts a timer that expires `span` from the latest moment that was noted.
@@ -127,14 +130,6 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
 }
 
 // One copy of the code for the timers of all machines.
-
-#[inline(never)]
-fn set(timers: &mut [Instant], bound: &mut Instant, index: usize, at: Instant) {
-    if let Some(slot) = timers.get_mut(index) {
-        *slot = at;
-    }
-    *bound = at.min(*bound);
-}
 
 /// Stops the first of the timers that are over at `now`.
 #[inline(never)]

@@ -231,6 +231,7 @@ impl IoConnection {
         self.state = next;
     }
 
+    #[inline]
     const fn watchdog(&self) -> Watchdog {
         if self.consumes() {
             Watchdog::start(time_out(self.settings.expected_packet_rate, self.settings.multiplier))

@@ -9,8 +9,14 @@ use crate::id::Identifier;
 use crate::message::{self, Direction, DuplicateMacCheck, IdentifyResponse, WhoResponse};
 
 impl Access {
-    pub(crate) fn has_output(&self) -> bool {
+    /// Whether it has something to tell. A step to another state always is.
+    #[inline]
+    pub(crate) const fn has_news(&self) -> bool {
         !self.events.is_empty()
+    }
+
+    pub(crate) fn has_output(&self) -> bool {
+        self.has_news()
             || self.must_withdraw()
             || self.must_restart_controller()
             || self.must_set_filter()

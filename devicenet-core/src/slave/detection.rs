@@ -99,7 +99,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.detection = Detection::Done;
         self.port.stored = self.port.active;
         self.tell_access(now, Input::Link(LinkEvent::Up));
-        self.follow(now);
     }
 }
 

@@ -1,8 +1,10 @@
 //! Who may send: each identifier on which the slave sends is a line with at most one frame in flight.
 
+use cip_core::fragment::IO_UNFRAGMENTED_LEN;
 use link_core::TxToken;
 
-use super::application::IoKind;
+use super::application::{Application, IoKind};
+use super::io::LongMessages;
 use super::transfer::Piece;
 use crate::access::Access;
 use crate::id::{Identifier, MacId};
@@ -63,9 +65,10 @@ pub(super) enum Sent {
 }
 
 impl Lines {
-    /// The I/O line of the highest priority that has something to send and is free.
-    pub(super) fn ready(&self) -> Option<IoKind> {
-        let ready = self.due.union(self.continued).difference(self.in_flight);
+    /// The line of the highest priority, of those for the I/O of `A`, that has something to send and is free.
+    pub(super) fn ready<A: Application>(&self) -> Option<IoKind> {
+        let due = if fragments::<A>() { self.due.union(self.continued) } else { self.due };
+        let ready = due.intersection(all_of::<A>()).difference(self.in_flight);
         if ready.is_empty() {
             return None;
         }
@@ -91,9 +94,9 @@ impl Lines {
     }
 
     /// A frame of the line is handed to the controller.
-    pub(super) fn begin(&mut self, kind: IoKind) {
+    pub(super) fn begin<A: Application>(&mut self, kind: IoKind) {
         let line = of(kind);
-        if self.continued.contains(line) {
+        if fragments::<A>() && self.continued.contains(line) {
             self.continued.remove(line);
         } else {
             self.due.remove(line);
@@ -159,6 +162,24 @@ pub(super) const fn of(kind: IoKind) -> Line {
         IoKind::BitStrobe => Line::BIT_STROBE,
         IoKind::Poll => Line::POLL,
     }
+}
+
+/// The lines for the I/O of an application.
+const fn all_of<A: Application>() -> Line {
+    let mut lines = Line::empty();
+    let mut kinds: &[IoKind] = &IoKind::ALL;
+    while let [kind, rest @ ..] = kinds {
+        if kind.offered::<A>().is_some() {
+            lines = lines.union(of(*kind));
+        }
+        kinds = rest;
+    }
+    lines
+}
+
+/// Whether an I/O message can take more than a frame.
+const fn fragments<A: Application>() -> bool {
+    A::Long::CAPACITY > IO_UNFRAGMENTED_LEN
 }
 
 /// The identifier of a line.

@@ -104,17 +104,26 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
     }
 
+    /// A frame while the node is on line. Most of them are poll commands.
+    #[inline]
     fn frame(&mut self, now: Instant, frame: &Frame) {
-        let Some(id) = Identifier::of_frame(frame).filter(|_| self.online) else {
-            return self.tell_access(now, Input::Frame(*frame));
-        };
+        match Identifier::of_frame(frame) {
+            Some(id) if id == Identifier::poll_command(self.access.mac_id()) && !self.is_dynamic(id) => {
+                self.command(id, IoKind::Poll, frame.data());
+            }
+            Some(id) => self.frame_besides_poll(now, id, frame),
+            None => self.tell_access(now, Input::Frame(*frame)),
+        }
+    }
+
+    #[inline(never)]
+    fn frame_besides_poll(&mut self, now: Instant, id: Identifier, frame: &Frame) {
         if self.is_dynamic(id) {
             return self.dynamic_frame(now, id, frame.data());
         }
         // In group 2 the Message ID is below the MAC ID.
         let own = Identifier::bit_strobe_command(self.access.mac_id());
         match id.raw() ^ own.raw() {
-            5 => self.command(id, IoKind::Poll, frame.data()),
             4 => self.explicit_frame(now, id, frame.data()),
             6 => self.unconnected_frame(id, frame.data()),
             7 => self.tell_access(now, Input::Frame(*frame)),
@@ -236,19 +245,43 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
     }
 
+    /// An input other than a frame on line.
+    #[inline(never)]
+    fn other_input(&mut self, now: Instant, input: Input) {
+        if A::PARTS.contains(Parts::BIT_RATE_DETECTION) && self.detection.is_running() {
+            return self.detect(now, input);
+        }
+        match input {
+            Input::Frame(_) => self.tell_access(now, input),
+            Input::TxDone(token, outcome) => self.tx_done(now, token, outcome),
+            Input::Link(event) => self.link(now, event),
+            Input::Tick => {}
+        }
+    }
+
+    /// What ended before this moment ended before its input.
+    #[inline(never)]
+    fn catch_up(&mut self, now: Instant) {
+        self.expire(now, now.preceding());
+        self.follow(now);
+    }
+
+    /// Whether a wait is over. While the bit rate is being detected, nothing else is waited for.
+    #[inline]
     fn is_due(&mut self, now: Instant) -> bool {
-        self.node.timers.is_due(now)
+        let is_over = self.node.timers.is_due(now)
             || self.explicit.is_over(now)
             || (DYNAMIC > 0 && self.node.dynamic_timers.is_due(now))
             || self.transfers.iter_mut().any(|dynamic| dynamic.transfer.is_over(now))
-            || self.access.deadline_is_over(now)
+            || self.access.deadline_is_over(now);
+        is_over && !(A::PARTS.contains(Parts::BIT_RATE_DETECTION) && self.detection.is_running())
     }
 
     /// What follows from the changes of an input before anything is sent.
     #[inline]
     pub(super) fn follow(&mut self, now: Instant) {
-        let online = self.access.is_online();
-        if self.online != online || self.node.departure.is_some() || !self.node.changed.is_empty() {
+        // Network access tells when it goes on line or off.
+        if self.access.has_news() || self.node.departure.is_some() || !self.node.changed.is_empty() {
             self.follow_changes(now);
         }
     }
@@ -330,21 +363,15 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
 
     fn input(&mut self, now: Instant, input: Input) {
         let now = self.node.advance(now);
-        if A::PARTS.contains(Parts::BIT_RATE_DETECTION) && self.detection.is_running() {
-            return self.detect(now, input);
-        }
-        // A wait that ended before this moment ended before this input; one that ends now ends after it.
         let is_due = self.is_due(now);
         if is_due {
-            self.expire(now, now.preceding());
-            self.follow(now);
+            self.catch_up(now);
         }
-        match input {
-            Input::Frame(frame) => self.frame(now, &frame),
-            Input::TxDone(token, outcome) => self.tx_done(now, token, outcome),
-            Input::Link(event) => self.link(now, event),
-            Input::Tick => {}
+        match &input {
+            Input::Frame(frame) if self.online => self.frame(now, frame),
+            _ => self.other_input(now, input),
         }
+        // A wait that ends at this moment ends after its input.
         if is_due {
             self.expire(now, now);
         }
@@ -352,8 +379,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
     }
 
     fn poll(&mut self, now: Instant) -> Option<Action<Event>> {
-        self.node.advance(now);
-        self.output()
+        self.output(now)
     }
 
     fn deadline(&self) -> Option<Deadline> {

@@ -18,20 +18,21 @@ use crate::id::{Identifier, MessageGroup};
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
     /// The next thing to do: I/O, then what the controller must be told, then other frames in the order of their
     /// identifiers, then events.
-    pub(super) fn output(&mut self) -> Option<Action<Event>> {
+    pub(super) fn output(&mut self, now: Instant) -> Option<Action<Event>> {
         if DYNAMIC > 0
             && let Some(action) = self.send_dynamic(MessageGroup::Group1)
         {
             return Some(action);
         }
-        match self.node.lines.ready().and_then(IoKind::offered::<A>) {
+        match self.node.lines.ready::<A>() {
             Some(kind) => self.send_io(kind),
-            None => self.output_besides_io(),
+            None => self.output_besides_io(now),
         }
     }
 
     #[inline(never)]
-    fn output_besides_io(&mut self) -> Option<Action<Event>> {
+    fn output_besides_io(&mut self, now: Instant) -> Option<Action<Event>> {
+        self.node.advance(now);
         if self.must_manage()
             && let Some(action) = self.manage()
         {
@@ -84,7 +85,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     pub(crate) fn has_output(&self) -> bool {
         let lines = &self.node.lines;
-        lines.ready().is_some()
+        lines.ready::<A>().is_some()
             || lines.must_withdraw()
             || self.mode_due
             || self.access.has_output()
@@ -97,7 +98,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     fn send_io(&mut self, kind: IoKind) -> Option<Action<Event>> {
-        self.node.lines.begin(kind);
+        self.node.lines.begin::<A>(kind);
         let line = lines::of(kind);
         let id = lines::identifier(line, self.access.mac_id());
         Some(Action::Transmit(lines::token(line), self.produce(kind, id)?))

@@ -91,15 +91,25 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// A complete message in one frame.
     fn message(&mut self, kind: IoKind, size: usize, data: &[u8]) -> Result<(), Ignored> {
-        let shorter = self.node.options.contains(Options::ACCEPT_SHORTER_IO);
-        match data.len() {
-            // Where no data are expected, none are no sign of idleness.
-            0 if size == 0 => self.node.set_mode(kind, IoMode::Run),
-            0 => self.node.set_mode(kind, IoMode::Idle),
-            len if len == size || (shorter && len < size) => self.run(kind, data),
-            _ => return Err(Ignored::Length),
+        if data.len() == size && size > 0 {
+            self.run(kind, data);
+        } else {
+            self.unusual_message(kind, size, data)?;
         }
         self.alive(kind);
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn unusual_message(&mut self, kind: IoKind, size: usize, data: &[u8]) -> Result<(), Ignored> {
+        if data.is_empty() {
+            // Where no data are expected, none are no sign of idleness.
+            self.node.set_mode(kind, if size == 0 { IoMode::Run } else { IoMode::Idle });
+        } else if data.len() < size && self.node.options.contains(Options::ACCEPT_SHORTER_IO) {
+            self.run(kind, data);
+        } else {
+            return Err(Ignored::Length);
+        }
         Ok(())
     }
 
@@ -126,7 +136,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// The command is to be answered, unless it is not acknowledged.
     fn answer(&mut self, kind: IoKind) {
-        if self.node.io(kind).kind() == PredefinedConnection::ConsumeOnly {
+        if changes::<A>() && self.node.io(kind).kind() == PredefinedConnection::ConsumeOnly {
             return;
         }
         if !self.node.lines.want(kind) {
@@ -139,7 +149,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if let Some(field) = self.long.field(kind) {
             return id.frame(&field);
         }
-        if kind == IoKind::Poll && !self.node.held.contains(AllocationChoice::POLL) {
+        if changes::<A>() && kind == IoKind::Poll && !self.node.held.contains(AllocationChoice::POLL) {
             // It only acknowledges messages of the master.
             return id.frame(&[]);
         }
@@ -203,8 +213,11 @@ fn bit_of(field: &[u8], node: MacId) -> bool {
     field.get(usize::from(number / 8)).is_some_and(|byte| byte & (1 << (number % 8)) != 0)
 }
 
-/// The data, as far as both are long.
+/// The data, as far as both are long. Mostly they are equally long, and the compiler knows how long the outputs are.
 fn copy(to: &mut [u8], from: &[u8]) {
+    if to.len() == from.len() {
+        return to.copy_from_slice(from);
+    }
     for (to, from) in to.iter_mut().zip(from) {
         *to = *from;
     }
