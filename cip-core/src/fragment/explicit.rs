@@ -1,6 +1,8 @@
 //! Reassembly of explicit messages, every fragment of which is acknowledged.
 
-use super::{FragmentByte, FragmentKind, next_count};
+use core::hash::{Hash, Hasher};
+
+use super::{ExplicitReceive, FragmentByte};
 
 /// The third byte of a fragment acknowledge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -84,23 +86,7 @@ impl ExplicitOutcome<'_> {
     }
 }
 
-/// Puts explicit messages of up to `N` bytes together.
-///
-/// | State | Fragment | Outcome | Next |
-/// |---|---|---|---|
-/// | any | first, count 0 | [`Stored`](ExplicitOutcome::Stored) or [`TooLong`](ExplicitOutcome::TooLong) | receiving 1, or idle |
-/// | any | first, other count | [`InvalidFirst`](ExplicitOutcome::InvalidFirst) | idle |
-/// | idle | the last fragment of the completed message again | [`RepeatedLast`](ExplicitOutcome::RepeatedLast) | idle |
-/// | idle | middle or last | [`IgnoredNoFirst`](ExplicitOutcome::IgnoredNoFirst) | idle |
-/// | receiving e | middle, count e | [`Stored`](ExplicitOutcome::Stored) or [`TooLong`](ExplicitOutcome::TooLong) | receiving e+1, or idle |
-/// | receiving e | middle, count e-1 | [`Repeated`](ExplicitOutcome::Repeated) | receiving e |
-/// | receiving e | last, count e | [`Complete`](ExplicitOutcome::Complete) or [`TooLong`](ExplicitOutcome::TooLong) | idle |
-/// | receiving e | middle or last, other count | [`OutOfSequence`](ExplicitOutcome::OutOfSequence) | idle |
-/// | any | acknowledge | [`Acknowledge`](ExplicitOutcome::Acknowledge) | same |
-///
-/// Counts are modulo 64. The machine keeps no time: its owner calls [`discard`](Self::discard) when an unfragmented
-/// message arrives, when the connection ends, or when its receive timer expires, and
-/// [`forget_completed`](Self::forget_completed) one second after a completed message.
+/// Puts explicit messages of up to `N` bytes together: an [`ExplicitReceive`] with its buffer.
 ///
 /// ```
 /// use cip_core::fragment::{ExplicitOutcome, ExplicitReassembly};
@@ -109,114 +95,69 @@ impl ExplicitOutcome<'_> {
 /// assert_eq!(reassembly.fragment(false, 0x00.into(), b"\x8E\x08GRT1"), ExplicitOutcome::Stored);
 /// assert_eq!(reassembly.fragment(false, 0x81.into(), b"-DRT"), ExplicitOutcome::Complete(b"\x8E\x08GRT1-DRT"));
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone)]
 pub struct ExplicitReassembly<const N: usize> {
-    buffer: heapless::Vec<u8, N>,
-    limit: usize,
-    state: State,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-enum State {
-    Idle { completed: Option<Completed> },
-    Receiving { expected: u8 },
-}
-
-/// Enough of a completed message to know its last fragment again.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-struct Completed {
-    xid: bool,
-    count: u8,
+    buffer: [u8; N],
+    receive: ExplicitReceive,
 }
 
 impl<const N: usize> ExplicitReassembly<N> {
     /// An idle machine. `limit` is the consumed connection size, counted from the service byte; the capacity `N`
     /// limits as well.
     pub const fn new(limit: usize) -> Self {
-        Self { buffer: heapless::Vec::new(), limit, state: IDLE }
+        Self { buffer: [0; N], receive: ExplicitReceive::new(limit) }
     }
 
     /// True while a message is being received.
     pub const fn is_receiving(&self) -> bool {
-        matches!(self.state, State::Receiving { .. })
+        self.receive.is_receiving()
     }
 
     /// True while the last fragment of the completed message would be known again.
     pub const fn remembers_completed(&self) -> bool {
-        matches!(self.state, State::Idle { completed: Some(_) })
+        self.receive.remembers_completed()
     }
 
     /// The number of bytes received of the message in progress.
     pub fn received(&self) -> usize {
-        if self.is_receiving() { self.buffer.len() } else { 0 }
+        self.receive.received().into()
     }
 
     /// Drops a message in progress and forgets the completed one.
-    pub fn discard(&mut self) {
-        self.buffer.clear();
-        self.state = IDLE;
+    pub const fn discard(&mut self) {
+        self.receive.discard();
     }
 
     /// Forgets the completed message, so that a repetition of its last fragment is no longer acknowledged. A message
     /// in progress is not touched.
-    pub fn forget_completed(&mut self) {
-        if let State::Idle { completed: Some(_) } = self.state {
-            self.discard();
-        }
+    pub const fn forget_completed(&mut self) {
+        self.receive.forget_completed();
     }
 
     /// Takes a fragment: the transaction ID of its header, the fragmentation byte, and the bytes after it.
     pub fn fragment(&mut self, xid: bool, byte: FragmentByte, data: &[u8]) -> ExplicitOutcome<'_> {
-        let count = byte.count();
-        match (byte.kind, self.state) {
-            (FragmentKind::Acknowledge, _) => ExplicitOutcome::Acknowledge,
-            (FragmentKind::First, _) if count != 0 => {
-                self.discard();
-                ExplicitOutcome::InvalidFirst { count }
-            }
-            (FragmentKind::First, _) => {
-                self.buffer.clear();
-                self.store(data, State::Receiving { expected: 1 })
-            }
-            (FragmentKind::Middle, State::Receiving { expected }) if count == expected => {
-                self.store(data, State::Receiving { expected: next_count(expected) })
-            }
-            (FragmentKind::Middle, State::Receiving { expected }) if next_count(count) == expected => {
-                ExplicitOutcome::Repeated
-            }
-            (FragmentKind::Last, State::Receiving { expected }) if count == expected => {
-                self.store(data, State::Idle { completed: Some(Completed { xid, count }) })
-            }
-            (FragmentKind::Middle | FragmentKind::Last, State::Receiving { expected }) => {
-                self.discard();
-                ExplicitOutcome::OutOfSequence { expected, found: count }
-            }
-            (FragmentKind::Last, State::Idle { completed })
-                if completed == Some(Completed { xid, count }) =>
-            {
-                ExplicitOutcome::RepeatedLast
-            }
-            (FragmentKind::Middle | FragmentKind::Last, State::Idle { .. }) => {
-                ExplicitOutcome::IgnoredNoFirst
-            }
-        }
+        self.receive.fragment(&mut self.buffer, xid, byte, data)
     }
 
-    fn store(&mut self, data: &[u8], next: State) -> ExplicitOutcome<'_> {
-        let fits = self.buffer.len().saturating_add(data.len()) <= self.limit;
-        if !fits || self.buffer.extend_from_slice(data).is_err() {
-            self.discard();
-            return ExplicitOutcome::TooLong;
-        }
-        self.state = next;
-        match next {
-            State::Idle { .. } => ExplicitOutcome::Complete(&self.buffer),
-            State::Receiving { .. } => ExplicitOutcome::Stored,
-        }
+    /// What has arrived of the message in progress. What earlier ones have left behind it is no part of the state.
+    fn message(&self) -> &[u8] {
+        self.buffer.get(..self.received()).unwrap_or_default()
     }
 }
 
-const IDLE: State = State::Idle { completed: None };
+impl<const N: usize> PartialEq for ExplicitReassembly<N> {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.receive, self.message()) == (&other.receive, other.message())
+    }
+}
+
+impl<const N: usize> Eq for ExplicitReassembly<N> {}
+
+impl<const N: usize> Hash for ExplicitReassembly<N> {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        (&self.receive, self.message()).hash(state);
+    }
+}
 
 #[cfg(test)]
 mod tests {

@@ -17,13 +17,14 @@
 //! | Count | wraps from 63 to 0 | ends at 63: at most 448 bytes |
 //! | Cut by | [`explicit_fragment`], [`ExplicitFragments`] | [`IoFragments`] |
 //! | Paced by | [`ExplicitTransmit`] | nothing |
-//! | Put together by | [`ExplicitReassembly`] | [`IoReassembly`] |
+//! | Put together by | [`ExplicitReassembly`]; [`ExplicitReceive`] in a buffer of its owner | [`IoReassembly`] |
 
 mod cut;
 mod explicit;
 mod io;
 #[cfg(test)]
 mod properties;
+mod receive;
 mod transmit;
 
 pub use cut::{
@@ -31,6 +32,7 @@ pub use cut::{
 };
 pub use explicit::{AckStatus, ExplicitOutcome, ExplicitReassembly};
 pub use io::{IoOutcome, IoReassembly};
+pub use receive::ExplicitReceive;
 pub use transmit::{ExplicitTransmit, TransmitOutcome};
 
 use core::fmt;
