@@ -40,6 +40,17 @@ impl Frame {
         Some(Self { id: id.into(), remote: false, dlc: u8::try_from(bytes.len()).ok()?, data })
     }
 
+    /// A data frame with the bytes of `head` and then those of `rest`; `None` for more than eight in all.
+    #[must_use]
+    pub fn headed(id: impl Into<Id>, head: &[u8], rest: &[u8]) -> Option<Self> {
+        let mut data = [0; Self::MAX_DATA];
+        let (front, back) = data.split_at_mut_checked(head.len())?;
+        front.copy_from_slice(head);
+        back.get_mut(..rest.len())?.copy_from_slice(rest);
+        let dlc = u8::try_from(head.len().saturating_add(rest.len())).ok()?;
+        Some(Self { id: id.into(), remote: false, dlc, data })
+    }
+
     /// A remote frame that asks for `dlc` bytes; `None` above [`MAX_DLC`](Self::MAX_DLC).
     #[must_use]
     pub fn remote(id: impl Into<Id>, dlc: u8) -> Option<Self> {

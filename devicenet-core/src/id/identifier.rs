@@ -222,6 +222,12 @@ impl Identifier {
         Frame::new(StandardId::from(self), data)
     }
 
+    /// The same with data in two parts.
+    #[must_use]
+    pub fn headed_frame(self, head: &[u8], rest: &[u8]) -> Option<Frame> {
+        Frame::headed(StandardId::from(self), head, rest)
+    }
+
     const fn message_first(base: u16, message: u8, source: MacId) -> Self {
         Self(base | widen(message) << 6 | widen(source.number()))
     }

@@ -8,7 +8,6 @@ use super::allocation::{Door, Requester};
 use super::application::Application;
 use super::event::Ignored;
 use super::machine::Slave;
-use super::transfer::Incoming;
 use crate::id::Identifier;
 use crate::message::ExplicitHeader;
 
@@ -37,9 +36,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             door: Door::Predefined,
             format: BodyFormat::Class8Instance8,
         });
-        match explicit.receive(now, rules, header.mac, field, |request, out| server.answer(request, out)) {
-            Incoming::Answered | Incoming::Taken => Ok(()),
-            Incoming::Ignored(why) => Err(why),
-        }
+        explicit.receive(now, rules, header.mac, field, |request, out| server.answer(request, out))
     }
 }

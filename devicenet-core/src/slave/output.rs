@@ -1,7 +1,6 @@
 //! What a slave sends and tells. It follows from its state; nothing but the answers of the unconnected ports is queued.
 
 use cip_core::message::AllocationChoice;
-use heapless::Vec;
 use link_core::timers::TimerKey;
 use link_core::{Action, Frame, Instant, LinkCommand, Mode, TxToken};
 
@@ -195,26 +194,25 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if !self.node.lines.is_free(Line::EXPLICIT) {
             return None;
         }
-        let (sent, field) = self.next_explicit()?;
+        let (sent, frame) = self.next_explicit(Identifier::explicit_response(self.access.mac_id()))?;
         self.node.lines.in_flight.insert(Line::EXPLICIT);
         self.node.lines.explicit = Some(sent);
-        let id = Identifier::explicit_response(self.access.mac_id());
-        Some(Action::Transmit(lines::token(Line::EXPLICIT), id.frame(&field)?))
+        Some(Action::Transmit(lines::token(Line::EXPLICIT), frame))
     }
 
     /// Acknowledges of fragments first, so that they precede the response.
-    fn next_explicit(&mut self) -> Option<(Sent, Vec<u8, { Frame::MAX_DATA }>)> {
-        if self.explicit.must_acknowledge() {
-            let (piece, field) = self.explicit.take()?;
-            return Some((Sent::Piece(piece), field));
+    fn next_explicit(&mut self, id: Identifier) -> Option<(Sent, Frame)> {
+        if !self.explicit.must_acknowledge()
+            && let Some(field) = self.take_answer(false)
+        {
+            return Some((Sent::Unconnected, id.frame(&field)?));
         }
-        if let Some(field) = self.take_answer(false) {
-            return Some((Sent::Unconnected, field));
+        if self.explicit.is_due() {
+            let (piece, frame) = self.explicit.take(id)?;
+            return Some((Sent::Piece(piece), frame));
         }
-        if let Some((piece, field)) = self.explicit.take() {
-            return Some((Sent::Piece(piece), field));
-        }
-        if DYNAMIC == 0 { self.take_broadcast() } else { None }
+        let (sent, field) = if DYNAMIC == 0 { self.take_broadcast()? } else { return None };
+        Some((sent, id.frame(&field)?))
     }
 
     /// A frame of the explicit line, or of that of the UCMM, is with the controller no longer.

@@ -2,7 +2,7 @@
 //!
 //! | What | Rule |
 //! |---|---|
-//! | fragment of a request | put together by [`ExplicitReassembly`], its acknowledge goes out before anything else |
+//! | fragment of a request | put together by [`ExplicitReceive`], its acknowledge goes out before anything else |
 //! | complete request, or first fragment | aborts a response in progress |
 //! | response of up to seven bytes | one frame |
 //! | longer response | fragments paced by [`ExplicitTransmit`], 1000 ms for each acknowledge, two tries |
@@ -13,22 +13,23 @@ use core::hash::{Hash, Hasher};
 
 use cip_core::codec::Writer;
 use cip_core::fragment::{
-    AckStatus, ExplicitOutcome, ExplicitReassembly, ExplicitTransmit, FragmentByte, FragmentKind,
+    AckStatus, ExplicitOutcome, ExplicitReceive, ExplicitTransmit, FragmentByte, FragmentKind,
     TransmitOutcome,
 };
-use heapless::Vec;
 use link_core::timers::TimerKey;
-use link_core::{Deadline, Instant, Timers};
+use link_core::{Deadline, Frame, Instant, Timers};
 
 use super::event::Ignored;
-use crate::id::MacId;
+use crate::id::{Identifier, MacId};
 use crate::message::ExplicitHeader;
 
 /// The buffers and the progress of one explicit connection.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub(super) struct Transfer<const MESSAGE: usize> {
-    reassembly: ExplicitReassembly<MESSAGE>,
-    response: Response<MESSAGE>,
+    /// A request in fragments while it arrives, and the response after that: what begins a request aborts the response
+    /// to the one before.
+    message: Message<MESSAGE>,
+    receive: ExplicitReceive,
     transmit: ExplicitTransmit,
     /// Of the response, and of its fragments.
     header: u8,
@@ -37,11 +38,11 @@ pub(super) struct Transfer<const MESSAGE: usize> {
     timers: Timers<Timer, 2>,
 }
 
-/// A response from the service byte on. What earlier ones have left behind its end is no part of it.
+/// From the service byte on. What earlier ones have left behind its end is no part of it.
 #[derive(Clone, Debug)]
-struct Response<const N: usize> {
+struct Message<const N: usize> {
     bytes: [u8; N],
-    len: usize,
+    len: u16,
 }
 
 /// How far the present frame of the response is.
@@ -57,16 +58,6 @@ enum Stage {
     Handed,
     /// A fragment was sent, and is to be acknowledged.
     Sent,
-}
-
-/// What a frame on the connection is.
-pub(super) enum Incoming {
-    /// A request that was answered.
-    Answered,
-    /// Part of something.
-    Taken,
-    /// Not to be obeyed.
-    Ignored(Ignored),
 }
 
 /// A frame that is handed out.
@@ -116,8 +107,8 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
     /// `limit`: the longest request, from the service byte on.
     pub(super) const fn new(limit: usize) -> Self {
         Self {
-            reassembly: ExplicitReassembly::new(limit),
-            response: Response { bytes: [0; MESSAGE], len: 0 },
+            message: Message { bytes: [0; MESSAGE], len: 0 },
+            receive: ExplicitReceive::new(limit),
             transmit: ExplicitTransmit::new(),
             header: 0,
             stage: Stage::Idle,
@@ -126,8 +117,8 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
         }
     }
 
-    /// Takes the data field of a frame. `peer` is the MAC ID in the header of what goes back. `serve` writes the response to a complete request, or returns false
-    /// if there is to be none.
+    /// Takes the data field of a frame. `peer` is the MAC ID in the header of what goes back. `serve` writes the response to
+    /// a complete request; an error: there is none.
     pub(super) fn receive(
         &mut self,
         now: Instant,
@@ -135,61 +126,74 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
         peer: MacId,
         field: &[u8],
         serve: impl FnOnce(&[u8], &mut Writer<'_>) -> Result<(), Ignored>,
-    ) -> Incoming {
-        self.timers.advance(now);
-        let Some((&header, body)) = field.split_first() else {
-            return Incoming::Ignored(Ignored::TooShort);
-        };
+    ) -> Result<(), Ignored> {
+        let (&header, body) = field.split_first().ok_or(Ignored::TooShort)?;
         let header = ExplicitHeader { mac: peer, ..ExplicitHeader::from(header) };
-        if !header.fragmented {
+        let reassembled;
+        let request = if header.fragmented {
+            self.timers.advance(now);
+            if !self.fragment(rules, header, body)? {
+                return Ok(());
+            }
+            reassembled = self.message.clone();
+            reassembled.body()
+        } else {
             self.abort();
             self.forget();
-            return self.answer(header, body, serve);
-        }
-        let Some((&byte, data)) = body.split_first() else {
-            return Incoming::Ignored(Ignored::TooShort);
+            body
         };
+        let mut out = Writer::new(&mut self.message.bytes);
+        let served = serve(request, &mut out);
+        self.message.len = short(out.len());
+        served?;
+        self.header = ExplicitHeader::complete(header.xid, header.mac).into();
+        self.stage = Stage::Due;
+        self.transmit.start(self.message.body());
+        Ok(())
+    }
+
+    /// Takes what follows the header in a fragment; true if the request is complete.
+    #[inline(never)]
+    fn fragment(&mut self, rules: Rules, header: ExplicitHeader, body: &[u8]) -> Result<bool, Ignored> {
+        let (&byte, data) = body.split_first().ok_or(Ignored::TooShort)?;
         let fragment = FragmentByte::from(byte);
         match fragment.kind {
-            FragmentKind::Acknowledge => return self.acknowledged(fragment.count(), data),
+            FragmentKind::Acknowledge => return self.acknowledged(fragment.count(), data).map(|()| false),
             FragmentKind::First => self.abort(),
             FragmentKind::Middle | FragmentKind::Last => {}
         }
-        let outcome = self.reassembly.fragment(header.xid, fragment, data);
+        let outcome = self.receive.fragment(&mut self.message.bytes, header.xid, fragment, data);
         if let Some(status) = outcome.ack() {
             let acknowledge = FragmentByte::new(FragmentKind::Acknowledge, fragment.count());
             self.acknowledge = Some([header.into(), acknowledge.into(), status.into()]);
         }
         match outcome {
             ExplicitOutcome::Complete(request) => {
-                self.timers.clear(Timer::Acknowledge);
-                let served = respond(&mut self.response, request, serve);
+                self.message.len = short(request.len());
                 if rules.reacknowledge_last {
                     self.timers.set_after_millis(Timer::Reassembly, REACKNOWLEDGE_MILLIS);
                 } else {
                     self.forget();
                 }
-                self.begin(header, served)
+                return Ok(true);
             }
             ExplicitOutcome::Stored | ExplicitOutcome::Repeated => {
+                self.message.len = self.receive.received();
                 self.timers.set_after_millis(Timer::Reassembly, rules.receive_time_out.into());
-                Incoming::Taken
             }
-            ExplicitOutcome::RepeatedLast => Incoming::Taken,
-            ExplicitOutcome::TooLong => {
-                self.timers.clear(Timer::Reassembly);
-                Incoming::Taken
-            }
+            ExplicitOutcome::RepeatedLast => {}
+            ExplicitOutcome::TooLong => self.timers.clear(Timer::Reassembly),
             ExplicitOutcome::OutOfSequence { .. }
             | ExplicitOutcome::IgnoredNoFirst
             | ExplicitOutcome::InvalidFirst { .. } => {
-                if !self.reassembly.remembers_completed() {
+                if !self.receive.remembers_completed() {
                     self.timers.clear(Timer::Reassembly);
                 }
-                Incoming::Ignored(Ignored::FragmentOrder)
+                return Err(Ignored::FragmentOrder);
             }
-            ExplicitOutcome::Acknowledge => Incoming::Ignored(Ignored::StrayAcknowledge),
+            ExplicitOutcome::Acknowledge => return Err(Ignored::StrayAcknowledge),
         }
+        Ok(false)
     }
 
     /// Nothing is left to be sent of a response.
@@ -207,30 +211,24 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
         self.acknowledge.is_some()
     }
 
-    /// The data field of the next frame.
-    pub(super) fn take(&mut self) -> Option<(Piece, Vec<u8, 8>)> {
-        let mut field = Vec::new();
+    /// The next frame, under the identifier of the connection.
+    pub(super) fn take(&mut self, id: Identifier) -> Option<(Piece, Frame)> {
         if let Some(acknowledge) = self.acknowledge.take() {
-            field.extend_from_slice(&acknowledge).ok()?;
-            return Some((Piece::Acknowledge, field));
+            return Some((Piece::Acknowledge, id.frame(&acknowledge)?));
         }
         if !matches!(self.stage, Stage::Due | Stage::Again) {
             return None;
         }
         self.stage = Stage::Handed;
-        match self.transmit.fragment(self.response.body()) {
+        let body = self.message.body();
+        let frame = match self.transmit.fragment(body) {
             Some(fragment) => {
-                let mut header = ExplicitHeader::from(self.header);
-                header.fragmented = true;
-                field.extend_from_slice(&[header.into(), fragment.byte.into()]).ok()?;
-                field.extend_from_slice(fragment.data).ok()?;
+                let header = ExplicitHeader { fragmented: true, ..ExplicitHeader::from(self.header) };
+                id.headed_frame(&[header.into(), fragment.byte.into()], fragment.data)
             }
-            None => {
-                field.push(self.header).ok()?;
-                field.extend_from_slice(self.response.body()).ok()?;
-            }
-        }
-        Some((Piece::Response, field))
+            None => id.headed_frame(&[self.header], body),
+        };
+        Some((Piece::Response, frame?))
     }
 
     /// The frame that was handed out is with the controller no longer: sent, or given back.
@@ -258,8 +256,8 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
         let mut abandoned = false;
         while let Some(timer) = self.timers.take_expired(until) {
             match timer {
-                Timer::Reassembly if self.reassembly.is_receiving() => self.reassembly.discard(),
-                Timer::Reassembly => self.reassembly.forget_completed(),
+                Timer::Reassembly if self.receive.is_receiving() => self.receive.discard(),
+                Timer::Reassembly => self.receive.forget_completed(),
                 Timer::Acknowledge => {
                     let outcome = self.transmit.time_out();
                     abandoned |= outcome == TransmitOutcome::Abandoned;
@@ -297,37 +295,17 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
         self.timers.shift(span);
     }
 
-    fn answer(
-        &mut self,
-        header: ExplicitHeader,
-        request: &[u8],
-        serve: impl FnOnce(&[u8], &mut Writer<'_>) -> Result<(), Ignored>,
-    ) -> Incoming {
-        let served = respond(&mut self.response, request, serve);
-        self.begin(header, served)
-    }
-
-    fn begin(&mut self, header: ExplicitHeader, served: Result<(), Ignored>) -> Incoming {
-        if let Err(why) = served {
-            return Incoming::Ignored(why);
-        }
-        self.header = ExplicitHeader::complete(header.xid, header.mac).into();
-        self.stage = Stage::Due;
-        self.transmit.start(self.response.body());
-        Incoming::Answered
-    }
-
-    fn acknowledged(&mut self, count: u8, data: &[u8]) -> Incoming {
-        let Some(&status) = data.first() else { return Incoming::Ignored(Ignored::TooShort) };
+    fn acknowledged(&mut self, count: u8, data: &[u8]) -> Result<(), Ignored> {
+        let &status = data.first().ok_or(Ignored::TooShort)?;
         // A fragment that was never handed out cannot have been received.
         if self.stage == Stage::Due {
-            return Incoming::Ignored(Ignored::StrayAcknowledge);
+            return Err(Ignored::StrayAcknowledge);
         }
-        match self.transmit.acknowledge(self.response.body(), count, AckStatus::from(status)) {
-            TransmitOutcome::Ignored => Incoming::Ignored(Ignored::StrayAcknowledge),
+        match self.transmit.acknowledge(self.message.body(), count, AckStatus::from(status)) {
+            TransmitOutcome::Ignored => Err(Ignored::StrayAcknowledge),
             outcome => {
                 self.go_on(outcome);
-                Incoming::Taken
+                Ok(())
             }
         }
     }
@@ -343,47 +321,48 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
         };
     }
 
+    /// The response in progress.
     fn abort(&mut self) {
-        self.transmit.abort();
-        self.timers.clear(Timer::Acknowledge);
-        self.stage = Stage::Idle;
+        // Where there is none nothing is waited for.
+        if self.stage != Stage::Idle {
+            self.go_on(TransmitOutcome::Abandoned);
+            self.transmit.abort();
+        }
     }
 
+    /// What has arrived of a request, or the last one.
     fn forget(&mut self) {
-        self.reassembly.discard();
-        self.timers.clear(Timer::Reassembly);
+        // Where nothing is remembered no timer runs.
+        if !self.receive.is_idle() {
+            self.receive.discard();
+            self.timers.clear(Timer::Reassembly);
+        }
     }
 }
 
-fn respond<const N: usize>(
-    response: &mut Response<N>,
-    request: &[u8],
-    serve: impl FnOnce(&[u8], &mut Writer<'_>) -> Result<(), Ignored>,
-) -> Result<(), Ignored> {
-    let mut out = Writer::new(&mut response.bytes);
-    let served = serve(request, &mut out);
-    response.len = out.len();
-    served
-}
-
-impl<const N: usize> Response<N> {
+impl<const N: usize> Message<N> {
     fn body(&self) -> &[u8] {
-        self.bytes.get(..self.len).unwrap_or_default()
+        self.bytes.get(..usize::from(self.len)).unwrap_or_default()
     }
 }
 
-impl<const N: usize> PartialEq for Response<N> {
+impl<const N: usize> PartialEq for Message<N> {
     fn eq(&self, other: &Self) -> bool {
         self.body() == other.body()
     }
 }
 
-impl<const N: usize> Eq for Response<N> {}
+impl<const N: usize> Eq for Message<N> {}
 
-impl<const N: usize> Hash for Response<N> {
+impl<const N: usize> Hash for Message<N> {
     fn hash<H: Hasher>(&self, state: &mut H) {
         self.body().hash(state);
     }
+}
+
+/// The length of a message, which has less than 64 KiB.
+fn short(len: usize) -> u16 {
+    u16::try_from(len).unwrap_or(u16::MAX)
 }
 
 /// T_ack: how long a fragment of a response waits for its acknowledge.

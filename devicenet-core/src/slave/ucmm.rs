@@ -33,7 +33,6 @@ use super::event::{Event, Ignored};
 use super::lines::{self, Line, Sent};
 use super::machine::Slave;
 use super::node::Changed;
-use super::transfer::Incoming;
 use super::unconnected::complete_request;
 use crate::id::{Identifier, MacId, MessageGroup};
 use crate::message::{ExplicitHeader, GroupSelect};
@@ -86,11 +85,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let (mut server, _, transfers) =
             self.serving(Requester { mac: client, door: Door::Dynamic(index), format });
         let Some(dynamic) = transfers.get_mut(usize::from(index)) else { return Err(Ignored::NoConnection) };
-        let answer = |request: &[u8], out: &mut Writer<'_>| server.answer(request, out);
-        match dynamic.transfer.receive(now, rules, client, field, answer) {
-            Incoming::Answered | Incoming::Taken => Ok(()),
-            Incoming::Ignored(why) => Err(why),
-        }
+        dynamic.transfer.receive(now, rules, client, field, |request, out| server.answer(request, out))
     }
 
     fn ucmm_request(&mut self, client: MacId, field: &[u8]) -> Result<(), Ignored> {
@@ -262,9 +257,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let all = <DynamicTimer as TimerKey<DYNAMIC>>::ALL.into_iter();
         let (id, index) = all.zip(self.node.dynamic.iter().zip(&self.transfers)).filter_map(due).min()?;
         let dynamic = self.transfers.get_mut(usize::from(index))?;
-        let (piece, field) = dynamic.transfer.take()?;
+        let (piece, frame) = dynamic.transfer.take(id)?;
         (dynamic.in_flight, dynamic.piece) = (true, Some(piece));
-        Some(Action::Transmit(lines::dynamic_token(index), id.frame(&field)?))
+        Some(Action::Transmit(lines::dynamic_token(index), frame))
     }
 
     /// A frame of a connection that was opened dynamically is with the controller no longer.
