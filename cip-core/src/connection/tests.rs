@@ -254,21 +254,7 @@ fn an_explicit_connection_waits_ten_seconds_and_defers_its_end_if_it_is_told_to(
 /// Konvolucio and ICP DAS print paths of assemblies in this form; the Acknowledge Handler as Omron E5AR prints it.
 #[test]
 fn attributes_are_read() {
-    let connection = established(WatchdogAction::AUTO_DELETE);
-    let defaults = connection.kind().defaults();
-    let view = ConnectionView {
-        state: connection.state().into(),
-        instance_type: defaults.instance_type,
-        transport_class_trigger: defaults.transport_class_trigger,
-        produced_id: 0x3FF,
-        consumed_id: 0x5FD,
-        comm_characteristics: defaults.comm_characteristics,
-        produced_size: 2,
-        consumed_size: 1,
-        settings: *connection.settings(),
-        produced_path: ConnectionPath::Assembly(InstanceId(101)),
-        consumed_path: ConnectionPath::AcknowledgeHandler,
-    };
+    let view = established(WatchdogAction::AUTO_DELETE);
     let expected: [(u16, &[u8]); 16] = [
         (1, &[3]),
         (2, &[1]),
@@ -300,6 +286,37 @@ fn attributes_are_read() {
     let short = view.get(AttributeId(14), &mut Writer::new(&mut [0; 5]));
     assert_eq!(short, Err(GeneralStatus::REPLY_DATA_TOO_LARGE));
     assert_eq!((ConnectionPath::Empty.len(), ConnectionPath::Empty.is_empty()), (0, true));
+}
+
+/// Of a node 63 that produces two bytes of assembly 101.
+impl ConnectionView for IoConnection {
+    fn kind(&self) -> PredefinedConnection {
+        self.kind()
+    }
+    fn state(&self) -> ConnectionState {
+        self.state().into()
+    }
+    fn produced_id(&self) -> u16 {
+        0x3FF
+    }
+    fn consumed_id(&self) -> u16 {
+        0x5FD
+    }
+    fn produced_size(&self) -> u16 {
+        2
+    }
+    fn consumed_size(&self) -> u16 {
+        1
+    }
+    fn settings(&self) -> Settings {
+        *self.settings()
+    }
+    fn produced_path(&self) -> ConnectionPath {
+        ConnectionPath::Assembly(InstanceId(101))
+    }
+    fn consumed_path(&self) -> ConnectionPath {
+        ConnectionPath::AcknowledgeHandler
+    }
 }
 
 /// The constant layouts are what the general encoder of paths writes.

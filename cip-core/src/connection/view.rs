@@ -1,6 +1,6 @@
 //! What is read from a connection.
 
-use super::{CommCharacteristics, ConnectionState, InstanceType, Settings, TransportClassTrigger};
+use super::{CommCharacteristics, ConnectionState, PredefinedConnection, Settings};
 use crate::code::{AttributeId, GeneralStatus, InstanceId};
 use crate::codec::{Full, Writer};
 
@@ -17,7 +17,7 @@ pub enum ConnectionPath {
     AcknowledgeHandler,
 }
 
-/// All attributes of one connection, as Get_Attribute_Single reads them.
+/// The attributes of one connection, as Get_Attribute_Single reads them: one by one.
 ///
 /// | Attribute | Type | Content |
 /// |---|---|---|
@@ -39,57 +39,65 @@ pub enum ConnectionPath {
 /// | 18 | USINT | connection_timeout_multiplier |
 ///
 /// Source: CIP Vol. 1, Connection object.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ConnectionView {
-    /// Attribute 1.
-    pub state: ConnectionState,
-    /// Attribute 2.
-    pub instance_type: InstanceType,
-    /// Attribute 3.
-    pub transport_class_trigger: TransportClassTrigger,
-    /// Attribute 4; 0xFFFF: it does not produce.
-    pub produced_id: u16,
-    /// Attribute 5; 0xFFFF: it does not consume.
-    pub consumed_id: u16,
-    /// Attribute 6.
-    pub comm_characteristics: CommCharacteristics,
-    /// Attribute 7.
-    pub produced_size: u16,
-    /// Attribute 8.
-    pub consumed_size: u16,
-    /// Attributes 9, 12, 17 and 18.
-    pub settings: Settings,
-    /// Attributes 13 and 14.
-    pub produced_path: ConnectionPath,
-    /// Attributes 15 and 16.
-    pub consumed_path: ConnectionPath,
-}
+pub trait ConnectionView {
+    /// Which connection it is, for attributes 2, 3 and 6; one that a client opened is as the explicit one.
+    fn kind(&self) -> PredefinedConnection;
 
-impl ConnectionView {
+    /// Attribute 1.
+    fn state(&self) -> ConnectionState;
+
+    /// Attribute 4; 0xFFFF: it does not produce.
+    fn produced_id(&self) -> u16;
+
+    /// Attribute 5; 0xFFFF: it does not consume.
+    fn consumed_id(&self) -> u16;
+
+    /// Attribute 6. By default that of its kind.
+    fn comm_characteristics(&self) -> CommCharacteristics {
+        self.kind().defaults().comm_characteristics
+    }
+
+    /// Attribute 7.
+    fn produced_size(&self) -> u16;
+
+    /// Attribute 8.
+    fn consumed_size(&self) -> u16;
+
+    /// Attributes 9, 12, 17 and 18.
+    fn settings(&self) -> Settings;
+
+    /// Attributes 13 and 14.
+    fn produced_path(&self) -> ConnectionPath;
+
+    /// Attributes 15 and 16.
+    fn consumed_path(&self) -> ConnectionPath;
+
     /// Writes an attribute; 0x14 if there is none of that number.
-    pub fn get(&self, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), GeneralStatus> {
-        match attribute.0 {
-            1 => out.u8(self.state.0)?,
-            2 => out.u8(self.instance_type.0)?,
-            3 => out.u8(self.transport_class_trigger.0)?,
-            4 => out.u16(self.produced_id)?,
-            5 => out.u16(self.consumed_id)?,
-            6 => out.u8(self.comm_characteristics.0)?,
-            7 => out.u16(self.produced_size)?,
-            8 => out.u16(self.consumed_size)?,
-            9 => out.u16(self.settings.expected_packet_rate)?,
-            12 => out.u8(self.settings.watchdog_action.0)?,
-            13 => out.u16(self.produced_path.len())?,
-            14 => self.produced_path.emit(out)?,
-            15 => out.u16(self.consumed_path.len())?,
-            16 => self.consumed_path.emit(out)?,
-            17 => out.u16(self.settings.production_inhibit_time)?,
-            18 => out.u8(self.settings.multiplier.0)?,
-            _ => return Err(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED),
-        }
-        Ok(())
+    fn get(&self, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), GeneralStatus> {
+        let byte = match attribute.0 {
+            1 => self.state().0,
+            2 => self.kind().defaults().instance_type.0,
+            3 => self.kind().defaults().transport_class_trigger.0,
+            6 => self.comm_characteristics().0,
+            12 => self.settings().watchdog_action.0,
+            18 => self.settings().multiplier.0,
+            14 => return Ok(self.produced_path().emit(out)?),
+            16 => return Ok(self.consumed_path().emit(out)?),
+            number => {
+                return Ok(out.u16(match number {
+                    4 => self.produced_id(),
+                    5 => self.consumed_id(),
+                    7 => self.produced_size(),
+                    8 => self.consumed_size(),
+                    9 => self.settings().expected_packet_rate,
+                    13 => self.produced_path().len(),
+                    15 => self.consumed_path().len(),
+                    17 => self.settings().production_inhibit_time,
+                    _ => return Err(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED),
+                })?);
+            }
+        };
+        Ok(out.u8(byte)?)
     }
 }
 

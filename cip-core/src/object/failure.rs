@@ -50,6 +50,7 @@ impl Failure {
 
     /// The failure as it is answered under `options` to a request that did or did not name its object by a path.
     #[must_use]
+    #[inline(never)]
     pub fn under(self, options: FailureOptions, by_path: bool) -> Self {
         let small = matches!(
             self.general,

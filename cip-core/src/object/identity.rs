@@ -182,20 +182,20 @@ impl Object for Identity<'_> {
     // Its only caller is `serve`: a fifth of the instructions of a Get are those of a call.
     #[inline]
     fn get(&self, _: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
-        match attribute.0 {
-            1 => out.u16(self.device.vendor.0),
-            2 => out.u16(self.device.device_type.0),
-            3 => out.u16(self.device.product_code),
-            4 => self.device.revision.emit(out),
-            5 => out.u16(self.status.bits()),
-            6 => out.u32(self.device.serial),
-            7 => self.device.name.emit(out),
-            8 => out.u8(self.state.unwrap_or(DeviceState::NOT_IMPLEMENTED).0),
-            9 => out.u16(self.configuration_consistency.unwrap_or(0)),
-            10 => out.u8(self.heartbeat_interval.unwrap_or(0)),
+        let word = match attribute.0 {
+            1 => self.device.vendor.0,
+            2 => self.device.device_type.0,
+            3 => self.device.product_code,
+            4 => u16::from_le_bytes([self.device.revision.major, self.device.revision.minor]),
+            5 => self.status.bits(),
+            9 => self.configuration_consistency.unwrap_or(0),
+            6 => return Ok(out.u32(self.device.serial)?),
+            7 => return Ok(self.device.name.emit(out)?),
+            8 => return Ok(out.u8(self.state.unwrap_or(DeviceState::NOT_IMPLEMENTED).0)?),
+            10 => return Ok(out.u8(self.heartbeat_interval.unwrap_or(0))?),
             _ => return Err(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED.into()),
-        }?;
-        Ok(())
+        };
+        Ok(out.u16(word)?)
     }
 
     fn set(

@@ -27,50 +27,54 @@ use crate::codec::Writer;
 /// Get_Attribute_Single is implemented for every instance, and for the class if it has attributes;
 /// Set_Attribute_Single where [`Object::has_set`] says so. All other services are the business of
 /// [`Object::service`]. A Set whose reply does not fit has been carried out.
+#[inline]
 pub fn serve<O: Object>(object: &mut O, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+    let has_get = !call.instance.is_class() || !object.class_attributes().is_empty();
+    if call.service == ServiceCode::GET_ATTRIBUTE_SINGLE && has_get {
+        read(object, call, out).map(|()| Effects::NONE)
+    } else {
+        perform(object, call, out)
+    }
+}
+
+/// What [`serve`] does with Get_Attribute_Single, which is what a device is asked most.
+#[inline]
+pub fn read<O: Object>(object: &O, call: &Call<'_>, out: &mut Writer<'_>) -> Result<(), Failure> {
     let rules = rules(object, call.instance)?;
-    let has_set = call.service == ServiceCode::SET_ATTRIBUTE_SINGLE && object.has_set(call.instance);
-    match Step::of(call, rules, has_set)? {
-        Step::Get(attribute) => get(object, call.instance, attribute, out).map(|()| Effects::NONE),
-        Step::Set(attribute, value) => {
-            let effects = object.set(call.instance, attribute, value, out)?;
-            Ok(effects.then(Effect::ATTRIBUTE_SET.into()))
-        }
-        Step::Other => object.service(call, out),
-    }
+    get(object, call.instance, readable(call, rules)?, out)
 }
 
-/// What is left to do after the checks.
-enum Step<'a> {
-    Get(AttributeId),
-    Set(AttributeId, &'a [u8]),
-    Other,
+/// What [`serve`] does with every other service.
+#[inline(never)]
+pub fn perform<O: Object>(object: &mut O, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+    let rules = rules(object, call.instance)?;
+    call.check_path()?;
+    if call.service != ServiceCode::SET_ATTRIBUTE_SINGLE || !object.has_set(call.instance) {
+        return object.service(call, out);
+    }
+    let (attribute, value) = settable(call, rules)?;
+    let effects = object.set(call.instance, attribute, value, out)?;
+    Ok(effects.then(Effect::ATTRIBUTE_SET.into()))
 }
 
-impl<'a> Step<'a> {
-    /// The checks that need nothing of the object but its table: one copy of the code for all classes.
-    fn of(call: &Call<'a>, rules: &[AttributeRule], has_set: bool) -> Result<Self, Failure> {
-        call.check_path()?;
-        let has_get = call.service == ServiceCode::GET_ATTRIBUTE_SINGLE
-            && !(call.instance.is_class() && rules.is_empty());
-        if !has_get && !has_set {
-            return Ok(Self::Other);
-        }
-        let (attribute, value) = call.attribute()?;
-        let rule = rule_of(rules, attribute)?;
-        if has_get {
-            return if value.is_empty() {
-                Ok(Self::Get(attribute))
-            } else {
-                Err(GeneralStatus::TOO_MUCH_DATA.into())
-            };
-        }
-        if !rule.is_settable() {
-            return Err(GeneralStatus::ATTRIBUTE_NOT_SETTABLE.into());
-        }
-        rule.size().check(value)?;
-        Ok(Self::Set(attribute, value))
+/// The attribute of a Get, if the object has it.
+#[inline]
+fn readable(call: &Call<'_>, rules: &[AttributeRule]) -> Result<AttributeId, Failure> {
+    call.check_path()?;
+    let (attribute, rest) = call.attribute()?;
+    rule_of(rules, attribute)?;
+    if rest.is_empty() { Ok(attribute) } else { Err(GeneralStatus::TOO_MUCH_DATA.into()) }
+}
+
+/// The attribute of a Set and its value, if the object has the attribute and the value has its length.
+fn settable<'a>(call: &Call<'a>, rules: &[AttributeRule]) -> Result<(AttributeId, &'a [u8]), Failure> {
+    let (attribute, value) = call.attribute()?;
+    let rule = rule_of(rules, attribute)?;
+    if !rule.is_settable() {
+        return Err(GeneralStatus::ATTRIBUTE_NOT_SETTABLE.into());
     }
+    rule.size().check(value)?;
+    Ok((attribute, value))
 }
 
 /// The attributes of an instance, or of the class; 0x16 if there is no such instance.

@@ -53,18 +53,34 @@ pub fn respond<S: ObjectSet>(
     options: FailureOptions,
     out: &mut Writer<'_>,
 ) -> Result<Effects, Failure> {
+    respond_with(call, options, out, |out| {
+        objects.serve(call, out).unwrap_or(Err(GeneralStatus::OBJECT_DOES_NOT_EXIST.into()))
+    })
+}
+
+/// The same for a device that finds the object itself: `serve` writes the service data.
+#[inline]
+pub fn respond_with<T>(
+    call: &Call<'_>,
+    options: FailureOptions,
+    out: &mut Writer<'_>,
+    serve: impl FnOnce(&mut Writer<'_>) -> Result<T, Failure>,
+) -> Result<T, Failure> {
     let start = out.len();
     let result = match out.u8(call.service.response_byte()) {
-        Ok(()) => objects.serve(call, out).unwrap_or(Err(Failure::new(GeneralStatus::OBJECT_DOES_NOT_EXIST))),
+        Ok(()) => serve(out),
         Err(full) => Err(full.into()),
     };
-    result.map_err(|failure| {
-        let failure = failure.under(options, call.is_by_path());
-        out.truncate(start);
-        // A refusal that has no room is none: the owner sees the failure and an empty `out`.
-        let _ = failure.emit(out);
-        failure
-    })
+    result.map_err(|failure| refuse(failure.under(options, call.is_by_path()), start, out))
+}
+
+/// Writes an error response in the place of what was written from `start` on.
+#[cold]
+fn refuse(failure: Failure, start: usize, out: &mut Writer<'_>) -> Failure {
+    out.truncate(start);
+    // A refusal that has no room is none: the owner sees the failure and an empty `out`.
+    let _ = failure.emit(out);
+    failure
 }
 
 impl<S: ObjectSet> ObjectSet for &mut S {

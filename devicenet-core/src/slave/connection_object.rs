@@ -3,8 +3,8 @@
 use cip_core::code::{AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode};
 use cip_core::codec::Writer;
 use cip_core::connection::{
-    CommCharacteristics, ConnectionPath, ConnectionView, ExplicitCause, ExplicitState, InstanceType, IoCause,
-    IoState, PredefinedConnection, TimeoutMultiplier, TransportClassTrigger, WatchdogAction,
+    ConnectionView, ExplicitCause, ExplicitConnection, ExplicitState, IoCause, IoState, TimeoutMultiplier,
+    WatchdogAction,
 };
 use cip_core::epath::Epath;
 use cip_core::message::AllocationChoice;
@@ -12,11 +12,12 @@ use cip_core::object::{AttributeRule, Call, Effects, Failure, Object, Size, exac
 
 use super::application::{Application, End, IoKind};
 use super::config::Options;
+use super::connection_view::Instance;
 use super::dynamic::FIRST_INSTANCE;
 use super::io::LongMessages;
 use super::node::Changed;
 use super::server::Server;
-use crate::id::{Identifier, MacId, MessageGroup};
+use crate::id::{Identifier, MessageGroup};
 
 /// The object, put together for one request.
 pub(super) struct ConnectionObject<'s, 'a, A, const MESSAGE: usize, const DYNAMIC: usize> {
@@ -27,7 +28,7 @@ pub(super) struct ConnectionObject<'s, 'a, A, const MESSAGE: usize, const DYNAMI
 
 /// An instance that exists.
 #[derive(Clone, Copy)]
-enum Which {
+pub(super) enum Which {
     Explicit,
     Io(IoKind),
     Dynamic(u8),
@@ -84,7 +85,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
 
     fn get(&self, instance: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
         let Some(which) = self.which(instance) else { return Ok(out.u8(0)?) };
-        Ok(self.view(which).get(attribute, out)?)
+        Ok(Instance { object: self, which }.get(attribute, out)?)
     }
 
     fn set(
@@ -186,107 +187,13 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
         self.server.node.is_open(index).then_some(Which::Dynamic(index))
     }
 
-    fn dynamic(&mut self, index: u8) -> Result<&mut cip_core::connection::ExplicitConnection, Failure> {
+    fn dynamic(&mut self, index: u8) -> Result<&mut ExplicitConnection, Failure> {
         self.server
             .node
             .dynamic
             .get_mut(usize::from(index))
             .map(|dynamic| &mut dynamic.connection)
             .ok_or(GONE)
-    }
-
-    fn view(&self, which: Which) -> ConnectionView {
-        match which {
-            Which::Explicit => ConnectionView {
-                state: self.server.node.explicit.state().into(),
-                produced_id: Identifier::explicit_response(self.server.access.mac_id()).raw(),
-                consumed_id: Identifier::explicit_request(self.server.access.mac_id()).raw(),
-                settings: *self.server.node.explicit.settings(),
-                ..self.explicit_view(0x21)
-            },
-            Which::Dynamic(index) => match self.server.node.dynamic.get(usize::from(index)) {
-                Some(dynamic) => ConnectionView {
-                    state: dynamic.connection.state().into(),
-                    produced_id: dynamic.produced(self.server.access.mac_id()).map_or(NO_ID, Identifier::raw),
-                    consumed_id: dynamic.consumed(self.server.access.mac_id()).map_or(NO_ID, Identifier::raw),
-                    settings: *dynamic.connection.settings(),
-                    ..self.explicit_view(dynamic.characteristics())
-                },
-                None => self.explicit_view(0),
-            },
-            Which::Io(kind) => self.io_view(kind),
-        }
-    }
-
-    /// What all explicit connections have in common.
-    fn explicit_view(&self, characteristics: u8) -> ConnectionView {
-        ConnectionView {
-            state: self.server.node.explicit.state().into(),
-            instance_type: InstanceType::EXPLICIT,
-            transport_class_trigger: TransportClassTrigger(0x83),
-            produced_id: NO_ID,
-            consumed_id: NO_ID,
-            comm_characteristics: CommCharacteristics(characteristics),
-            produced_size: u16::try_from(MESSAGE).unwrap_or(u16::MAX),
-            consumed_size: u16::try_from(MESSAGE).unwrap_or(u16::MAX),
-            settings: *self.server.node.explicit.settings(),
-            produced_path: ConnectionPath::Empty,
-            consumed_path: ConnectionPath::Empty,
-        }
-    }
-
-    fn io_view(&self, kind: IoKind) -> ConnectionView {
-        let connection = self.server.node.io(kind);
-        let defaults = connection.kind().defaults();
-        let master = self.server.node.master.unwrap_or(MacId::MIN);
-        let (produced_id, consumed_id) = match kind {
-            IoKind::Poll => (
-                Identifier::poll_response(self.server.access.mac_id()),
-                Identifier::poll_command(self.server.access.mac_id()),
-            ),
-            IoKind::BitStrobe => (
-                Identifier::bit_strobe_response(self.server.access.mac_id()),
-                Identifier::bit_strobe_command(master),
-            ),
-            IoKind::ChangeOfState => (
-                Identifier::change_of_state(self.server.access.mac_id()),
-                Identifier::change_of_state_acknowledge(self.server.access.mac_id()),
-            ),
-            IoKind::MulticastPoll => (
-                Identifier::multicast_poll_response(self.server.access.mac_id()),
-                Identifier::multicast_poll_command(self.server.node.group),
-            ),
-        };
-        let (produces, consumes) = directions(connection.kind());
-        let acknowledges_only =
-            kind == IoKind::Poll && !self.server.node.held.contains(AllocationChoice::POLL);
-        let path = |end| {
-            self.server
-                .application
-                .assembly(kind, end)
-                .map_or(ConnectionPath::Empty, ConnectionPath::Assembly)
-        };
-        ConnectionView {
-            state: connection.state().into(),
-            instance_type: defaults.instance_type,
-            transport_class_trigger: defaults.transport_class_trigger,
-            produced_id: if produces { produced_id.raw() } else { NO_ID },
-            consumed_id: if consumes { consumed_id.raw() } else { NO_ID },
-            comm_characteristics: defaults.comm_characteristics,
-            produced_size: if produces && !acknowledges_only {
-                self.server.application.produced_size(kind)
-            } else {
-                0
-            },
-            consumed_size: u16::try_from(self.consumed_size).unwrap_or(u16::MAX),
-            settings: *connection.settings(),
-            produced_path: if produces { path(End::Produced) } else { ConnectionPath::Empty },
-            consumed_path: match kind {
-                IoKind::ChangeOfState if consumes => ConnectionPath::AcknowledgeHandler,
-                IoKind::ChangeOfState => ConnectionPath::Empty,
-                IoKind::Poll | IoKind::BitStrobe | IoKind::MulticastPoll => path(End::Consumed),
-            },
-        }
     }
 
     /// Attribute 5 of instance 5: the group whose command is consumed, while the connection is being configured.
@@ -362,21 +269,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
     }
 }
 
-/// Whether a connection produces, and consumes.
-const fn directions(kind: PredefinedConnection) -> (bool, bool) {
-    match kind {
-        PredefinedConnection::ConsumeOnly => (false, true),
-        PredefinedConnection::ChangeOfState { acknowledged: false }
-        | PredefinedConnection::Cyclic { acknowledged: false } => (true, false),
-        PredefinedConnection::Explicit
-        | PredefinedConnection::Poll
-        | PredefinedConnection::BitStrobe
-        | PredefinedConnection::ChangeOfState { acknowledged: true }
-        | PredefinedConnection::Cyclic { acknowledged: true }
-        | PredefinedConnection::MulticastPoll => (true, true),
-    }
-}
-
 const fn table(consumed_id: bool, paths: bool, inhibit: bool) -> [AttributeRule; 16] {
     [
         AttributeRule::get(1, 1),
@@ -409,7 +301,6 @@ static MULTICAST: [AttributeRule; 16] = table(true, false, true);
 static MULTICAST_SELECTING: [AttributeRule; 16] = table(true, true, true);
 static NON_EXISTENT: [AttributeRule; 1] = [AttributeRule::get(1, 1)];
 
-const NO_ID: u16 = 0xFFFF;
 const GONE: Failure = Failure::new(GeneralStatus::OBJECT_DOES_NOT_EXIST);
 const NOT_SETTABLE: Failure = Failure::new(GeneralStatus::ATTRIBUTE_NOT_SETTABLE);
 const NOT_SUPPORTED: Failure = Failure::new(GeneralStatus::SERVICE_NOT_SUPPORTED);

@@ -93,37 +93,26 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
     }
 
     fn get(&self, _: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
-        let switches = self.0.port.switches;
-        match attribute.0 {
-            1 => out.u8(self.0.access.mac_id().number())?,
-            2 => {
-                out.u8(bit_rate::number(if self.0.node.options.contains(Options::READ_ACTIVE_BIT_RATE) {
-                    self.0.port.active
-                } else {
-                    self.0.port.stored
-                }))?
-            }
-            3 => out.u8(self.0.access.bus_off_interrupt().into())?,
-            4 => out.u8(self.0.access.bus_off_counter())?,
+        let (access, node, port) = (&*self.0.access, &*self.0.node, &*self.0.port);
+        let byte = match attribute.0 {
+            1 => access.mac_id().number(),
+            2 if node.options.contains(Options::READ_ACTIVE_BIT_RATE) => bit_rate::number(port.active),
+            2 => bit_rate::number(port.stored),
+            3 => access.bus_off_interrupt().into(),
+            4 => access.bus_off_counter(),
             5 => {
-                let master = self.0.node.master.map_or(NOT_ALLOCATED, MacId::number);
-                out.bytes(&[self.0.node.choice().bits(), master])?;
+                let master = node.master.map_or(NOT_ALLOCATED, MacId::number);
+                return Ok(out.bytes(&[node.choice().bits(), master])?);
             }
-            6 => {
-                let differs = switches.is_some_and(|read| read.mac_id != self.0.access.mac_id().number());
-                out.u8(differs.into())?;
-            }
-            7 => {
-                let in_use = bit_rate::number(self.0.port.active);
-                out.u8(switches.is_some_and(|read| read.bit_rate != in_use).into())?;
-            }
-            8 => out.u8(switches.map_or(0, |read| read.mac_id))?,
-            9 => out.u8(switches.map_or(0, |read| read.bit_rate))?,
-            10 => out.u8(self.0.access.quick_connect().into())?,
-            12 => self.0.port.diagnostics.emit(out)?,
+            6 => port.switches.is_some_and(|read| read.mac_id != access.mac_id().number()).into(),
+            7 => port.switches.is_some_and(|read| read.bit_rate != bit_rate::number(port.active)).into(),
+            8 => port.switches.map_or(0, |read| read.mac_id),
+            9 => port.switches.map_or(0, |read| read.bit_rate),
+            10 => access.quick_connect().into(),
+            12 => return port.diagnostics.emit(out),
             _ => return Err(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED.into()),
-        }
-        Ok(())
+        };
+        Ok(out.u8(byte)?)
     }
 
     fn set(
@@ -206,15 +195,11 @@ impl Diagnostics {
 
     /// Writes attribute 12.
     fn emit(&self, out: &mut Writer<'_>) -> Result<(), Failure> {
-        out.u16(DESCRIPTOR)?;
-        for absent in [0_u16; 2] {
-            out.u16(absent)?;
-        }
-        for counter in self.counters {
-            out.u16(counter)?;
-        }
-        for reserved in [0_u16; 5] {
-            out.u16(reserved)?;
+        let absent = [0_u16; 2];
+        let reserved = [0; 5];
+        let words = [DESCRIPTOR].into_iter().chain(absent).chain(self.counters).chain(reserved);
+        for word in words {
+            out.u16(word)?;
         }
         Ok(())
     }

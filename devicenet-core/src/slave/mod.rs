@@ -136,6 +136,7 @@ mod bit_rate;
 mod broadcast;
 mod config;
 mod connection_object;
+mod connection_view;
 mod construct;
 mod departure;
 mod detection;

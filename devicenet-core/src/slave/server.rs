@@ -5,7 +5,10 @@ use cip_core::codec::Writer;
 use cip_core::fragment::IO_UNFRAGMENTED_LEN;
 use cip_core::identity::IdentityStatus;
 use cip_core::message::{AllocationChoice, BodyFormat, Request};
-use cip_core::object::{AcknowledgeHandler, Call, Effect, Effects, Failure, ObjectSet, respond, serve};
+use cip_core::object::{
+    AcknowledgeHandler, Call, Effect, Effects, Failure, Identity, ObjectSet, perform, read, respond_with,
+    serve,
+};
 
 use super::allocation::Requester;
 use super::application::{Application, IoKind};
@@ -56,21 +59,49 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
             None => return Err(Ignored::TooShort),
         }
         count(&mut self.node.events.counters.requests);
-        let answered = match self.call(body)? {
-            Ok(call) => {
-                let (options, by) = (self.node.failures, call);
-                respond(self, &call, options, out).map(|effects| self.carry_out(&by, effects))
-            }
+        let done = match self.call(body)? {
+            Ok(call) if call.service == ServiceCode::GET_ATTRIBUTE_SINGLE => self.read(&call, out),
+            Ok(call) => self.perform(&call, out).map(|effects| self.carry_out(&call, effects)),
             Err(failure) => {
                 // Three bytes, for which every buffer has room.
                 let _ = failure.emit(out);
                 Err(failure)
             }
         };
-        if answered.is_err() {
+        if done.is_err() {
             count(&mut self.node.events.counters.refused);
         }
         Ok(())
+    }
+
+    /// Answers Get_Attribute_Single, which is what a device is asked most. It leaves nothing to be done.
+    #[inline]
+    fn read(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<(), Failure> {
+        respond_with(call, self.node.failures, out, |out| match call.class {
+            ClassId::IDENTITY => read(&self.identity(), call, out),
+            ClassId::DEVICENET => self.read_devicenet(call, out),
+            ClassId::CONNECTION => self.read_connection(call, out),
+            _ => self.serve_others(call, out).map(|_| ()),
+        })
+    }
+
+    /// Answers any other service.
+    #[inline(never)]
+    pub(super) fn perform(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+        respond_with(call, self.node.failures, out, |out| match call.class {
+            ClassId::IDENTITY => {
+                let mut identity = self.identity();
+                let effects = perform(&mut identity, call, out)?;
+                self.node.heartbeat_interval = identity.heartbeat_interval;
+                Ok(effects)
+            }
+            ClassId::DEVICENET => perform(&mut DeviceNetObject(self), call, out),
+            ClassId::CONNECTION => {
+                let consumed_size = 0; // It is only read.
+                perform(&mut ConnectionObject { server: self, consumed_size }, call, out)
+            }
+            _ => self.serve_others(call, out),
+        })
     }
 
     /// The request in the body format of its connection.
@@ -118,50 +149,42 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
         }
     }
 
-    fn serve_identity(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+    fn identity(&self) -> Identity<'_> {
         let mut identity = self.application.identity();
         if self.node.master.is_some() {
             identity.status.insert(IdentityStatus::OWNED);
         }
         identity.heartbeat_interval = self.node.heartbeat_interval;
-        let effects = serve(&mut identity, call, out)?;
-        self.node.heartbeat_interval = identity.heartbeat_interval;
-        Ok(effects)
+        identity
     }
 
-    fn serve_connection(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+    #[inline(never)]
+    fn read_devicenet(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<(), Failure> {
+        read(&DeviceNetObject(self), call, out)
+    }
+
+    #[inline(never)]
+    fn read_connection(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<(), Failure> {
         let kind = IoKind::of_instance(call.instance).and_then(IoKind::offered::<A>);
         let consumed_size = match kind {
             Some(kind @ (IoKind::Poll | IoKind::MulticastPoll)) => self.application.consumed(kind).len(),
             Some(IoKind::BitStrobe) => IO_UNFRAGMENTED_LEN,
             Some(IoKind::ChangeOfState) | None => 0,
         };
-        serve(&mut ConnectionObject { server: self, consumed_size }, call, out)
+        read(&ConnectionObject { server: self, consumed_size }, call, out)
     }
 
-    fn serve_acknowledge(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
-        let established = self.node.io(IoKind::ChangeOfState).state() == IoState::Established;
-        let mut handler = AcknowledgeHandler::new(&mut self.node.acknowledge);
-        handler.established = established;
-        serve(&mut handler, call, out)
-    }
-}
-
-impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> ObjectSet
-    for Server<'_, A, MESSAGE, DYNAMIC>
-{
-    fn serve(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Option<Result<Effects, Failure>> {
-        match call.class {
-            ClassId::IDENTITY => Some(self.serve_identity(call, out)),
-            ClassId::DEVICENET => Some(serve(&mut DeviceNetObject(self), call, out)),
-            ClassId::CONNECTION => Some(self.serve_connection(call, out)),
-            ClassId::ACKNOWLEDGE_HANDLER if A::IO.intersects(BOTH) => Some(self.serve_acknowledge(call, out)),
-            _ => self.application.objects().serve(call, out),
-        }
-    }
-
-    fn classes(&self) -> impl Iterator<Item = ClassId> {
-        [ClassId::IDENTITY, ClassId::DEVICENET, ClassId::CONNECTION].into_iter()
+    #[inline(never)]
+    fn serve_others(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+        let served = if call.class == ClassId::ACKNOWLEDGE_HANDLER && A::IO.intersects(BOTH) {
+            let established = self.node.io(IoKind::ChangeOfState).state() == IoState::Established;
+            let mut handler = AcknowledgeHandler::new(&mut self.node.acknowledge);
+            handler.established = established;
+            Some(serve(&mut handler, call, out))
+        } else {
+            self.application.objects().serve(call, out)
+        };
+        served.unwrap_or(Err(GeneralStatus::OBJECT_DOES_NOT_EXIST.into()))
     }
 }
 

@@ -14,7 +14,7 @@
 use cip_core::code::{AdditionalCode, ClassId, GeneralStatus, InstanceId, ServiceCode};
 use cip_core::codec::Writer;
 use cip_core::message::BodyFormat;
-use cip_core::object::{Call, Failure, respond};
+use cip_core::object::{Call, Failure};
 use heapless::Vec;
 use link_core::Frame;
 
@@ -102,8 +102,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             door: Door::Unconnected,
             format: BodyFormat::Class8Instance8,
         });
-        let failures = server.node.failures;
-        let refused = respond(&mut server, call, failures, out).is_err();
+        let refused = server.perform(call, out).is_err();
         count(&mut self.node.events.counters.requests);
         if refused {
             count(&mut self.node.events.counters.refused);
