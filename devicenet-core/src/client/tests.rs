@@ -350,5 +350,5 @@ fn only_new_fragments_are_waited_for() {
 #[test]
 #[cfg(target_pointer_width = "64")]
 fn the_size_of_a_conversation() {
-    assert_eq!([size_of::<Conversation<32>>(), size_of::<Conversation<256>>()], [200, 648]);
+    assert_eq!([size_of::<Conversation<32>>(), size_of::<Conversation<256>>()], [184, 632]);
 }
