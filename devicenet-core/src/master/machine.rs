@@ -209,7 +209,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
                         }
                     }
                     SlotTimer::Watchdog(_) => slot.lost(Cause::TimedOut),
-                    SlotTimer::Restart => slot.lost(Cause::CheckHeard),
+                    SlotTimer::Restart => slot.restarted(),
                     SlotTimer::Trigger => slot.trigger_output(),
                 }
             }
@@ -432,12 +432,22 @@ impl<const N: usize> Slot<N> {
         }
     }
 
-    /// Nothing came over an instance for too long, or it starts anew.
+    /// Nothing came over an instance of a slave that runs for too long, or it has started anew.
     fn lost(&mut self, cause: Cause) {
-        if self.is_running() {
-            super::event::count(&mut self.counters.timeouts);
-            self.abandon_talk();
-            self.wait(cause, ScannerStatus::STOPPED_COMMUNICATING, Duration::ZERO);
+        super::event::count(&mut self.counters.timeouts);
+        self.abandon_talk();
+        self.wait(cause, ScannerStatus::STOPPED_COMMUNICATING, Duration::ZERO);
+    }
+
+    /// It has started anew, and is on line again.
+    fn restarted(&mut self) {
+        match self.stage {
+            Stage::Offline | Stage::Waiting | Stage::Contacting(_) => {}
+            Stage::Configuring(_) => {
+                self.failures = 0;
+                self.wait(Cause::CheckHeard, ScannerStatus::INITIALISING, Duration::ZERO);
+            }
+            Stage::Running => self.lost(Cause::CheckHeard),
         }
     }
 }

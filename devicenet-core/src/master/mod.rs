@@ -103,6 +103,8 @@
 //! | Situation | What happens |
 //! |---|---|
 //! | both doors are open: unconnected port and UCMM | the unconnected port is used ([`FirstContact`]) |
+//! | a slave restarts while it is contacted | the attempt ends with its check, and the next begins a second later |
+//! | a slave restarts while it is configured | the attempt ends when nobody objects to its check for a second, and the next begins |
 //! | a slave restarts while it runs | it falls silent and is lost after four expected packet rates; or, if they are long or 0, when nobody objects to its check for a second |
 //! | a check of a slave is heard while the master waits for it | it is contacted a second later, and pauses begin small again |
 //! | a slave answers the Allocate of another master with success | it is given up at once, and asked for again after pauses |

@@ -66,10 +66,15 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
                 slot.enter(Stage::Waiting, Cause::CheckHeard);
                 slot.timers.set_after(SlotTimer::Retry, AFTER_CHECK);
             }
-            // It may be too late for this attempt, but not for the next.
-            Stage::Contacting(_) | Stage::Configuring(_) => slot.failures = 0,
+            // Who checks does not answer: the attempt would fail.
+            Stage::Contacting(_) => {
+                slot.failures = 0;
+                if direction == Direction::Request {
+                    slot.wait(Cause::CheckHeard, slot.status, AFTER_CHECK);
+                }
+            }
             // The slave itself would not answer its own request, and it would object to that of a newcomer.
-            Stage::Running => match direction {
+            Stage::Configuring(_) | Stage::Running => match direction {
                 Direction::Request => slot.timers.set_after(SlotTimer::Restart, AFTER_CHECK),
                 Direction::Response => slot.timers.clear(SlotTimer::Restart),
             },
@@ -119,9 +124,13 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         let failure = match slot.conversation.frame(frame) {
             Progress::NotMine => return count32(&mut self.counters.unrelated),
             Progress::Ignored(_) => return count(&mut slot.counters.explicit_ignored),
-            Progress::Pending => None,
+            Progress::Pending => {
+                slot.timers.clear(SlotTimer::Restart);
+                None
+            }
             Progress::Failed(failure) => Some(failure),
             Progress::Response(response) => {
+                slot.timers.clear(SlotTimer::Restart);
                 // The response may lie in the conversation that its consequences change.
                 let mut buffer = [0; MESSAGE];
                 let mut out = cip_core::codec::Writer::new(&mut buffer);

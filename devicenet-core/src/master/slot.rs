@@ -117,7 +117,7 @@ pub(super) enum SlotTimer {
     Watchdog(IoInstance),
     /// The transmission trigger of the output data.
     Trigger,
-    /// A check of its MAC ID was heard while it ran, and nobody has objected.
+    /// A check of its MAC ID was heard while it was configured or ran, and nobody has objected.
     Restart,
 }
 

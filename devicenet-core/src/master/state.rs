@@ -189,6 +189,7 @@ impl fmt::Display for Edge {
 /// | Waiting | retry due | Contacting |
 /// | Waiting | duplicate MAC ID check heard | Waiting |
 /// | Contacting | explicit connection | Configuring |
+/// | Contacting | duplicate MAC ID check heard | Waiting |
 /// | Contacting | no answer | Waiting |
 /// | Contacting | owned by another master | Waiting |
 /// | Contacting | refused | Waiting |
@@ -197,6 +198,7 @@ impl fmt::Display for Edge {
 /// | Configuring | refused | Waiting |
 /// | Configuring | electronic key mismatch | Waiting |
 /// | Configuring | size mismatch | Waiting |
+/// | Configuring | duplicate MAC ID check heard | Waiting |
 /// | Configuring | connections established | Running |
 /// | Running | timed out | Waiting |
 /// | Running | duplicate MAC ID check heard | Waiting |
@@ -217,6 +219,7 @@ pub const EDGES: &[Edge] = {
         edge(Waiting, RetryDue, Contacting),
         edge(Waiting, CheckHeard, Waiting),
         edge(Contacting, Connected, Configuring),
+        edge(Contacting, CheckHeard, Waiting),
         edge(Contacting, NoAnswer, Waiting),
         edge(Contacting, OwnedByAnother, Waiting),
         edge(Contacting, Refused, Waiting),
@@ -225,6 +228,7 @@ pub const EDGES: &[Edge] = {
         edge(Configuring, Refused, Waiting),
         edge(Configuring, KeyMismatch, Waiting),
         edge(Configuring, SizeMismatch, Waiting),
+        edge(Configuring, CheckHeard, Waiting),
         edge(Configuring, Established, Running),
         edge(Running, TimedOut, Waiting),
         edge(Running, CheckHeard, Waiting),

@@ -53,12 +53,14 @@ impl Referee {
         self.nodes[at].owner
     }
 
-    /// Whether that master owned a slave before, and has not heard that it is another's now.
-    pub(super) fn has_missed(&self, master: u8, at: usize, owner: u8) -> bool {
+    /// Whether that master owned a slave before, and has not heard that it is another's now; or owned its twin.
+    fn has_missed(&self, master: u8, at: usize, owner: u8) -> bool {
         let slave = &self.nodes[at];
-        let is_former = slave.former.contains(&master);
+        let owned = |slave: &Observed| slave.owner == Some(master) || slave.former.contains(&master);
         let knows = |node: &Observed| node.mac == master && node.allocated.contains(&(slave.mac, owner));
-        is_former && !self.nodes.iter().any(knows)
+        // Twins that missed each other's checks are both on line.
+        let is_twin = |(place, node): (usize, &Observed)| place != at && node.mac == slave.mac && owned(node);
+        owned(slave) && !self.nodes.iter().any(knows) || self.nodes.iter().enumerate().any(is_twin)
     }
 
     /// A node sends a frame to its end.

@@ -86,6 +86,9 @@ fn every_edge_is_taken() {
         bus.hears(&std::format!("5FB: 04 {answer}"));
     }
     lost_by_its_check();
+    let mut bus = configuring();
+    bus.hears("5FF: 00 E7 03 44 33 22 11");
+    bus.wait(1005);
 
     let missed: Vec<_> = TAKEN.with_borrow(|taken| {
         EDGES.iter().filter(|edge| !taken.contains(&(edge.from, edge.cause, edge.to))).collect()

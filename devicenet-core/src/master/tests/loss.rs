@@ -152,9 +152,10 @@ fn a_slave_without_time_out_that_starts_anew_is_noticed() {
     }
 }
 
-/// A slave that comes up while an attempt is under way is not punished for the attempts before.
+/// A slave that comes up while an attempt is under way would answer neither this nor the next request of it. It is
+/// contacted when it is on line, and is not punished for the attempts before.
 #[test]
-fn a_check_heard_during_an_attempt_ends_the_growth_of_the_pauses() {
+fn a_check_heard_while_the_slave_is_contacted_ends_the_attempt() {
     let mut bus = Bus::online(config(), &[polled()]);
     for _ in 0..4 {
         for request in ["5FE: 04 4B 03 01 01 04", "784: 7F 4B 02 34"] {
@@ -167,16 +168,49 @@ fn a_check_heard_during_an_attempt_ends_the_growth_of_the_pauses() {
             bus.wait(100);
         }
     }
-    for request in ["5FE: 04 4B 03 01 01 04", "784: 7F 4B 02 34"] {
-        for _ in 0..2 {
-            bus.sends(request);
-            bus.hears("5FF: 00 E7 03 44 33 22 11");
-            bus.wait(1000);
-        }
-    }
-    bus.is(63, SlaveState::Waiting, ScannerStatus::NOT_FOUND);
-    bus.wait(1000);
     bus.sends("5FE: 04 4B 03 01 01 04");
+    for _ in 0..2 {
+        bus.hears("5FF: 00 E7 03 44 33 22 11");
+        bus.is(63, SlaveState::Waiting, ScannerStatus::NOT_FOUND);
+        bus.wait(1000);
+        bus.sends_nothing();
+    }
+    bus.wait(5);
+    bus.sends("5FE: 44 4B 03 01 01 04");
+    // Somebody objects, so somebody is on line: it may answer.
+    bus.hears("5FF: 80 E7 03 45 33 22 11");
+    bus.hears("5FB: 44 CB 00");
+    bus.is(63, SlaveState::Configuring, ScannerStatus::INITIALISING);
+}
+
+/// What was allocated is gone with a restart; a slave that objects to a newcomer's check, or answers, has not restarted.
+#[test]
+fn a_slave_that_restarts_while_it_is_configured_is_contacted_anew() {
+    let check = "5FF: 00 E7 03 44 33 22 11";
+    let configuring = || {
+        let mut bus = Bus::online(config(), &[polled()]);
+        bus.sends("5FE: 04 4B 03 01 01 04");
+        bus.hears("5FB: 04 CB 00");
+        bus.sends("5FC: 44 10 05 01 0C 03");
+        bus
+    };
+    let mut bus = configuring();
+    for _ in 0..2 {
+        bus.hears(check);
+        bus.wait(1000);
+        bus.sends_nothing();
+    }
+    bus.wait(5);
+    bus.tells("slave 63: Configuring -> Waiting: duplicate MAC ID check heard");
+    bus.sends("5FE: 04 4B 03 01 01 04");
+
+    for alive in ["5FF: 80 E7 03 45 33 22 11", "5FB: 44 90"] {
+        let mut bus = configuring();
+        bus.hears(check);
+        bus.hears(alive);
+        bus.wait(1005);
+        bus.is(63, SlaveState::Configuring, ScannerStatus::INITIALISING);
+    }
 }
 
 /// The master's own MAC ID changes: everything that names it does.
