@@ -117,6 +117,7 @@ extern crate std;
 
 pub mod access;
 pub mod client;
+mod collision;
 pub mod id;
 pub mod master;
 pub mod message;

@@ -231,6 +231,17 @@ impl<const N: usize> Conversation<N> {
         }
     }
 
+    /// The frame that was handed out last was taken back by the owner, who will want it again: [`poll`](Self::poll) has it
+    /// once more, and it counts as one attempt.
+    pub fn taken_back(&mut self) {
+        if self.in_flight.take() != Some(Outgoing::Request) {
+            return;
+        }
+        if let Stage::Requesting { progress: progress @ Sending::HandedOut, .. } = &mut self.stage {
+            *progress = Sending::Due;
+        }
+    }
+
     /// The timer that the owner keeps is over. Returns why the transaction has failed, if it has.
     pub fn timer_expired(&mut self) -> Option<Failure> {
         match &mut self.stage {

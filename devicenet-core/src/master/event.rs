@@ -112,6 +112,8 @@ pub struct Counters {
     pub unexpected: u32,
     /// Frames that the controller gave back unsent.
     pub not_sent: u32,
+    /// Errors on the bus while a request to an unconnected port was in flight: it was taken back, and sent again later.
+    pub collisions: u16,
     /// Answers of the port that no frame was waiting for.
     pub stray_tx_done: u16,
     /// Commands to the controller that were refused.

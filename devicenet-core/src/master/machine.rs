@@ -18,6 +18,7 @@ use super::slot::{Output, Slot, SlotTimer};
 use super::state::{Cause, Stage};
 use super::status::ScannerStatus;
 use crate::access::NetworkStatus;
+use crate::collision;
 use crate::id::{self, MacId};
 use crate::slave;
 
@@ -38,7 +39,7 @@ pub struct Master<const SLAVES: usize, const MESSAGE: usize> {
     pub(super) candidate: Candidate<MESSAGE>,
     pub(super) cycle: Cycle,
     pub(super) lanes: Lanes,
-    pub(super) timers: Timers<Timer, 3>,
+    pub(super) timers: Timers<Timer, 4>,
     pub(super) counters: Counters,
     /// Missing responses of the scan that was completed.
     pub(super) scan_done: Option<u8>,
@@ -48,22 +49,25 @@ pub struct Master<const SLAVES: usize, const MESSAGE: usize> {
     pub(super) unacknowledged: bool,
 }
 
-/// The waits of the scan.
+/// The waits of the scan, and one of the explicit lane.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum Timer {
     Interscan,
     ResponseWait,
     Quiet,
+    /// Requests to unconnected ports wait after a collision.
+    BackOff,
 }
 
-impl TimerKey<3> for Timer {
-    const ALL: [Self; 3] = [Self::Interscan, Self::ResponseWait, Self::Quiet];
+impl TimerKey<4> for Timer {
+    const ALL: [Self; 4] = [Self::Interscan, Self::ResponseWait, Self::Quiet, Self::BackOff];
 
     fn index(self) -> usize {
         match self {
             Self::Interscan => 0,
             Self::ResponseWait => 1,
             Self::Quiet => 2,
+            Self::BackOff => 3,
         }
     }
 
@@ -72,6 +76,7 @@ impl TimerKey<3> for Timer {
             Self::Interscan => "interscan delay",
             Self::ResponseWait => "I/O responses",
             Self::Quiet => "frames of lower priority",
+            Self::BackOff => "another master to go first",
         }
     }
 }
@@ -196,6 +201,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
                 Timer::Interscan => self.cycle.delay_over = true,
                 Timer::ResponseWait => self.cycle.wait_over = true,
                 Timer::Quiet => self.cycle.quiet = true,
+                Timer::BackOff => {}
             }
         }
         let own = self.access().mac_id();
@@ -242,6 +248,11 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     }
 
     fn link(&mut self, event: LinkEvent) {
+        if collision::is_collision(event) && self.lanes.take_back() {
+            let pause = collision::pause(self.access().mac_id(), self.counters.collisions);
+            self.timers.set_after(Timer::BackOff, pause);
+            super::event::count(&mut self.counters.collisions);
+        }
         match event {
             // A port that is up has no filter yet.
             LinkEvent::Up => self.filter_due = true,
@@ -384,7 +395,9 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 
     fn end_scan(&mut self) {
         count32(&mut self.counters.scans);
-        self.timers.clear_all();
+        for timer in [Timer::Interscan, Timer::ResponseWait, Timer::Quiet] {
+            self.timers.clear(timer);
+        }
         let mut missing = 0_u8;
         for slot in &mut self.slots {
             if self.cycle.is_awaited(slot.entry.mac_id) {

@@ -108,6 +108,7 @@
 //! | a slave restarts while it runs | it falls silent and is lost after four expected packet rates; or, if they are long or 0, when nobody objects to its check for a second |
 //! | a check of a slave is heard while the master waits for it | it is contacted a second later, and pauses begin small again |
 //! | a slave answers the Allocate of another master with success | it is given up at once, and asked for again after pauses |
+//! | two masters ask one slave in the same bit | each takes its request back and asks 10 to 640 ms later, by its MAC ID |
 //! | somebody else polls a slave that runs | the slave is asked, by an Allocate, whose it is |
 //! | a slave does not know attributes 7 and 8 | it is believed to have the sizes of the scan list; a wrong length shows at run time |
 //! | a slave answers the packet rate with 0, or without a value | the rate of the scan list is supervised |

@@ -15,10 +15,11 @@ use link_core::{Action, Frame, TxOutcome, TxToken};
 
 use super::cycle::{Position, takes_part};
 use super::event::{MasterEvent, count, count32};
-use super::machine::Master;
+use super::machine::{Master, Timer};
 use super::scan_list::IoInstance;
 use super::slot::{Output, Sending, Slot, SlotTimer};
-use crate::id::{Identifier, MacId};
+use crate::client::Conversation;
+use crate::id::{Identifier, MacId, Purpose};
 use crate::message::{self, BitStrobeCommand, Wire};
 
 /// What is in flight.
@@ -27,6 +28,10 @@ pub(super) struct Lanes {
     answers: Lane,
     scan: Lane,
     explicit: Lane,
+    /// The explicit lane carries a request to an unconnected port, which another master may send as well.
+    contested: bool,
+    /// It was taken back after a collision, and is wanted again.
+    taken_back: bool,
     /// The place in the scan list whose turn it is in the explicit lane, and among the answers.
     turn: usize,
     answer_turn: usize,
@@ -110,6 +115,16 @@ impl Lanes {
 
     pub(super) const fn carries_explicit(&self) -> bool {
         self.explicit.carries.is_some()
+    }
+
+    /// Takes back a request that may collide with another master's; true if there is one.
+    pub(super) const fn take_back(&mut self) -> bool {
+        let takes = self.contested && !self.taken_back && self.explicit.carries.is_some();
+        if takes {
+            self.taken_back = true;
+            self.explicit.withdraw();
+        }
+        takes
     }
 
     pub(super) fn withdraw(&mut self) -> Option<Action<MasterEvent>> {
@@ -235,14 +250,18 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             return None;
         }
         let turn = self.lanes.turn;
+        let backs_off = self.timers.at(Timer::BackOff).is_some();
+        let may_pass = |conversation: &Conversation<MESSAGE>| {
+            conversation.has_output() && !(backs_off && is_contested(conversation.route().request()))
+        };
+        let due = |&(_, slot): &(usize, &Slot<MESSAGE>)| may_pass(&slot.conversation);
         // The place after the last slave is that of the device at MAC ID 63.
-        if turn >= self.slots.len() && self.candidate.conversation.has_output() {
+        if turn >= self.slots.len() && may_pass(&self.candidate.conversation) {
             return Some(self.slots.len());
         }
-        let due = |&(_, slot): &(usize, &Slot<MESSAGE>)| slot.conversation.has_output();
         let mut slots = self.slots.iter().enumerate();
         let after = slots.clone().skip(turn).find(due);
-        let candidate = || self.candidate.conversation.has_output().then_some(self.slots.len());
+        let candidate = || may_pass(&self.candidate.conversation).then_some(self.slots.len());
         after.or_else(|| slots.find(due)).map(|(place, _)| place).or_else(candidate)
     }
 
@@ -254,6 +273,8 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         };
         let frame = conversation.poll()?;
         self.lanes.explicit.carries = Some(carried);
+        self.lanes.contested = Identifier::of_frame(&frame).is_some_and(is_contested);
+        self.lanes.taken_back = false;
         self.lanes.turn = if place < self.slots.len() { place.saturating_add(1) } else { 0 };
         self.cycle.explicit_given = self.cycle.explicit_given.saturating_add(1);
         self.give_way();
@@ -271,6 +292,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             _ => return count(&mut self.counters.stray_tx_done),
         };
         lane.withdrawal = Withdrawal::None;
+        let again = token == EXPLICIT && self.lanes.taken_back && outcome == TxOutcome::Withdrawn;
         let Some(carried) = lane.carries.take() else { return count(&mut self.counters.stray_tx_done) };
         let sent = outcome == TxOutcome::Sent;
         if sent {
@@ -295,14 +317,14 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             Carried::Poll { slave, fragment } => self.poll_sent(slave, fragment, sent),
             Carried::Explicit { slave } => {
                 if let Some(slot) = self.slot_mut(slave) {
-                    slot.conversation.tx_done(outcome);
+                    told(&mut slot.conversation, outcome, again);
                     slot.keep_time();
                     let asks = slot.conversation.is_busy() && sent;
                     self.cycle.unanswered = self.cycle.unanswered.saturating_add(asks.into());
                 }
             }
             Carried::Candidate => {
-                self.candidate.conversation.tx_done(outcome);
+                told(&mut self.candidate.conversation, outcome, again);
                 self.candidate.keep_time();
             }
         }
@@ -461,6 +483,20 @@ fn io_frame(id: Identifier, data: &[u8], fragmented: bool, fragment: usize) -> O
         (_, false) => FragmentByte::new(FragmentKind::Last, count),
     };
     message::frame(id, &message::IoFragment { fragment: byte, data: part })
+}
+
+/// Whether other masters use the same identifier.
+fn is_contested(id: Identifier) -> bool {
+    id.purpose() == Purpose::Group2UnconnectedRequest
+}
+
+/// What became of a frame of a conversation; `again`: it was taken back, and is wanted again.
+fn told<const N: usize>(conversation: &mut Conversation<N>, outcome: TxOutcome, again: bool) {
+    if again {
+        conversation.taken_back();
+    } else {
+        conversation.tx_done(outcome);
+    }
 }
 
 /// Before output data that the controller gave back are sent again.

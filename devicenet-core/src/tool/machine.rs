@@ -5,14 +5,15 @@ use core::time::Duration;
 use heapless::Vec;
 use link_core::timers::TimerKey;
 use link_core::{
-    Action, BusErrorKind, Deadline, FilterSet, Frame, Input, Instant, LinkCommand, LinkEvent, Machine,
-    Timers, TxOutcome, TxToken,
+    Action, Deadline, FilterSet, Frame, Input, Instant, LinkCommand, LinkEvent, Machine, Timers, TxOutcome,
+    TxToken,
 };
 
 use super::config::Config;
 use super::event::{Counters, Refusal, ToolEvent};
 use super::state::{Cause, EDGES, Request, Sending, State, Task};
 use crate::access::Access;
+use crate::collision;
 use crate::id::{self, Identifier};
 use crate::message::{
     self, ChangeMacIdRequest, CommunicationFaultedResponse, DeviceIdentity, Direction, DuplicateMacCheck,
@@ -293,12 +294,12 @@ impl OfflineTool {
     fn link(&mut self, event: LinkEvent) {
         match event {
             // The controller repeats a frame by itself; two that repeat the same identifier with other data never end.
-            LinkEvent::BusError(kind)
-                if kind != BusErrorKind::Ack && self.in_flight == Some(Outgoing::Message) =>
+            LinkEvent::BusError(_)
+                if collision::is_collision(event) && self.in_flight == Some(Outgoing::Message) =>
             {
                 self.in_flight = Some(Outgoing::BackedOff);
                 self.withdraw = true;
-                self.back_off(self.jitter());
+                self.back_off(collision::pause(self.access.mac_id(), self.counters.collisions));
                 self.counters.collisions = self.counters.collisions.saturating_add(1);
                 self.raise(ToolEvent::Collision);
             }
@@ -323,15 +324,6 @@ impl OfflineTool {
             *sending = Sending::BackingOff;
             self.timers.set_after(Timer::Answers, pause);
         }
-    }
-
-    /// 10 to 640 ms, by six bits of vendor and serial number, and six others after each collision: two tools differ in
-    /// some of them.
-    fn jitter(&self) -> Duration {
-        let DeviceIdentity { vendor, serial } = self.config.access.device;
-        let bits = u64::from(vendor.0) << 32 | u64::from(serial);
-        let turned = bits.rotate_right(u32::from(self.counters.collisions).wrapping_mul(6) & 0x3F);
-        Duration::from_millis((turned & 0x3F).saturating_mul(10).saturating_add(10))
     }
 
     fn tx_done(&mut self, outcome: TxOutcome) {

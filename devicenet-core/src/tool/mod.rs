@@ -62,7 +62,7 @@
 //! | Situation | What happens |
 //! |---|---|
 //! | two tools claim at once | whose first request was on the bus first defends it; the other gives way |
-//! | two tools send at the very same moment | their frames destroy each other: each takes its own back and waits, by its vendor and serial number, 10 to 640 ms |
+//! | two tools send at the very same moment | their frames destroy each other: each takes its own back and waits 10 to 640 ms, by its MAC ID |
 //! | the owner hears an ownership response | somebody else owns the set too: the tool gives it up |
 //! | a message is given back unsent by the controller | it is sent again 100 ms later: a claim needs two requests on the bus |
 //! | the owner vanishes | there is nothing to notice: the next claim is not answered |

@@ -232,6 +232,31 @@ fn two_masters_and_one_slave() {
     line.exchanges(second, slave, 10);
 }
 
+/// Two masters that are switched on in the same bit want the same slaves, and begin with the same one in the same bit. They
+/// part before either is bus-off, and each slave is one's.
+#[test]
+fn two_masters_at_once() {
+    for slaves in [1, 8, 40] {
+        let numbers: Vec<u8> = (10..10 + slaves).collect();
+        let mut line = Line::new();
+        let masters = [line.master(0, &numbers, |_| {}), line.master(1, &numbers, |_| {})];
+        let nodes: Vec<NodeId> =
+            numbers.iter().map(|&number| line.slave(number, number.into(), Some(0))).collect();
+        line.run(20);
+        for master in masters {
+            assert!(line.scanner(master).access().is_online(), "{slaves} slaves");
+        }
+        assert!(line.scanner(masters[0]).counters().collisions > 0, "they do collide");
+        for (&number, &node) in numbers.iter().zip(&nodes) {
+            let runs =
+                |master: &&NodeId| line.scanner(**master).state(mac(number)) == Some(SlaveState::Running);
+            let owners: Vec<&NodeId> = masters.iter().filter(runs).collect();
+            assert_eq!(owners.len(), 1, "slave {number} of {slaves}");
+            line.exchanges(*owners[0], node, number);
+        }
+    }
+}
+
 /// A master that was restarted finds its own old connections, and gets on at once.
 #[test]
 fn a_master_that_was_restarted() {

@@ -2,7 +2,7 @@
 
 use cip_core::code::{AttributeId, ClassId, InstanceId};
 use cip_core::message::AttributeRequest;
-use link_core::{Input, TxOutcome, TxToken};
+use link_core::{BusErrorKind, Input, LinkEvent, TxOutcome, TxToken};
 
 use super::super::*;
 use super::bus::{Bus, config, mac};
@@ -108,4 +108,35 @@ fn the_application_goes_before_the_question_whose_a_slave_is() {
     let mut bus = verifying();
     bus.wait(320);
     bus.tells("slave 63: Running -> Waiting: timed out");
+}
+
+/// Two masters ask the same slave in the same bit: their requests would destroy each other until both are off the bus.
+#[test]
+fn a_request_that_collides_with_another_masters_is_sent_later() {
+    let mut bus = Bus::online(config(), &[super::bus::polled()]);
+    bus.input(Input::Link(LinkEvent::BusError(BusErrorKind::Ack)));
+    assert_eq!(bus.withdrawn, [], "a missing acknowledge is no collision");
+    // 10 ms, and ten times its MAC ID; then three times as much of that.
+    for pause in [50, 130] {
+        bus.input(Input::Link(LinkEvent::BusError(BusErrorKind::Bit)));
+        bus.input(Input::Link(LinkEvent::BusError(BusErrorKind::Bit)));
+        assert_eq!(bus.withdrawn.split_off(0), [TxToken(0x1003)], "once");
+        bus.takes();
+        bus.input(Input::TxDone(TxToken(0x1003), TxOutcome::Withdrawn));
+        bus.wait(pause - 1);
+        bus.sends_nothing();
+        bus.wait(1);
+    }
+    // It was on the bus before it could be taken back: what follows from it does.
+    bus.input(Input::Link(LinkEvent::BusError(BusErrorKind::Bit)));
+    bus.sends("5FE: 04 4B 03 01 01 04");
+    bus.hears("5FB: 04 CB 00");
+    bus.sends("5FC: 44 10 05 01 0C 03");
+    assert_eq!(bus.master.counters().collisions, 3);
+    // What only this master sends is left to the controller, which repeats it.
+    bus.withdrawn.clear();
+    bus.hears("5FB: 44 90");
+    bus.input(Input::Link(LinkEvent::BusError(BusErrorKind::Bit)));
+    assert_eq!(bus.withdrawn, []);
+    bus.sends("5FC: 04 0E 01 01 01");
 }
