@@ -15,7 +15,7 @@
 
 use core::time::Duration;
 
-use cip_core::code::{AttributeId, ClassId, DeviceType, InstanceId, VendorId};
+use cip_core::code::{AttributeId, ClassId, DeviceType, GeneralStatus, InstanceId, VendorId};
 use cip_core::codec::{Reader, Wire};
 use cip_core::identity::Revision;
 use cip_core::message::{AllocationChoice, AttributeRequest, Response};
@@ -83,7 +83,12 @@ pub(super) struct Candidate<const N: usize> {
 enum Looking {
     /// Until there is a reason to look again.
     Away,
-    Allocating,
+    /// `released`: the connection that an earlier look left was released before.
+    Allocating {
+        released: bool,
+    },
+    /// The connection of an earlier look that failed is released.
+    Clearing,
     Asking(u16),
     Assigning(MacId),
     Releasing,
@@ -215,7 +220,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     pub(super) fn expire_candidate(&mut self, until: Instant) {
         while let Some(wait) = self.candidate.timers.take_expired(until) {
             match wait {
-                Wait::Look if self.looks() && self.candidate.stage == Looking::Away => self.look(),
+                Wait::Look if self.looks() && self.candidate.stage == Looking::Away => self.look(false),
                 Wait::Look => {}
                 Wait::Conversation => {
                     let failure = self.candidate.conversation.timer_expired();
@@ -228,9 +233,9 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         }
     }
 
-    fn look(&mut self) {
+    fn look(&mut self, released: bool) {
         let own = self.access().mac_id();
-        self.candidate.stage = Looking::Allocating;
+        self.candidate.stage = Looking::Allocating { released };
         self.candidate.ask_port(&self.config, own, &door::allocate_explicit(own));
     }
 
@@ -270,12 +275,20 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         let retry = self.config.replacement_retry;
         match (self.candidate.stage, response) {
             (Looking::Away, _) => {}
-            (Looking::Allocating, Response::Success { data, .. }) => {
+            (Looking::Allocating { .. }, Response::Success { data, .. }) => {
                 let Some(format) = door::format_told(data) else { return self.candidate.leave(retry) };
                 let route = Route::predefined(own, MacId::MAX, format);
                 self.candidate.conversation.reroute(route, self.config.connected);
                 self.candidate.ask(1);
             }
+            (
+                Looking::Allocating { released: false },
+                Response::Error { status: GeneralStatus::ALREADY_IN_REQUESTED_STATE, .. },
+            ) => {
+                self.candidate.stage = Looking::Clearing;
+                self.candidate.ask_port(&self.config, own, &door::release(AllocationChoice::EXPLICIT));
+            }
+            (Looking::Clearing, _) => self.look(true),
             (Looking::Asking(attribute), Response::Success { data, .. }) => {
                 if !self.candidate.learn(attribute, data) {
                     return self.conclude(Replacement::NoMatch);
@@ -291,7 +304,8 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
                 self.candidate.leave(retry);
             }
             (Looking::Assigning(_), Response::Error { .. }) => self.conclude(Replacement::Refused),
-            (Looking::Allocating | Looking::Asking(_), Response::Error { .. }) | (Looking::Releasing, _) => {
+            (Looking::Asking(_), Response::Error { .. }) => self.conclude(Replacement::NoMatch),
+            (Looking::Allocating { .. }, Response::Error { .. }) | (Looking::Releasing, _) => {
                 self.candidate.leave(retry);
             }
         }

@@ -167,4 +167,48 @@ fn the_look_is_repeated() {
     bus.sends("5FE: 04 4B 03 01 01 04");
 }
 
+/// The look failed after the Allocate was answered: the device still has that connection when it is looked at again.
+#[test]
+fn what_a_look_that_failed_left_is_released_by_the_next() {
+    let mut bus = missing(ReplacementMode::On, &[replaceable(10)]);
+    bus.sends("5FE: 04 4B 03 01 01 04");
+    bus.hears("5FB: 04 CB 00");
+    bus.sends("5FC: 44 0E 01 01 01");
+    bus.wait(2500 + 5000);
+    bus.sends("5FE: 04 4B 03 01 01 04");
+    bus.hears("5FB: 04 94 0B 02");
+    bus.sends("5FE: 44 4C 03 01 01");
+    bus.hears("5FB: 44 CC");
+    answers(&mut bus, "8E 2A 00");
+    bus.sends("5FC: 44 10 03 01 01 0A");
+}
+
+/// Nor is it released for ever.
+#[test]
+fn a_device_at_63_that_cannot_be_released_is_left() {
+    let mut bus = missing(ReplacementMode::On, &[replaceable(10)]);
+    bus.sends("5FE: 04 4B 03 01 01 04");
+    bus.hears("5FB: 04 94 0B 02");
+    bus.sends("5FE: 44 4C 03 01 01");
+    bus.hears("5FB: 44 94 0B 02");
+    bus.sends("5FE: 04 4B 03 01 01 04");
+    bus.hears("5FB: 04 94 0B 02");
+    bus.wait(4999);
+    bus.sends_nothing();
+    bus.wait(1);
+    bus.sends("5FE: 44 4B 03 01 01 04");
+}
+
+/// A device that does not say what it is is let go.
+#[test]
+fn a_device_at_63_that_refuses_its_identity_replaces_nobody() {
+    let mut bus = missing(ReplacementMode::On, &[replaceable(10)]);
+    bus.sends("5FE: 04 4B 03 01 01 04");
+    bus.hears("5FB: 04 CB 00");
+    bus.sends("5FC: 44 0E 01 01 01");
+    bus.hears("5FB: 44 94 14 FF");
+    bus.tells("replacement: the device at MAC ID 63 is none that is missing");
+    bus.sends("5FE: 04 4C 03 01 01");
+}
+
 const MINUTE: core::time::Duration = core::time::Duration::from_secs(60);
