@@ -125,6 +125,7 @@ mod command;
 mod config;
 mod contact;
 mod cycle;
+mod device;
 mod door;
 mod event;
 mod machine;
@@ -143,6 +144,7 @@ mod writes;
 
 pub use command::CommandError;
 pub use config::{Config, FirstContact};
+pub use device::ConnectionError;
 pub use event::{Counters, MasterEvent, SlaveCounters, SlaveEvent};
 pub use machine::Master;
 pub use replacement::{Replacement, ReplacementMode};

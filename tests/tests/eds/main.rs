@@ -6,6 +6,8 @@ mod decoded;
 
 use cip_core::eds::{Code, Eds, Severity};
 use devicenet_cli::eds::Report;
+use devicenet_core::MacId;
+use devicenet_core::master::ScanEntry;
 use devicenet_tests::workspace_root;
 
 /// Name of the file, what to look for in its snapshot.
@@ -106,6 +108,14 @@ fn nothing_is_lost() {
         read(name).document().write(&mut written);
         assert_eq!(written, bytes, "{name}");
     }
+}
+
+#[test]
+fn a_file_makes_an_entry_of_a_scan_list() {
+    let device = read("block").scan_entry().expect("it says all that a master must know");
+    let entry = ScanEntry::of_device(MacId::MAX, &device).expect("its connections go together");
+    assert_eq!(entry.choice(), device.default.allocation_choice());
+    assert_eq!(entry.key.vendor, Some(device.key.vendor));
 }
 
 #[test]
