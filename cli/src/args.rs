@@ -98,19 +98,20 @@ pub struct DecodeArgs {
     /// Only frames up to this time, counted from the first frame of the recording
     #[arg(long, value_name = "TIME")]
     pub to: Option<Time>,
-    /// The times of the lines; JSON and copies have those of the recording
-    #[arg(long, value_enum, default_value_t = TimeFormat::Absolute)]
-    pub time: TimeFormat,
+    /// The times of the lines, absolute unless told otherwise; JSON and copies have those of the recording
+    #[arg(long, value_enum)]
+    pub time: Option<TimeFormat>,
     /// Instead of the frames, a summary: each node, each connection, each kind of problem; response times p50 and p99 have
     /// two significant digits, the longest is exact
     #[arg(long)]
     pub summary: bool,
-    /// Instead of the frames, the scan list of each master, rebuilt from its traffic: [[node.scan]] tables of a scenario
-    #[arg(long, conflicts_with = "summary")]
+    /// Instead of the frames, the scan list of each master, rebuilt from its traffic: [[node.scan]] tables of a scenario.
+    /// It is that of the whole recording
+    #[arg(long, conflicts_with_all = ["summary", "mac", "kind", "from", "to"])]
     pub scanlist: bool,
-    /// The bit rate of the bus, from which the summary computes the bus load
-    #[arg(long, value_name = "RATE", default_value = "125k", value_parser = parse_bit_rate)]
-    pub bit_rate: u32,
+    /// The bit rate of the bus, from which the summary computes the bus load: 125k unless told otherwise
+    #[arg(long, value_name = "RATE", value_parser = parse_bit_rate)]
+    pub bit_rate: Option<u32>,
     /// Name parameters and pieces of I/O data by this Electronic Data Sheet, for every node whose vendor, device type and
     /// product code are seen to be those of the file; with MAC= for that node, whatever it is; may be given more than once
     #[arg(long, value_name = "[MAC=]FILE", value_parser = parse_eds_file)]
@@ -152,9 +153,10 @@ pub enum Protocol {
 }
 
 /// What the times of a trace are counted from.
-#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum TimeFormat {
     /// As recorded
+    #[default]
     Absolute,
     /// Since the first frame of the recording
     Relative,

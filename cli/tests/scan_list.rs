@@ -2,7 +2,7 @@
 //! `devicenet decode --scanlist`: what the traffic tells of a master's scan list is a scan list of a scenario.
 
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Output};
 
 use devicenet_cli::scenario::{Role, Scenario};
 use devicenet_cli::simulate::PLANT;
@@ -42,6 +42,32 @@ fn the_scan_list_of_the_plant_is_rebuilt_from_its_traffic() {
         );
         assert!(planned.key.product_code.is_none_or(|code| rebuilt.key.product_code == Some(code)), "{list}");
     }
+}
+
+fn scan_list_of(capture: &str) -> Output {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/captures").join(capture);
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_devicenet")).args(["decode", "--scanlist"]).arg(path).output();
+    output.expect("the program runs")
+}
+
+/// The recording ends with the release of the slave.
+#[test]
+fn a_slave_that_was_released_was_in_the_scan_list() {
+    let output = scan_list_of("slave-01-startup-poll.log");
+    let list = String::from_utf8(output.stdout).expect("UTF-8");
+    let expected =
+        "\n[[node.scan]]\nmac = 10\npoll = { produce = 3, epr = \"1s\" }\nkey = { vendor = 0x1234 }\n";
+    assert!(list.starts_with("# The scan list of MAC ID 1, seen on can0\n"), "{list}");
+    assert!(list.ends_with(expected), "{list}");
+}
+
+#[test]
+fn a_recording_without_a_master_is_told_to_have_none() {
+    let output = scan_list_of("bei-mhk5-cos.log");
+    assert_eq!((output.status.code(), output.stdout.len()), (Some(0), 0));
+    let told = String::from_utf8(output.stderr).expect("UTF-8");
+    assert!(told.contains("no scan list: the recording has no slave whose master is seen"), "{told}");
 }
 
 #[test]

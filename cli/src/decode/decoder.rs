@@ -10,10 +10,11 @@ use link_core::Instant;
 use super::clock::Clock;
 use super::json;
 use super::outside::Outside;
-use super::scan_list::ScanLists;
+use super::scan_list::{self, ScanLists};
 use super::sheets::{Note, Sheets};
 use super::summary::Summary;
 use crate::args::DecodeArgs;
+use crate::output;
 use crate::recording::{Channels, Content, RecordedFrame};
 use crate::scenario::Time;
 use crate::text::{printable, push_number};
@@ -75,9 +76,13 @@ impl Decoder {
         let view = match (args.summary, json) {
             _ if args.is_record_on_stdout() => View::Silent,
             _ if args.scanlist => View::ScanLists(ScanLists::default()),
-            (true, json) => View::Summary { summary: Box::new(Summary::new(args.bit_rate)), json },
+            (true, json) => {
+                View::Summary { summary: Box::new(Summary::new(args.bit_rate.unwrap_or(BIT_RATE))), json }
+            }
             (false, true) => View::Json,
-            (false, false) => View::Text { trace: Trace::new(coloured), clock: Clock::new(args.time) },
+            (false, false) => {
+                View::Text { trace: Trace::new(coloured), clock: Clock::new(args.time.unwrap_or_default()) }
+            }
         };
         let (filter, sheets) = (Filter::new(args), Sheets::default());
         Self { filter, monitors: Vec::new(), sheets, view, node: Vec::new() }
@@ -101,6 +106,10 @@ impl Decoder {
             Content::Fd(_) => Meaning::Outside(Outside::Fd),
         };
         let identified = meaning.reading().and_then(|reading| self.sheets.identified(reading));
+        let allocated = match (&self.view, meaning.reading()) {
+            (View::ScanLists(_), Some(reading)) => scan_list::allocated(reading),
+            _ => None,
+        };
         let note = meaning.reading().and_then(|reading| self.sheets.observe(bus, reading));
         if let View::Text { clock, .. } = &mut self.view {
             clock.see(frame.at);
@@ -138,15 +147,27 @@ impl Decoder {
         if let Some(record) = identified.and_then(|mac| self.monitors.get(bus)?.node(mac)) {
             self.sheets.identify(bus, &record);
         }
+        if let View::ScanLists(lists) = &mut self.view
+            && let Some(record) = allocated.and_then(|mac| self.monitors.get(bus)?.node(mac))
+        {
+            lists.allocated(bus, &record);
+        }
         verdict
     }
 
     /// Appends the summary, if that is what is wanted. `file` names a bus that has no name.
     pub fn finish(&mut self, out: &mut Vec<u8>, channels: &Channels, file: &str) {
         if let View::ScanLists(lists) = &self.view {
+            let start = out.len();
             for (bus, monitor) in self.monitors.iter().enumerate() {
                 let name = channels.iter().nth(bus).unwrap_or(file);
                 out.extend_from_slice(lists.toml(bus, &printable(name), monitor).as_bytes());
+            }
+            if out.len() == start && !self.monitors.is_empty() {
+                output::note(format_args!(
+                    "{file}: no scan list: the recording has no slave whose master is seen, by an allocation or by an answer \
+                     to an explicit request"
+                ));
             }
             return;
         }
@@ -297,3 +318,6 @@ fn concerns(reading: &Reading<'_>, mac: u8) -> bool {
     let is_new_mac = matches!(reading.fields.detail, Detail::ChangeMacId { mac: new } if new.number() == mac);
     is_to_all || is_new_mac || is_node(reading.src) || is_node(reading.dst)
 }
+
+/// Of a bus whose bit rate nobody has told.
+const BIT_RATE: u32 = 125_000;

@@ -109,6 +109,7 @@ fn check(args: &DecodeArgs, json: bool) -> Result<(), Failure> {
     {
         return Err(Failure::Usage(format!("--from {from} is after --to {to}: no frame can be shown")));
     }
+    check_words(args, json)?;
     if args.scanlist && (json || args.is_record_on_stdout()) {
         return Err(Failure::Usage(
             "a scan list is TOML on standard output: leave --json and `--record -` out".to_owned(),
@@ -121,6 +122,27 @@ fn check(args: &DecodeArgs, json: bool) -> Result<(), Failure> {
         )));
     }
     Ok(())
+}
+
+/// Refuses an option that could change nothing.
+fn check_words(args: &DecodeArgs, json: bool) -> Result<(), Failure> {
+    if args.bit_rate.is_some() && !args.summary {
+        return Err(Failure::Usage(
+            "--bit-rate is for the bus load of a summary: add --summary, or leave it out".to_owned(),
+        ));
+    }
+    let without_lines = [
+        (args.summary, "--summary"),
+        (args.scanlist, "--scanlist"),
+        (json, "--json"),
+        (args.is_record_on_stdout(), "`--record -`"),
+    ];
+    match without_lines.into_iter().find(|(is_wanted, _)| *is_wanted) {
+        Some((_, other)) if args.time.is_some() => Err(Failure::Usage(format!(
+            "--time is for the lines of the text, and {other} prints none: leave one of them out"
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// A recording on its way to where it is wanted.

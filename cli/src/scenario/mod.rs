@@ -13,6 +13,7 @@ mod values;
 use std::io::Read as _;
 use std::path::Path;
 
+pub use check::LONGEST_RUN;
 pub use diagnostic::ScenarioError;
 pub use model::{
     AccessNode, Action, Bus, ConnectionName, ConnectionStateName, Do, EventName, Expectation, Fault,

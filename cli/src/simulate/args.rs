@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::scenario::Time;
+use crate::scenario::{LONGEST_RUN, Time};
 
 /// `devicenet simulate`.
 #[derive(Args, Clone, Debug, Default)]
@@ -42,10 +42,10 @@ pub struct SimulateArgs {
     #[arg(long, exclusive = true)]
     pub print_plant: bool,
     /// The seed of everything random, instead of that of the scenario
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_seed, allow_hyphen_values = true)]
     pub seed: Option<u64>,
-    /// How long to run, instead of the duration of the scenario, such as 10s or 250ms
-    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    /// How long to run, instead of the duration of the scenario, such as 10s or 250ms; at most 24h
+    #[arg(long, value_name = "TIME", value_parser = parse_until, allow_hyphen_values = true)]
     pub until: Option<Time>,
     /// Record the bus: pcapng for a name that ends so, else a candump log; failed attempts become error frames
     #[arg(long, short = 'o', value_name = "FILE")]
@@ -69,4 +69,48 @@ pub struct SimulateArgs {
     /// Serve at an address that other machines can reach: they may then send on the simulated bus
     #[arg(long, requires = "serve")]
     pub allow_remote: bool,
+}
+
+/// `7`, `0x2A`, `1_000`.
+fn parse_seed(text: &str) -> Result<u64, String> {
+    let plain = text.replace('_', "");
+    let number = match plain.strip_prefix("0x").or_else(|| plain.strip_prefix("0X")) {
+        Some(digits) => u64::from_str_radix(digits, 16).ok().filter(|_| !digits.starts_with('+')),
+        None => plain.parse().ok().filter(|_| !plain.starts_with('+')),
+    };
+    number.ok_or_else(|| format!("a number from 0 to {} expected, such as 7 or 0x2A", u64::MAX))
+}
+
+/// As the `duration` of a scenario.
+fn parse_until(text: &str) -> Result<Time, String> {
+    let time: Time = text.parse().map_err(|error: crate::scenario::TimeError| error.to_string())?;
+    if time.0.is_zero() || time.0 > LONGEST_RUN {
+        return Err(format!("more than 0s expected, at most {}", Time(LONGEST_RUN)));
+    }
+    Ok(time)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seeds_in_decimal_and_hexadecimal() {
+        assert_eq!(parse_seed("7"), Ok(7));
+        assert_eq!(parse_seed("0x10"), Ok(16));
+        assert_eq!(parse_seed("0XffFFffFF_ffFFffFF"), Ok(u64::MAX));
+        for text in ["", "0x", "-1", "+1", "0x+1", "ten", "0x10000000000000000"] {
+            let words = "a number from 0 to 18446744073709551615 expected, such as 7 or 0x2A";
+            assert_eq!(parse_seed(text), Err(words.to_owned()), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_run_is_as_long_as_a_scenario_may_be() {
+        assert_eq!(parse_until("24h").map(|time| time.0), Ok(LONGEST_RUN));
+        for text in ["0s", "9000h", "1441min"] {
+            assert_eq!(parse_until(text), Err("more than 0s expected, at most 86400s".to_owned()), "{text}");
+        }
+        assert!(parse_until("-1s").unwrap_err().contains("must not be negative"));
+    }
 }

@@ -18,6 +18,30 @@ fn wrong_usage_exits_with_2() {
     }
 }
 
+/// An option that could change nothing is not taken in silence.
+#[test]
+fn an_option_without_an_effect_is_refused_in_words() {
+    let file = capture("slave-01-startup-poll.log");
+    for (options, told) in [
+        (&["--bit-rate", "500k"][..], "error: --bit-rate is for the bus load of a summary: add --summary"),
+        (&["--bit-rate", "500k", "--json"], "error: --bit-rate is for"),
+        (
+            &["--time", "delta", "--summary"],
+            "error: --time is for the lines of the text, and --summary prints none",
+        ),
+        (&["--time", "delta", "--scanlist"], "and --scanlist prints none"),
+        (&["--time", "absolute", "--json"], "and --json prints none"),
+        (&["--time", "delta", "--record", "-"], "and `--record -` prints none"),
+        (&["--scanlist", "--mac", "10"], "'--scanlist' cannot be used with '--mac <N>'"),
+        (&["--scanlist", "--from", "1s"], "'--scanlist' cannot be used with '--from <TIME>'"),
+    ] {
+        let output = run(&[&["decode"], options, &[&file]].concat());
+        assert_exit(&output, 2);
+        assert_eq!(stdout(&output), "");
+        assert!(stderr(&output).contains(told), "{}", stderr(&output));
+    }
+}
+
 #[test]
 fn help_of_every_command_has_an_example() {
     for arguments in [&["--help"][..], &["decode", "--help"]] {

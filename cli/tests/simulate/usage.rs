@@ -16,6 +16,8 @@ fn what_makes_no_sense_on_the_command_line_is_told() {
         (["--record", "-"], "--record -: standard output has the trace"),
         (["--svg", "-"], "--svg -: standard output has the trace"),
         (["--until", "-2s"], "`-2s` must not be negative"),
+        (["--until", "9000h"], "more than 0s expected, at most 86400s"),
+        (["--seed", "ten"], "a number from 0 to 18446744073709551615 expected, such as 7 or 0x2A"),
     ] {
         let output = devicenet(&[&["simulate"][..], &arguments].concat());
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");

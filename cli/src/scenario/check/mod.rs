@@ -294,4 +294,5 @@ fn parse_frame(text: &str) -> Option<Frame> {
 const BIT_RATES: [u32; 8] = [10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 1_000_000];
 /// Names that an error lists.
 const MOST_LISTED: usize = 16;
-const LONGEST_RUN: Duration = Duration::from_secs(24 * 3_600);
+/// The longest run.
+pub const LONGEST_RUN: Duration = Duration::from_secs(24 * 3_600);
