@@ -205,3 +205,17 @@ fn a_path_is_forgotten_when_its_node_starts_again() {
         .collect();
     assert_eq!(responses, [true, false, true], "{}", stdout(&output));
 }
+
+#[test]
+fn what_is_no_eds_is_not_shown() {
+    for (input, told) in [
+        (&b""[..], "error: <stdin>: the file is empty: it is no EDS\n"),
+        (b"a letter\n", "error: <stdin>: no section `[Name]` in it: it is no EDS\n"),
+    ] {
+        for arguments in [&["eds", "show", "-"][..], &["eds", "show", "--json", "-"]] {
+            let output = run(arguments, input);
+            assert_exit(&output, 2);
+            assert_eq!((stdout(&output), stderr(&output)), ("", told));
+        }
+    }
+}

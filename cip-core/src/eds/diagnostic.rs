@@ -113,6 +113,8 @@ codes! {
     // The words.
     /// A string goes on to the end of the line.
     UnterminatedString = "unterminated_string", Error;
+    /// A string ends that has not begun.
+    UnopenedString = "unopened_string", Error;
     /// A string whose last quote is escaped.
     EscapedQuote = "escaped_quote", Warning;
     /// A string stands between typographic quotes.
@@ -295,11 +297,16 @@ pub(super) struct Findings {
 
 impl Findings {
     pub(super) fn add(&mut self, code: Code, span: Span, message: fmt::Arguments<'_>) {
-        if self.found.len() < MAX_DIAGNOSTICS {
-            self.found.push((span, code, message.to_string()));
-        } else {
+        if self.is_full() {
             self.left_out = self.left_out.saturating_add(1);
+        } else {
+            self.found.push((span, code, message.to_string()));
         }
+    }
+
+    /// Whether further ones are only counted.
+    pub(super) const fn is_full(&self) -> bool {
+        self.found.len() >= MAX_DIAGNOSTICS
     }
 
     /// The findings in the order of their places, and how many there was no room for. `places` tells ascending places.

@@ -47,6 +47,7 @@ mod layout;
 mod literal;
 mod model;
 mod parser;
+mod quotes;
 mod scan_entry;
 mod span;
 mod token;

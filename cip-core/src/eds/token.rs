@@ -4,6 +4,7 @@ use std::vec::Vec;
 
 use super::diagnostic::{Code, Findings};
 use super::encoding::{Characters, Located};
+use super::quotes::{self, MissingQuote};
 use super::{Encoding, Span};
 
 /// A word of the file.
@@ -51,7 +52,8 @@ impl TokenKind {
 /// Cuts a file into words.
 pub(super) fn tokens(bytes: &[u8], encoding: Encoding, mark: usize, findings: &mut Findings) -> Vec<Token> {
     let rest = Characters::of(bytes, Span { start: mark, end: bytes.len() }, encoding);
-    let mut lexer = Lexer { rest, findings, is_entry_open: false, is_line_start: true };
+    let mut lexer = Lexer { rest, findings, is_entry_open: false, is_line_start: true, missing: None };
+    lexer.begin_line();
     let mut tokens = Vec::new();
     if mark > 0 {
         tokens.push(Token { kind: TokenKind::ByteOrderMark, span: Span { start: 0, end: mark } });
@@ -69,12 +71,18 @@ struct Lexer<'a, 'f> {
     is_entry_open: bool,
     /// Whether only blanks stand before on the line.
     is_line_start: bool,
+    /// What is missing on the line, if that can be told.
+    missing: Option<MissingQuote>,
 }
 
 impl Lexer<'_, '_> {
     fn token(&mut self) -> Option<Token> {
         let Located { character, start, .. } = self.rest.next()?;
         let kind = match character {
+            first if self.missing == Some(MissingQuote::Before(start)) => {
+                self.unopened_string(start, first);
+                TokenKind::String
+            }
             '\n' => TokenKind::NewLine,
             '\r' => {
                 if self.rest.peek() == Some('\n') {
@@ -109,7 +117,10 @@ impl Lexer<'_, '_> {
             }
         };
         match kind {
-            TokenKind::NewLine => self.is_line_start = true,
+            TokenKind::NewLine => {
+                self.is_line_start = true;
+                self.begin_line();
+            }
             TokenKind::Blank | TokenKind::ByteOrderMark => {}
             TokenKind::Semicolon | TokenKind::Section => {
                 (self.is_entry_open, self.is_line_start) = (false, false);
@@ -122,6 +133,12 @@ impl Lexer<'_, '_> {
         Some(Token { kind, span: Span { start, end: self.rest.at() } })
     }
 
+    /// A line without as many quotes as it needs is rare: the others are looked at once.
+    fn begin_line(&mut self) {
+        // Beyond the findings that are kept, nobody sees how well a line was read.
+        self.missing = if self.findings.is_full() { None } else { quotes::missing(&self.rest) };
+    }
+
     fn take_while(&mut self, accepts: impl Fn(char) -> bool) {
         while self.rest.peek().is_some_and(&accepts) {
             self.rest.next();
@@ -132,6 +149,12 @@ impl Lexer<'_, '_> {
     /// to: before a `,` or `;` that ends the line, else with the line. A quote that a letter or digit follows opens the
     /// next string: then the one before ends at its first `,` or `;`.
     fn string(&mut self, start: usize) {
+        if let Some(MissingQuote::Behind { start: opened, end }) = self.missing
+            && opened == start
+        {
+            while self.rest.at() < end && self.rest.next().is_some() {}
+            return self.report_unterminated(start);
+        }
         let mut look = self.rest.clone();
         let mut is_escaped = false;
         let mut after_escaped_quote = None;
@@ -170,6 +193,19 @@ impl Lexer<'_, '_> {
             return;
         }
         self.unterminated_string(start);
+    }
+
+    /// The rest of a string without its opening quote.
+    fn unopened_string(&mut self, start: usize, first: char) {
+        let mut is_escaped = first == '\\';
+        let mut is_over = first == '"';
+        while !is_over && let Some(located) = self.rest.next() {
+            is_over = located.character == '"' && !is_escaped;
+            is_escaped = located.character == '\\' && !is_escaped;
+        }
+        let span = Span { start, end: self.rest.at() };
+        let message = format_args!("the string has no beginning; open it with `\"`");
+        self.findings.add(Code::UnopenedString, span, message);
     }
 
     /// The rest of a string between quotes that are no quotes to a tool. False, and nothing is taken, if none closes it.
@@ -236,11 +272,11 @@ impl Lexer<'_, '_> {
     }
 }
 
-const fn is_line_end(character: char) -> bool {
+pub(super) const fn is_line_end(character: char) -> bool {
     matches!(character, '\n' | '\r')
 }
 
-fn is_blank(character: char) -> bool {
+pub(super) fn is_blank(character: char) -> bool {
     !is_line_end(character) && (character.is_whitespace() || character.is_control())
 }
 
@@ -282,7 +318,7 @@ mod tests {
     fn a_string_without_an_end_ends_where_it_was_meant_to() {
         use TokenKind::{Comma, Semicolon, String, Word};
         assert_eq!(words("\"abc;  $ d\n1"), [(String, "\"abc"), (Semicolon, ";"), (Word, "1")]);
-        assert_eq!(words("\"a,b ,\r\n1"), [(String, "\"a,b "), (Comma, ","), (Word, "1")]);
+        assert_eq!(words("\"a,b ,\r\n1"), [(String, "\"a,b"), (Comma, ","), (Word, "1")]);
         assert_eq!(words("\"abc\n\"d\""), [(String, "\"abc"), (String, "\"d\"")]);
         assert_eq!(words("\"C:\\\";\n"), [(String, "\"C:\\\""), (Semicolon, ";")]);
         assert_eq!(words("\"C:\\\\\";\n"), [(String, "\"C:\\\\\""), (Semicolon, ";")]);

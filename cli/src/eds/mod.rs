@@ -63,7 +63,7 @@ pub struct CheckArgs {
 #[command(after_long_help = "\
 Exit codes:
   0  done; the file may have findings, which a note on standard error counts
-  2  wrong usage, or a file that cannot be read
+  2  wrong usage, or a file that cannot be read, or that has no section
 
 Examples:
   devicenet eds show valve.eds

@@ -21,6 +21,11 @@ use crate::text::{count, printable};
 
 pub(super) fn run(args: &ShowArgs, json: bool) -> Result<Exit, Failure> {
     let eds = read(&args.file)?;
+    if eds.document().sections().is_empty() {
+        let what =
+            if eds.document().bytes().is_empty() { "the file is empty" } else { "no section `[Name]` in it" };
+        return Err(Failure::Usage(format!("{}: {what}: it is no EDS", name(&args.file))));
+    }
     let mut output = Output::new();
     match json {
         true => object(&eds, &name(&args.file), &mut output.buffer)?,
