@@ -16,10 +16,13 @@
 mod application;
 mod infrastructure;
 
+use core::fmt;
+
 use crate::code::{AdditionalCode, AttributeId, ClassId, InstanceId, ServiceCode};
 use crate::codec::{Reader, Wire};
 use crate::data_type::DataType;
 use crate::message::UintList;
+use crate::text::write_decimal;
 
 /// One attribute of a class or of its instances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -210,6 +213,59 @@ pub const fn service_name(class: ClassId, service: ServiceCode) -> Option<&'stat
         (ClassId::ACKNOWLEDGE_HANDLER, 0x4C) => Some("Remove_AckData_Path"),
         _ => service.name(),
     }
+}
+
+/// The name of a service as a trace has it: that of [`service_name`], short where everybody knows the service by one word.
+pub const fn short_service_name(class: ClassId, service: ServiceCode) -> Option<&'static str> {
+    match (class, service) {
+        (ClassId::DEVICENET, ServiceCode::ALLOCATE) => Some("Allocate"),
+        (ClassId::DEVICENET, ServiceCode::RELEASE) => Some("Release"),
+        _ => service_name(class, service),
+    }
+}
+
+/// A service and what it is for, in the words of a trace: `Set_Attribute_Single Connection 2`, `Reset Connection class`.
+///
+/// ```
+/// use cip_core::code::{ClassId, InstanceId, ServiceCode};
+/// use cip_core::names::Operation;
+///
+/// let operation = |service| Operation { service, class: ClassId::DEVICENET, instance: InstanceId(1) };
+/// assert_eq!(operation(ServiceCode::ALLOCATE).to_string(), "Allocate DeviceNet 1");
+/// assert_eq!(operation(ServiceCode(0x7A)).to_string(), "service 0x7A DeviceNet 1");
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Operation {
+    /// The service.
+    pub service: ServiceCode,
+    /// The class.
+    pub class: ClassId,
+    /// The instance.
+    pub instance: InstanceId,
+}
+
+impl fmt::Display for Operation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match short_service_name(self.class, self.service) {
+            Some(name) => f.write_str(name)?,
+            None => fmt::Display::fmt(&self.service, f)?,
+        }
+        f.write_str(" ")?;
+        write_object(f, self.class, self.instance)
+    }
+}
+
+/// Writes an object in the words of a trace: `Connection 2`, `Connection class`.
+///
+/// # Errors
+/// When `f` fails.
+pub fn write_object(f: &mut fmt::Formatter<'_>, class: ClassId, instance: InstanceId) -> fmt::Result {
+    fmt::Display::fmt(&class, f)?;
+    if instance.is_class() {
+        return f.write_str(" class");
+    }
+    f.write_str(" ")?;
+    write_decimal(f, instance.0.into())
 }
 
 /// The meaning of an additional code in an error response of a class.

@@ -127,7 +127,7 @@ impl fmt::Display for MasterEvent {
         match self {
             Self::Access(event) => fmt::Display::fmt(event, f),
             Self::Node(event) => fmt::Display::fmt(event, f),
-            Self::NetworkStatus(status) => write!(f, "network status {status}"),
+            Self::NetworkStatus(status) => fmt::Display::fmt(&slave::SlaveEvent::NetworkStatus(*status), f),
             Self::Slave { mac_id, event } => write!(f, "slave {mac_id}: {event}"),
             Self::ScanDone { missing: 0 } => f.write_str("scan done"),
             Self::ScanDone { missing } => write!(f, "scan done, {missing} missing"),

@@ -12,7 +12,7 @@ use super::problem::Problem;
 use super::reading::{Note, Reading};
 use super::state::State;
 use crate::id::MacId;
-use crate::message::{Direction, DuplicateMacCheck};
+use crate::message::{DeviceIdentity, Direction, DuplicateMacCheck};
 
 /// Reads a frame on `0x407 + 8 mac`.
 pub(super) fn observe<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, mac: MacId) {
@@ -53,24 +53,33 @@ fn request<const N: usize>(
 ) {
     let at = reading.at;
     let node = state.node(mac);
-    let device = (Some(check.device.vendor), Some(check.device.serial));
-    let known = (node.identity.vendor, node.identity.serial);
-    let differs = match known {
-        (Some(_), Some(_)) => known != device,
-        (vendor, serial) => {
-            (vendor.is_some() && vendor != device.0) || (serial.is_some() && serial != device.1)
-        }
-    };
+    let differs = node.is_another(check.device);
+    let is_unidentified = node.identity.vendor.is_none() || node.identity.serial.is_none();
     let before = node.check.replace(Seen { n: reading.n, at });
     let unanswered = before.is_some();
     let rival = node.rival.take();
     // A device that has said goodbye has left its MAC ID to whoever wants it.
     let is_free = node.access == AccessState::OffLine;
-    if differs && !is_free && !(unanswered && rival == Some(check.device)) {
+    // Unless the one that was there before has gone on since.
+    let is_second = unanswered && rival == Some(check.device) && node.access != AccessState::OnLine;
+    let is_contested = is_unidentified
+        && node.access == AccessState::FirstCheck
+        && rival.is_some_and(|rival| rival != check.device);
+    if (differs || is_contested) && !is_free && !is_second {
         reading.flag(Problem::TwoIdentities { mac });
         node.rival = Some(check.device);
         node.access = AccessState::SuspectedDuplicate;
         node.access_since = at;
+        return;
+    }
+    if is_unidentified && !is_second && node.access_at(at) == AccessState::OnLine {
+        // Its answer tells that it is still there, or the second check that it is not.
+        node.rival = Some(check.device);
+        node.access = AccessState::FirstCheck;
+        node.access_since = at;
+        reading.note = Some(Note::RestartedOrAnother);
+        reading.assumed = true;
+        state.moved(mac, check, at);
         return;
     }
     if differs {
@@ -101,7 +110,7 @@ fn request<const N: usize>(
         reading.note = Some(Note::Restarted);
     }
     state.moved(mac, check, at);
-    if is_first {
+    if is_first || is_second {
         // Whoever checks has no connections.
         state.drop_connections(mac, at);
     }
@@ -128,6 +137,13 @@ fn response<const N: usize>(
 }
 
 impl Node {
+    /// Whether what is known of the device is not true of this one.
+    fn is_another(&self, device: DeviceIdentity) -> bool {
+        let held = &self.identity;
+        held.vendor.is_some_and(|vendor| vendor != device.vendor)
+            || held.serial.is_some_and(|serial| serial != device.serial)
+    }
+
     fn is_known_as(&mut self, check: &DuplicateMacCheck) {
         let held = &mut self.identity;
         held.port = Some(check.port);

@@ -49,6 +49,10 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
     let Lane { slave, which, flow, .. } = lane;
     let at = reading.at;
     state.settle(slave, at);
+    if which == Predefined::CosCyclic && flow == Flow::Produced && state.establishes(slave, which) {
+        // Its answer to the request is still to come.
+        state.node(slave).connection(which).enter(ConnectionState::Established, at);
+    }
     let node = state.node(slave);
     let choice = node.choice();
     let changes = changes_only(choice);

@@ -3,6 +3,8 @@
 use cip_core::code::{AttributeId, ClassId, InstanceId, ServiceCode};
 use link_core::Instant;
 
+use super::connections::ConnectionState;
+use super::learn;
 use super::reading::Answered;
 use crate::id::MacId;
 
@@ -44,6 +46,22 @@ impl Transaction {
         self.requester == to
             && self.xid == xid
             && (service == self.service || service == ServiceCode::ERROR_RESPONSE)
+    }
+}
+
+impl Transaction {
+    /// True if a connection of the predefined set that is in this state is established when the server has done what is asked.
+    pub(super) fn establishes(&self, instance: InstanceId, state: ConnectionState) -> bool {
+        let is_its = self.class == Some(ClassId::CONNECTION) && self.instance == Some(instance);
+        is_its
+            && match (state, self.service) {
+                (ConnectionState::Configuring, ServiceCode::SET_ATTRIBUTE_SINGLE) => {
+                    self.attribute == Some(AttributeId(learn::EXPECTED_PACKET_RATE))
+                }
+                (ConnectionState::Configuring, ServiceCode::APPLY_ATTRIBUTES)
+                | (ConnectionState::TimedOut, ServiceCode::RESET) => true,
+                _ => false,
+            }
     }
 }
 

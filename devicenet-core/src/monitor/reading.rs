@@ -219,6 +219,8 @@ pub enum Note {
     NotStored,
     /// A node that was on line checks its MAC ID again: it has restarted.
     Restarted,
+    /// The MAC ID of a node on line whose identity is not known is checked: it has restarted, or another device wants it.
+    RestartedOrAnother,
     /// A fragment that was sent before, or an acknowledge that was.
     Repeated,
 }

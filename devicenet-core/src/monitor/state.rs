@@ -158,6 +158,17 @@ impl<const N: usize> State<N> {
         self.dynamic(server, instance).map(|dynamic| &mut dynamic.connection)
     }
 
+    /// Whether a request to a server waits for its answer that establishes an I/O connection of the predefined set.
+    pub(super) fn establishes(&self, server: MacId, which: Predefined) -> bool {
+        let Some((_, node)) = self.nodes().find(|&(mac, _)| mac == server) else { return false };
+        let held = node.peek(which);
+        let own = self.dynamics.iter().flatten().filter(|dynamic| dynamic.server == server);
+        let channels = own.map(|dynamic| &dynamic.channel).chain([&node.explicit]);
+        channels
+            .filter_map(|channel| channel.pending)
+            .any(|request| request.establishes(which.instance(), held.state))
+    }
+
     /// The dynamic connection with that instance at a server.
     pub(super) fn dynamic(&mut self, server: MacId, instance: InstanceId) -> Option<&mut Dynamic> {
         let mut held = self.dynamics.iter_mut().flatten();

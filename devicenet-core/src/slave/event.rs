@@ -5,6 +5,7 @@ use core::fmt;
 use cip_core::code::{ClassId, InstanceId, ServiceCode};
 use cip_core::connection::{ExplicitCause, ExplicitState, IoCause, IoState};
 use cip_core::message::{AllocationChoice, ResetType};
+use cip_core::names::Operation;
 use cip_core::object::Effect;
 use link_core::{BitRate, Queue, TxOutcome};
 
@@ -246,7 +247,7 @@ impl fmt::Display for SlaveEvent {
             Self::Allocation { choice, master: Some(master) } => write!(f, "allocated to {master}: {choice}"),
             Self::Allocation { master: None, .. } => f.write_str("not allocated"),
             Self::Changed { class, instance, service } => {
-                write!(f, "{service} of {class} instance {}", instance.0)
+                write!(f, "{} done", Operation { service, class, instance })
             }
             Self::Effect(effect) => write!(f, "effect 0x{:04X}", effect.bits()),
             Self::Reset(kind) => write!(f, "reset: {kind}"),
@@ -255,8 +256,8 @@ impl fmt::Display for SlaveEvent {
             Self::StoreQuickConnect(on) => write!(f, "store Quick Connect {}", u8::from(on)),
             Self::StoreHeartbeatInterval(seconds) => write!(f, "store heartbeat interval {seconds} s"),
             Self::BitRateDetected(rate) => write!(f, "bit rate {rate} detected"),
-            Self::NetworkStatus(status) => write!(f, "network status: {status}"),
-            Self::ModuleStatus(status) => write!(f, "module status: {status}"),
+            Self::NetworkStatus(status) => write!(f, "network status {status}"),
+            Self::ModuleStatus(status) => write!(f, "module status {status}"),
             Self::NotAcknowledged => f.write_str("change of state not acknowledged"),
             Self::ResponseAbandoned { instance } => {
                 write!(f, "explicit connection {instance}: response given up, not acknowledged")

@@ -65,7 +65,8 @@ impl Node {
             if self.access == AccessState::SuspectedDuplicate {
                 self.check = None;
             }
-            self.half_checked = self.access == AccessState::FirstCheck;
+            // Of two devices the one that was there before goes on.
+            self.half_checked = self.access == AccessState::FirstCheck && self.rival.is_none();
             self.access = AccessState::OnLine;
             self.access_since = at;
         }

@@ -20,8 +20,12 @@ fn a_node_comes_on_line_by_two_checks_and_a_second() {
 
 #[test]
 fn a_check_of_a_node_on_line_is_a_restart_and_ends_its_connections() {
-    let mut bus = Bus::with_slave(10, 0x03);
+    let mut bus = Bus::new();
     bus.group2(10, 7, &DEVICE);
+    bus.wait(999).group2(10, 7, &DEVICE);
+    bus.wait(2000).group2(10, 6, &[0x01, 0x4B, 3, 1, 0x03, 1]);
+    bus.group2(10, 3, &[0x01, 0xCB, 0]);
+    assert_eq!(bus.group2(10, 7, &DEVICE).note, Some(Note::Restarted));
     assert_eq!(bus.state(10, Predefined::Explicit), ConnectionState::NonExistent);
     assert_eq!(bus.node(10).master, None);
     bus.wait(999).group2(10, 7, &DEVICE);
@@ -186,6 +190,51 @@ fn a_device_that_moves_frees_its_mac_id() {
     let heard = bus.wait(60_000).group2(10, 7, &TWIN);
     assert_eq!((heard.problem, bus.node(10).access), (None, AccessState::FirstCheck));
     assert_eq!(bus.node(10).serial, Some(0x0102_0304));
+}
+
+/// The recording began when it was on line: who checks now may be the same device, or another one.
+#[test]
+fn a_node_that_was_never_identified_is_still_there_if_it_answers_the_check() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.establish(10, 2, 1000);
+    let heard = bus.group2(10, 7, &TWIN);
+    assert_eq!((heard.note, heard.problem, heard.assumed), (Some(Note::RestartedOrAnother), None, true));
+    assert!(heard.text.ends_with("(restart, or another device) (assumed)"), "{}", heard.text);
+    assert_eq!((bus.node(10).access, bus.node(10).serial), (AccessState::FirstCheck, None));
+    let mut response = DEVICE;
+    response[0] = 0x80;
+    let heard = bus.group2(10, 7, &response);
+    assert_eq!(heard.problem, Some(Problem::DuplicateMacId { mac: mac(10) }));
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::Established);
+    assert_eq!((bus.node(10).access, bus.node(10).serial), (AccessState::OnLine, Some(0x2345)));
+    assert_eq!(bus.node(10).master, Some(mac(1)));
+    // It is known now, and the next to ask is another.
+    let heard = bus.wait(5000).group2(10, 7, &TWIN);
+    assert_eq!(heard.problem, Some(Problem::TwoIdentities { mac: mac(10) }));
+}
+
+#[test]
+fn a_node_that_was_never_identified_and_goes_on_is_not_the_one_that_checks() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.establish(10, 2, 1000);
+    bus.group2(10, 7, &TWIN);
+    bus.group2(10, 5, &[1]);
+    let heard = bus.group1(15, 10, &[2]);
+    assert_eq!((heard.note, heard.problem, heard.assumed), (None, None, false));
+    assert_eq!((bus.node(10).access, bus.node(10).serial), (AccessState::OnLine, None));
+    assert_eq!(bus.wait(999).group2(10, 7, &TWIN).note, Some(Note::RestartedOrAnother));
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::Established);
+}
+
+#[test]
+fn a_node_that_was_never_identified_has_restarted_if_nobody_answers_for_it() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    bus.establish(10, 2, 1000);
+    bus.group2(10, 7, &DEVICE);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::Established);
+    assert_eq!(bus.wait(999).group2(10, 7, &DEVICE).problem, None);
+    assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::NonExistent);
+    assert_eq!((bus.node(10).access, bus.node(10).serial), (AccessState::SecondCheck, Some(0x2345)));
 }
 
 /// Two devices with one vendor and serial number: the first goes on, and its connections with it.

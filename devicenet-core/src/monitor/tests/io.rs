@@ -343,3 +343,23 @@ fn a_multicast_poll_that_was_answered_is_a_message() {
     let heard = bus.group2(1, 1, &[0x81, 1]);
     assert_eq!((heard.message, heard.assumed), (None, false));
 }
+
+/// A slave produces at once when its connection is established, and Group 1 comes before its answer in Group 2.
+#[test]
+fn the_first_change_of_state_comes_before_the_answer_that_establishes_the_connection() {
+    for set in [&[0x01, 0x10, 5, 4, 9, 0xE8, 0x03][..], &[0x01, 0x0D, 5, 4]] {
+        let mut bus = Bus::with_slave(10, 0x11);
+        bus.group2(10, 4, set);
+        let first = bus.group1(13, 10, &[1]);
+        assert_eq!((first.text.as_str(), first.note, first.assumed), ("COS/cyclic 10 -> 1  01", None, false));
+        assert_eq!(bus.state(10, Predefined::CosCyclic), ConnectionState::Established);
+        assert_eq!(bus.group2(10, 3, &[0x01, set[1] | 0x80]).problem, None);
+        assert_eq!(bus.group2(10, 2, &[]).answers(), Some(first.n));
+        assert_eq!(bus.state(10, Predefined::CosCyclic), ConnectionState::Established);
+    }
+    // Another request establishes nothing.
+    let mut bus = Bus::with_slave(10, 0x11);
+    bus.group2(10, 4, &[0x01, 0x10, 5, 2, 9, 0xE8, 0x03]);
+    let first = bus.group1(13, 10, &[1]);
+    assert_eq!(first.note, Some(Note::NoConnection(ConnectionState::Configuring)));
+}

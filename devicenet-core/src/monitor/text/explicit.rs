@@ -2,10 +2,10 @@
 
 use core::fmt::{self, Formatter};
 
-use cip_core::code::{AdditionalCode, ClassId, GeneralStatus, InstanceId, ServiceCode};
+use cip_core::code::{AdditionalCode, ClassId, GeneralStatus, ServiceCode};
 use cip_core::fragment::FragmentKind;
-use cip_core::names::additional_code_name;
-use cip_core::text::{Hex, write_decimal, write_hex8, write_prefixed_hex};
+use cip_core::names::{additional_code_name, short_service_name, write_object};
+use cip_core::text::{Hex, write_hex8, write_prefixed_hex};
 
 use super::{write_bytes, write_ends};
 use crate::monitor::kind::Kind;
@@ -72,11 +72,10 @@ fn write_service(f: &mut Formatter<'_>, fields: &Fields<'_>, service: ServiceCod
     let of_set =
         fields.class == Some(ClassId::DEVICENET) || matches!(fields.detail, Detail::Allocated { .. });
     let name = match service {
-        ServiceCode::ALLOCATE if of_set => Some("Allocate"),
-        ServiceCode::RELEASE if of_set => Some("Release"),
+        ServiceCode::ERROR_RESPONSE => Some("response"),
+        service if of_set => short_service_name(ClassId::DEVICENET, service),
         ucmm::OPEN if fields.is_ucmm => Some("Open"),
         ucmm::CLOSE if fields.is_ucmm => Some("Close"),
-        ServiceCode::ERROR_RESPONSE => Some("response"),
         service => fields.name_of(service),
     };
     match name {
@@ -89,14 +88,9 @@ fn write_service(f: &mut Formatter<'_>, fields: &Fields<'_>, service: ServiceCod
 fn write_target(f: &mut Formatter<'_>, fields: &Fields<'_>) -> fmt::Result {
     let Some(class) = fields.class else { return Ok(()) };
     f.write_str(" ")?;
-    fmt::Display::fmt(&class, f)?;
     match fields.instance {
-        Some(InstanceId::CLASS) => f.write_str(" class"),
-        Some(instance) => {
-            f.write_str(" ")?;
-            write_decimal(f, instance.0.into())
-        }
-        None => Ok(()),
+        Some(instance) => write_object(f, class, instance),
+        None => fmt::Display::fmt(&class, f),
     }
 }
 

@@ -71,6 +71,7 @@ impl fmt::Display for Note {
             }
             Self::NotStored => f.write_str("message too long for the decoder"),
             Self::Restarted => f.write_str("restart"),
+            Self::RestartedOrAnother => f.write_str("restart, or another device"),
             Self::Repeated => f.write_str("repeated"),
         }
     }

@@ -289,3 +289,16 @@ fn detection_without_a_port_that_can_and_without_power() {
     bus.wait(2000);
     assert_eq!(bus.slave.access().state().kind(), StateKind::OnLine);
 }
+
+/// The words of the decoder for what it sees on the bus, and those of the master for its own indicator.
+#[test]
+fn what_is_told_has_the_words_of_the_others() {
+    use crate::master::MasterEvent;
+    use cip_core::code::{ClassId, InstanceId, ServiceCode};
+    let (class, instance) = (ClassId::DEVICENET, InstanceId(1));
+    let allocated = SlaveEvent::Changed { class, instance, service: ServiceCode::ALLOCATE };
+    assert_eq!(std::format!("{allocated}"), "Allocate DeviceNet 1 done");
+    let status = NetworkStatus::SolidGreen;
+    assert_eq!(std::format!("{}", SlaveEvent::NetworkStatus(status)), "network status green");
+    assert_eq!(std::format!("{}", MasterEvent::NetworkStatus(status)), "network status green");
+}
