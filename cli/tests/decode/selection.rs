@@ -46,8 +46,6 @@ fn times_are_counted_from_where_the_reader_wants() {
     assert_eq!(times("absolute"), ["1700000001.000500", "1700000001.000750", "1700000001.000700"]);
     assert_eq!(times("relative"), ["1.000000", "1.000250", "1.000200"], "the first is not shown");
     assert_eq!(times("delta"), ["1.000000", "0.000250", "0.000000"]);
-    let json = |format| run_with_input(&["decode", "--json", "--time", format, "-"], log).stdout;
-    assert_eq!(json("delta"), json("absolute"));
 }
 
 /// What comes before is learned from, and the load is that of the part.
