@@ -48,6 +48,7 @@ mod literal;
 mod model;
 mod parser;
 mod quotes;
+mod scaling;
 mod scan_entry;
 mod span;
 mod token;
@@ -62,10 +63,11 @@ pub use model::{
     Assembly, Choice, Constant, Device, EnumText, FileInfo, Group, GroupMember, IoConnection, IoData, IoInfo,
     Member, Param, ParamClass, Reference, Scaling, Stamp, Variant,
 };
+pub use scaling::{Decimal, Factors, Precision};
 pub use scan_entry::ScanEntryError;
 pub use span::{Place, Span};
 pub use token::{Token, TokenKind};
-pub use value::{Decimal, Factors, Precision, whole_number};
+pub use value::whole_number;
 
 use std::string::String;
 use std::vec::Vec;

@@ -9,6 +9,7 @@ mod event;
 mod exchange;
 mod expectations;
 mod json;
+mod level;
 mod load;
 mod machines;
 mod picture;

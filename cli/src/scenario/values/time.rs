@@ -1,4 +1,4 @@
-//! The values that a scenario file writes in a form of its own: times, ranges of times, bit rates, comparisons, bytes.
+//! Times and ranges of times.
 
 use core::fmt;
 use core::str::FromStr;
@@ -150,185 +150,7 @@ impl<'de> Deserialize<'de> for TimeRange {
     }
 }
 
-/// `125_000`, `"125k"` or `"auto"`.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum RateSetting {
-    /// bit/s, range not checked.
-    Fixed(i64),
-    /// To be found by listening.
-    Auto,
-}
-
-impl<'de> Deserialize<'de> for RateSetting {
-    fn deserialize<D: Deserializer<'de>>(input: D) -> Result<Self, D::Error> {
-        struct NumberOrAuto;
-        impl Visitor<'_> for NumberOrAuto {
-            type Value = RateSetting;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str(EXPECTED_RATE)
-            }
-
-            fn visit_i64<E: de::Error>(self, rate: i64) -> Result<RateSetting, E> {
-                Ok(RateSetting::Fixed(rate))
-            }
-
-            fn visit_str<E: de::Error>(self, text: &str) -> Result<RateSetting, E> {
-                match text {
-                    "auto" => Ok(RateSetting::Auto),
-                    _ => (rate(text).map(RateSetting::Fixed))
-                        .ok_or_else(|| E::invalid_value(de::Unexpected::Str(text), &self)),
-                }
-            }
-        }
-        input.deserialize_any(NumberOrAuto)
-    }
-}
-
-/// bit/s of `125k` or `1M`.
-pub(super) fn rate(text: &str) -> Option<i64> {
-    let (number, unit) = match text.strip_suffix(['k', 'K']) {
-        Some(number) => (number, 1_000),
-        None => (text.strip_suffix('M')?, 1_000_000),
-    };
-    let number: u32 = number.trim_end().parse().ok()?;
-    i64::from(number).checked_mul(unit)
-}
-
-/// A slave of a master: the name of its node, or its MAC ID.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) enum SlaveName {
-    /// `"valve"`
-    Node(String),
-    /// `10`, range not checked.
-    Mac(i64),
-}
-
-impl<'de> Deserialize<'de> for SlaveName {
-    fn deserialize<D: Deserializer<'de>>(input: D) -> Result<Self, D::Error> {
-        struct NameOrNumber;
-        impl Visitor<'_> for NameOrNumber {
-            type Value = SlaveName;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("the name of a slave, or its MAC ID")
-            }
-
-            fn visit_i64<E: de::Error>(self, mac: i64) -> Result<SlaveName, E> {
-                Ok(SlaveName::Mac(mac))
-            }
-
-            fn visit_str<E: de::Error>(self, name: &str) -> Result<SlaveName, E> {
-                Ok(SlaveName::Node(name.to_owned()))
-            }
-        }
-        input.deserialize_any(NameOrNumber)
-    }
-}
-
-/// A comparison with a number: `"<128"`, `">=96"`, `"=0"`, or just the number.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Comparison {
-    /// How.
-    pub relation: Relation,
-    /// With what.
-    pub bound: u16,
-}
-
-/// The relation of a [`Comparison`].
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Relation {
-    /// `<`
-    Less,
-    /// `<=`
-    LessOrEqual,
-    /// `=`
-    Equal,
-    /// `!=`
-    NotEqual,
-    /// `>=`
-    GreaterOrEqual,
-    /// `>`
-    Greater,
-}
-
-impl Comparison {
-    /// Whether it holds of `value`.
-    #[must_use]
-    pub fn holds(self, value: u16) -> bool {
-        match self.relation {
-            Relation::Less => value < self.bound,
-            Relation::LessOrEqual => value <= self.bound,
-            Relation::Equal => value == self.bound,
-            Relation::NotEqual => value != self.bound,
-            Relation::GreaterOrEqual => value >= self.bound,
-            Relation::Greater => value > self.bound,
-        }
-    }
-}
-
-impl fmt::Display for Comparison {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let sign = match self.relation {
-            Relation::Less => "<",
-            Relation::LessOrEqual => "<=",
-            Relation::Equal => "=",
-            Relation::NotEqual => "!=",
-            Relation::GreaterOrEqual => ">=",
-            Relation::Greater => ">",
-        };
-        write!(f, "{sign} {}", self.bound)
-    }
-}
-
-impl FromStr for Comparison {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let found = RELATIONS.iter().find_map(|(sign, relation)| Some((relation, text.strip_prefix(sign)?)));
-        let (relation, number) = found.unwrap_or((&Relation::Equal, text));
-        match number.trim().parse() {
-            Ok(bound) => Ok(Self { relation: *relation, bound }),
-            Err(_) => Err(format!("`{text}` is not a comparison; expected {EXPECTED_COMPARISON}")),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for Comparison {
-    fn deserialize<D: Deserializer<'de>>(input: D) -> Result<Self, D::Error> {
-        struct TextOrNumber;
-        impl Visitor<'_> for TextOrNumber {
-            type Value = Comparison;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str(EXPECTED_COMPARISON)
-            }
-
-            fn visit_str<E: de::Error>(self, text: &str) -> Result<Comparison, E> {
-                text.parse().map_err(E::custom)
-            }
-
-            fn visit_i64<E: de::Error>(self, number: i64) -> Result<Comparison, E> {
-                let bound = u16::try_from(number)
-                    .map_err(|_| E::invalid_value(de::Unexpected::Signed(number), &self))?;
-                Ok(Comparison { relation: Relation::Equal, bound })
-            }
-        }
-        input.deserialize_any(TextOrNumber)
-    }
-}
-
-/// The bytes of an even number of hex digits.
-pub(super) fn hex_bytes(text: &str) -> Option<Vec<u8>> {
-    if !text.len().is_multiple_of(2) || !text.bytes().all(|byte| byte.is_ascii_hexdigit()) {
-        return None;
-    }
-    (0..text.len()).step_by(2).map(|at| u8::from_str_radix(text.get(at..at + 2)?, 16).ok()).collect()
-}
-
 const EXPECTED_TIME: &str = "a time with a unit (ns, us, ms, s, min, h) such as \"75ms\" or \"1.5s\"";
-pub(super) const EXPECTED_RATE: &str = "a bit rate in bit/s such as 125_000, or a text such as \"125k\"";
-const EXPECTED_COMPARISON: &str = "a number, or one with a sign (<, <=, =, !=, >=, >) such as \"<128\"";
 
 const UNITS: [(&str, u64); 6] = [
     ("ns", 1),
@@ -337,17 +159,6 @@ const UNITS: [(&str, u64); 6] = [
     ("s", 1_000_000_000),
     ("min", 60_000_000_000),
     ("h", 3_600_000_000_000),
-];
-
-/// As they are read: the longer sign before its prefix.
-const RELATIONS: [(&str, Relation); 7] = [
-    ("<=", Relation::LessOrEqual),
-    (">=", Relation::GreaterOrEqual),
-    ("!=", Relation::NotEqual),
-    ("==", Relation::Equal),
-    ("<", Relation::Less),
-    (">", Relation::Greater),
-    ("=", Relation::Equal),
 ];
 
 #[cfg(test)]
@@ -394,29 +205,5 @@ mod tests {
         for text in ["0s", "300us", "75ms", "1.5s", "120s", "1.000000001s", "12ns"] {
             assert_eq!(text.parse::<Time>().unwrap().to_string(), text);
         }
-    }
-
-    #[test]
-    fn bit_rates_may_have_a_unit() {
-        for (text, expected) in [
-            ("125k", Some(125_000)),
-            ("500 K", Some(500_000)),
-            ("1M", Some(1_000_000)),
-            ("125", None),
-            ("k", None),
-        ] {
-            assert_eq!(rate(text), expected, "{text}");
-        }
-    }
-
-    #[test]
-    fn comparisons_hold_as_written() {
-        let holds = |text: &str, value| text.parse::<Comparison>().unwrap().holds(value);
-        assert!(holds("<128", 127) && !holds("<128", 128));
-        assert!(holds("<=128", 128) && !holds("<=128", 129));
-        assert!(holds("= 0", 0) && holds("0", 0) && !holds("0", 1));
-        assert!(holds("!=0", 1) && !holds("!=0", 0));
-        assert!(holds(">=96", 96) && !holds(">96", 96));
-        assert!("<x".parse::<Comparison>().is_err());
     }
 }
