@@ -1,7 +1,7 @@
 //! What is wrong with a file, where, and what to do.
 
 use core::fmt;
-use std::string::{String, ToString as _};
+use std::string::String;
 use std::vec::Vec;
 
 use super::{Place, Span};
@@ -300,7 +300,10 @@ impl Findings {
         if self.is_full() {
             self.left_out = self.left_out.saturating_add(1);
         } else {
-            self.found.push((span, code, message.to_string()));
+            let mut short = Short(String::new());
+            // It fails when it has enough.
+            let _ = fmt::write(&mut short, message);
+            self.found.push((span, code, short.0));
         }
     }
 
@@ -323,6 +326,24 @@ impl Findings {
     }
 }
 
+/// The beginning of a message. What a file says in it can be as long as the file.
+struct Short(String);
+
+impl fmt::Write for Short {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        let room = LONGEST_MESSAGE.saturating_sub(self.0.len());
+        if text.len() <= room {
+            self.0.push_str(text);
+            return Ok(());
+        }
+        self.0.extend(text.char_indices().take_while(|&(at, _)| at < room).map(|(_, character)| character));
+        self.0.push('…');
+        Err(fmt::Error)
+    }
+}
+
+/// In bytes.
+const LONGEST_MESSAGE: usize = 500;
 /// The most findings that are kept. A file with more of them is no EDS.
 pub const MAX_DIAGNOSTICS: usize = 1000;
 

@@ -100,7 +100,12 @@ impl<'a, 'f> FieldReader<'a, 'f> {
     pub(super) fn string(&mut self, what: &str, need: Need) -> Option<String> {
         let field = self.given(what, need)?;
         if let Content::Text(text) = &field.content {
-            return Some(text.clone());
+            let end = text.char_indices().nth(LONGEST_STRING).map(|(end, _)| end);
+            let Some(beginning) = end.and_then(|end| text.get(..end)) else { return Some(text.clone()) };
+            let message =
+                format_args!("{what} is longer than {LONGEST_STRING} characters, which are read; shorten it");
+            self.findings.add(Code::StringTooLong, field.span, message);
+            return Some(beginning.into());
         }
         let message = format_args!("{what} is {field}; put it into quotes `\"`");
         self.findings.add(Code::NotAString, field.span, message);
@@ -245,6 +250,9 @@ numbers! {
     i32: -0x8000_0000, 0x7FFF_FFFF;
     i64: -0x8000_0000_0000_0000, 0x7FFF_FFFF_FFFF_FFFF;
 }
+
+/// In characters. Many members of assemblies can have the name of one parameter.
+const LONGEST_STRING: usize = 4096;
 
 /// A number of things: `1 byte`, `2 bytes`.
 pub(super) struct Count<N>(pub(super) N, pub(super) &'static str);

@@ -1,7 +1,7 @@
 //! What stands where in the data of an assembly.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
-use std::string::String;
 use std::vec::Vec;
 
 use super::model::{Assembly, Member, Model, Param, Reference};
@@ -10,7 +10,7 @@ use super::model::{Assembly, Member, Model, Param, Reference};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Slot<'a> {
     /// Its name: that of the parameter, or what the file says in its place.
-    pub name: String,
+    pub name: Cow<'a, str>,
     /// The first bit, counted from bit 0 of the first byte.
     pub first_bit: u32,
     /// The number of bits.
@@ -103,7 +103,7 @@ impl<'a> Walk<'a> {
                 let param = self.model.param(*number)?;
                 let bits = member.bits.or_else(|| param_bits(param))?;
                 self.slot(Slot {
-                    name: param.name.clone(),
+                    name: Cow::Borrowed(&param.name),
                     first_bit,
                     bits,
                     param: Some(param),
@@ -129,20 +129,20 @@ impl<'a> Walk<'a> {
     }
 }
 
-fn name_of(model: &Model, reference: &Reference) -> String {
+fn name_of<'a>(model: &'a Model, reference: &'a Reference) -> Cow<'a, str> {
     match reference {
-        Reference::Path(path) => std::format!("{}", crate::epath::Epath::packed(path)),
+        Reference::Path(path) => std::format!("{}", crate::epath::Epath::packed(path)).into(),
         Reference::Variant(number) => variant_name(model, false, *number),
         Reference::BitVariant(number) => variant_name(model, true, *number),
-        Reference::Other(name) => name.clone(),
-        Reference::Padding | Reference::Param { .. } | Reference::Assembly(_) => String::new(),
+        Reference::Other(name) => name.into(),
+        Reference::Padding | Reference::Param { .. } | Reference::Assembly(_) => "".into(),
     }
 }
 
-fn variant_name(model: &Model, is_of_bits: bool, number: u16) -> String {
+fn variant_name(model: &Model, is_of_bits: bool, number: u16) -> Cow<'_, str> {
     match model.variant(is_of_bits, number) {
-        Some(variant) if !variant.name.is_empty() => variant.name.clone(),
-        _ => std::format!("Variant{number}"),
+        Some(variant) if !variant.name.is_empty() => Cow::Borrowed(&variant.name),
+        _ => std::format!("Variant{number}").into(),
     }
 }
 

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::selection::EventKind;
 use crate::scenario::{LONGEST_RUN, Time};
 
 /// `devicenet simulate`.
@@ -28,6 +29,8 @@ Examples:
   devicenet simulate - < mine.toml
   devicenet simulate --seed 7 --until 10s --record plant.pcapng scenario.toml
   devicenet simulate --json scenario.toml | jq -c 'select(.event == \"state\")'
+  devicenet simulate --event input,output,slave scenario.toml
+  devicenet simulate --json --no-event scan,node scenario.toml
   devicenet simulate --serve 127.0.0.1:29536 scenario.toml
 
 Ctrl-C ends a run by the clock as its end would: recording and picture are complete, and what was expected later is not \
@@ -53,6 +56,20 @@ pub struct SimulateArgs {
     /// Print every I/O frame of the trace, also those with the same data as the last of their kind
     #[arg(long, conflicts_with = "summary")]
     pub all_frames: bool,
+    /// Only events of this kind, named as in the JSON output; several with commas, or given more than once. In the words of the
+    /// trace also what they leave out else: `scan`, `input`, `output`, and all of `connection` and `node`
+    #[arg(
+        long,
+        value_enum,
+        value_name = "EVENT",
+        value_delimiter = ',',
+        conflicts_with = "summary",
+        hide_possible_values = true
+    )]
+    pub event: Vec<EventKind>,
+    /// No events of this kind, named as in the JSON output; several with commas, or given more than once
+    #[arg(long, value_enum, value_name = "EVENT", value_delimiter = ',', conflicts_with_all = ["summary", "event"])]
+    pub no_event: Vec<EventKind>,
     /// Instead of the trace, what each node and the bus have come to
     #[arg(long)]
     pub summary: bool,

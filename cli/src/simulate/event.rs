@@ -43,16 +43,29 @@ pub(crate) enum Effect {
 }
 
 impl NodeEvent {
-    /// What it is in the words of a trace; `None` for what the frames beside it tell, or what happens all the time.
-    pub(crate) fn words(&self) -> Option<String> {
+    /// What it is in the words of a trace.
+    pub(crate) fn words(&self) -> String {
         match self {
-            Self::Access(event) => Some(event.to_string()),
-            Self::Slave(event) => is_news_of_slave(event).then(|| event.to_string()),
-            Self::Master(event) => is_news_of_master(event).then(|| event.to_string()),
-            Self::ScannerStatus(status) => Some(format!("scanner status {status}")),
-            Self::Tool(event) => Some(event.to_string()),
-            Self::Output { .. } | Self::Input { .. } => None,
-            Self::Action(action, effect) => Some(words_of_action(action, effect)),
+            Self::Access(event) => event.to_string(),
+            Self::Slave(event) => event.to_string(),
+            Self::Master(event) => event.to_string(),
+            Self::ScannerStatus(status) => format!("scanner status {status}"),
+            Self::Tool(event) => event.to_string(),
+            Self::Output { connection, data } => format!("{connection}: output data {}", hex(data)),
+            Self::Input { slave, connection, data } => {
+                format!("slave {slave}: {connection}: input data {}", hex(data))
+            }
+            Self::Action(action, effect) => words_of_action(action, effect),
+        }
+    }
+
+    /// False for what the frames beside it tell, and for what happens all the time.
+    pub(crate) const fn is_news(&self) -> bool {
+        match self {
+            Self::Slave(event) => is_news_of_slave(event),
+            Self::Master(event) => is_news_of_master(event),
+            Self::Output { .. } | Self::Input { .. } => false,
+            Self::Access(_) | Self::ScannerStatus(_) | Self::Tool(_) | Self::Action(..) => true,
         }
     }
 

@@ -289,7 +289,7 @@ fn node_event<'a>(t: f64, node: &'a str, event: &'a NodeEvent) -> Line<'a> {
             Line::Status { t, node, slave: None, status: status.0, text: status.name() }
         }
         NodeEvent::Tool(event) => Line::Node { t, node, text: event.to_string() },
-        NodeEvent::Action(..) => Line::Node { t, node, text: event.words().unwrap_or_default() },
+        NodeEvent::Action(..) => Line::Node { t, node, text: event.words() },
     }
 }
 

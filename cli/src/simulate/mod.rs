@@ -15,6 +15,7 @@ mod machines;
 mod picture;
 mod record;
 mod run;
+mod selection;
 mod shared;
 mod sight;
 mod socketcand;
@@ -35,6 +36,7 @@ pub use build::Settings;
 pub use exchange::Exchange;
 pub use expectations::{Failure as FailedExpectation, Status, Verdict};
 pub use run::Outcome;
+pub use selection::EventKind;
 pub use summary::{BusSummary, NodeSummary, ScanSummary, SlaveSummary, Summary};
 
 use crate::exit::{Exit, Failure};
@@ -43,6 +45,7 @@ use crate::scenario::{Node, Role, Scenario, TimeRange};
 use json::JsonView;
 use record::RecordView;
 use run::Run;
+use selection::{Selected, Selection};
 use shared::{FirstError, SharedBuffer};
 use sight::View;
 use socketcand::Server;
@@ -110,12 +113,17 @@ pub fn run(args: &SimulateArgs, json: bool) -> Result<Exit, Failure> {
     let mut output = Output::new();
     let (buffer, first_error) = (SharedBuffer::default(), FirstError::default());
     let mut views: Vec<Box<dyn View + '_>> = Vec::new();
+    let selection = Selection { only: args.event.clone(), without: args.no_event.clone() };
     match (json, args.summary) {
         (_, true) => {}
-        (true, false) => views.push(Box::new(JsonView::new(buffer.clone()))),
+        (true, false) => {
+            views.push(Box::new(Selected::new(JsonView::new(buffer.clone()), selection)));
+        }
         (false, false) => {
-            let view = TextView::new(buffer.clone(), output.is_coloured(), &scenario.nodes);
-            views.push(Box::new(view.with_all_frames(args.all_frames)));
+            let view = TextView::new(buffer.clone(), output.is_coloured(), &scenario.nodes)
+                .with_all_frames(args.all_frames)
+                .with_all_of(selection.clone());
+            views.push(Box::new(Selected::new(view, selection)));
         }
     }
     if let Some(path) = &args.record {

@@ -178,7 +178,7 @@ impl<'a> Observer<'a> {
                 if matches!(action, Do::SetInput(_)) {
                     self.follow(at, node, event);
                 }
-                let what = event.words().unwrap_or_default();
+                let what = event.words();
                 let problem = matches!(effect, Effect::None(_));
                 return self.show(&Sight::Change { at, node: Some(node), what, problem });
             }

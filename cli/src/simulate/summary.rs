@@ -11,7 +11,8 @@ use transport_mock::bus::SenderOutcome;
 use transport_mock::record::Outcome;
 
 use super::expectations::Status;
-use super::sight::{Level, Nodes, Sight, View, index, length};
+use super::level::Level;
+use super::sight::{Nodes, Sight, View, index, length};
 use crate::scenario::{NodeIndex, Scenario, SlaveStateName, StateName};
 use crate::text::count;
 

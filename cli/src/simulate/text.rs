@@ -12,8 +12,10 @@ use transport_mock::bus::{BusError, Sender, SenderOutcome};
 use transport_mock::record::{FrameRecord, Outcome};
 
 use super::event::NodeEvent;
+use super::level::Level;
+use super::selection::{Selection, kind_of_event};
 use super::shared::SharedBuffer;
-use super::sight::{Level, Nodes, Sight, View, index};
+use super::sight::{Nodes, Sight, View, index};
 use crate::scenario::NodeIndex;
 use crate::text::{count, printable};
 use crate::trace::{Emphasis, Trace};
@@ -25,6 +27,8 @@ pub(super) struct TextView {
     /// The attempts that failed since a frame got through, or something was changed, on each segment.
     storms: Vec<Option<Storm>>,
     exchange: Exchanged,
+    /// What is named here is told, whether it is news or not.
+    selection: Selection,
     /// When something was last seen.
     last: Instant,
     is_first: bool,
@@ -75,6 +79,7 @@ impl TextView {
             trace,
             storms: Vec::new(),
             exchange: Exchanged::default(),
+            selection: Selection::default(),
             last: Instant::ZERO,
             is_first: true,
         }
@@ -83,6 +88,12 @@ impl TextView {
     /// With every I/O frame, also those that say nothing new.
     pub(super) fn with_all_frames(mut self, all: bool) -> Self {
         self.exchange.all = all;
+        self
+    }
+
+    /// With every event of the kinds that are asked for by name.
+    pub(super) fn with_all_of(mut self, selection: Selection) -> Self {
+        self.selection = selection;
         self
     }
 
@@ -185,7 +196,9 @@ impl View for TextView {
                 {
                     self.exchange.forget(mac_id.number());
                 }
-                if let Some(words) = event.words() {
+                let is_asked_for = self.selection.names(kind_of_event(event));
+                if is_asked_for || event.is_news() {
+                    let words = event.words();
                     let emphasis = if event.is_problem() { Emphasis::Problem } else { Emphasis::Normal };
                     self.event(nodes, *at, Some(*node), emphasis, &words);
                 }

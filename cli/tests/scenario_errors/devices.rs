@@ -352,3 +352,18 @@ fn what_can_be_expected_of_a_master() {
         refused(MASTER, &expect(what), expected);
     }
 }
+
+/// All slaves of a master get the same multicast poll command.
+#[test]
+fn a_multicast_poll_has_one_size() {
+    let entry = |mac: u8, consume: u8| {
+        format!(
+            "[[node.scan]]\nmac = {mac}\nepr = \"1s\"\nmulticast_poll = {{ produce = 1, consume = {consume} }}\n"
+        )
+    };
+    refused(
+        MASTER,
+        &(entry(10, 1) + &entry(11, 2)),
+        "15:43: `consume` of `multicast_poll` is 2, and 1 for a slave before; expected the same, since all get one command",
+    );
+}

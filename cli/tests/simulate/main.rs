@@ -8,6 +8,7 @@
     reason = "a test may panic"
 )]
 
+mod actions;
 #[cfg(unix)]
 mod interruption;
 mod plant;

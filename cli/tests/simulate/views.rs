@@ -178,3 +178,41 @@ fn the_summary_is_a_table_with_the_last_states() {
     assert_eq!(words[..4], ["twin", "slave", "20", "online"]);
     assert!(text.contains("22s at 125 kbit/s: "), "{text}");
 }
+
+/// Named as in JSON, in JSON as well as in words, and told alike: what is selected is what all have of that kind.
+#[test]
+fn events_are_selected_by_their_names() {
+    let all = lines_of_json(&devicenet(&["simulate", "--json"]));
+    let name = |line: &Value| line["event"].as_str().expect("its name").to_owned();
+    let is_end = |name: &str| matches!(name, "expectation" | "summary");
+    let kinds: std::collections::BTreeSet<String> =
+        all.iter().map(name).filter(|name| !is_end(name)).collect();
+    assert!(kinds.len() > 10, "{kinds:?}");
+    for kind in &kinds {
+        let only = lines_of_json(&devicenet(&["simulate", "--json", "--event", kind]));
+        let expected: Vec<&Value> =
+            all.iter().filter(|line| name(line) == *kind || is_end(&name(line))).collect();
+        assert_eq!(only.iter().collect::<Vec<_>>(), expected, "{kind}");
+    }
+    let without = lines_of_json(&devicenet(&["simulate", "--json", "--no-event", "scan,node"]));
+    let expected: Vec<&Value> =
+        all.iter().filter(|line| !matches!(name(line).as_str(), "scan" | "node")).collect();
+    assert_eq!(without.iter().collect::<Vec<_>>(), expected);
+}
+
+#[test]
+fn the_words_tell_by_name_what_they_are_silent_about() {
+    let output = devicenet(&["simulate", "--event", "scan,input,output"]);
+    let trace: Vec<&str> = stdout(&output).lines().filter(|line| line.contains(" | ")).collect();
+    for words in ["| scan done", "| slave 10: poll: input data ", "| poll: output data "] {
+        assert!(trace.iter().any(|line| line.contains(words)), "{words}: {trace:#?}");
+    }
+    let of_other_kinds =
+        |line: &&&str| !["scan done", "input data", "output data"].iter().any(|it| line.contains(it));
+    assert_eq!(trace.iter().find(of_other_kinds), None);
+    assert!(!stdout(&devicenet(&["simulate"])).contains("scan done"));
+    let output = devicenet(&["simulate", "--no-event", "frame,error_frame,state,change,note"]);
+    assert!(!stdout(&output).contains("dup MAC"), "{}", stdout(&output));
+    let refused = devicenet(&["simulate", "--summary", "--event", "scan"]);
+    assert_eq!(refused.status.code(), Some(2));
+}

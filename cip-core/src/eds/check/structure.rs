@@ -1,6 +1,7 @@
 //! Sections and keywords: those that must be there, those that are there twice, those that nobody knows.
 
-use std::collections::HashMap;
+use std::collections::hash_map;
+use std::collections::{BTreeMap, HashMap};
 use std::string::String;
 use std::vec::Vec;
 
@@ -16,12 +17,18 @@ pub(super) fn check(document: &Document, findings: &mut Findings) {
         if section.name.is_empty() {
             continue;
         }
-        let line = document.line_of(section.span.start);
-        let first = *seen.entry(section.name.to_ascii_lowercase()).or_insert(line);
-        if first != line {
-            let message =
-                format_args!("section [{}] is on line {first} already; put its entries there", section.name);
-            findings.add(Code::DuplicateSection, section.span, message);
+        match seen.entry(section.name.to_ascii_lowercase()) {
+            hash_map::Entry::Occupied(first) => {
+                let message = format_args!(
+                    "section [{}] is on line {} already; put its entries there",
+                    section.name,
+                    first.get()
+                );
+                findings.add(Code::DuplicateSection, section.span, message);
+            }
+            hash_map::Entry::Vacant(place) => {
+                place.insert(document.line_of(section.span.start));
+            }
         }
         if section.entries.is_empty() {
             let message = format_args!("section [{}] has no entries; remove it, or fill it", section.name);
@@ -51,13 +58,16 @@ fn required(document: &Document, findings: &mut Findings) {
 }
 
 fn keywords(document: &Document, findings: &mut Findings) {
-    let mut seen: HashMap<(String, String), usize> = HashMap::new();
-    let mut numbers: HashMap<(String, String), Vec<(u32, Span)>> = HashMap::new();
+    let mut names: HashMap<String, usize> = HashMap::new();
+    let mut seen: HashMap<(usize, String), usize> = HashMap::new();
+    let mut numbers: BTreeMap<(&str, String), Vec<(u32, Span)>> = BTreeMap::new();
     for section in document.sections() {
-        let name = section.name.to_ascii_lowercase();
+        // A number in its place: its name can be as long as the file, and so can be the list of its entries.
+        let count = names.len();
+        let name = *names.entry(section.name.to_ascii_lowercase()).or_insert(count);
         let known = known(&section.name);
         for entry in &section.entries {
-            let key = (name.clone(), entry.keyword.to_ascii_lowercase());
+            let key = (name, entry.keyword.to_ascii_lowercase());
             let line = document.line_of(entry.keyword_span.start);
             match seen.get(&key) {
                 Some(first) => {
@@ -80,7 +90,7 @@ fn keywords(document: &Document, findings: &mut Findings) {
                     number(entry, findings);
                     if let Ok(number) = entry.digits().parse() {
                         let stem = entry.stem().to_ascii_lowercase();
-                        numbers.entry((name.clone(), stem)).or_default().push((number, entry.keyword_span));
+                        numbers.entry((known.name, stem)).or_default().push((number, entry.keyword_span));
                     }
                 }
             }
@@ -88,7 +98,7 @@ fn keywords(document: &Document, findings: &mut Findings) {
     }
     // Parameters and assemblies may be numbered freely, what a master chooses from must be counted.
     for ((section, _), mut list) in numbers {
-        if section == "io_info" || section == "groups" {
+        if matches!(section, "IO_Info" | "Groups") {
             gaps(&mut list, findings);
         }
     }

@@ -52,7 +52,7 @@ fn what_it_says() {
     assert_eq!(eds.groups()[0].members, [GroupMember::Param(1), GroupMember::Param(2)]);
     let assembly = eds.assembly_at(&[0x20, 0x04, 0x24, 0x65, 0x30, 0x03]).unwrap();
     let layout = eds.layout(assembly).unwrap();
-    let shown: Vec<_> = layout.iter().map(|slot| (slot.name.as_str(), slot.first_bit, slot.bits)).collect();
+    let shown: Vec<_> = layout.iter().map(|slot| (&*slot.name, slot.first_bit, slot.bits)).collect();
     assert_eq!(shown, [("Inputs", 0, 8), ("State", 8, 4)]);
     let values: Vec<_> = layout.iter().filter_map(|slot| slot.value_in(&[0x81, 0xF2])).collect();
     assert_eq!(values, [0x81, 0x02]);
@@ -209,6 +209,29 @@ fn long_lines_and_many_findings() {
         eds.document().write(&mut written);
         assert_eq!(written, text.as_bytes());
     }
+}
+
+/// What one name is, many places say: none of them has a copy of it.
+#[test]
+fn long_names_in_many_places() {
+    use core::fmt::Write as _;
+    let long = "x".repeat(1_000_000);
+    let mut of_section = std::format!("[{long}]\n");
+    let mut of_param =
+        std::format!("[Params] Param1 = 0,,, 0, 0xC6, 1, \"{long}\";\n[Assembly] Assem1 = \"\",,,,,");
+    for number in 0..30_000 {
+        writeln!(of_section, "a{number}=;").unwrap();
+        of_param.push_str(",,Param1");
+    }
+    let zeros = "0".repeat(1_000_000);
+    let of_entry = std::format!("[Params] Enum{zeros}1 = {};", ",".repeat(10_000));
+    Eds::parse(of_section).unwrap();
+    let eds = Eds::parse(of_param + ";").unwrap();
+    assert_eq!(eds.layout(eds.assembly(1).unwrap()).map(|slots| slots.len()), Some(30_000));
+    assert!(eds.param(1).unwrap().name.len() < 10_000);
+    let eds = Eds::parse(of_entry).unwrap();
+    assert_eq!(eds.diagnostics().len(), MAX_DIAGNOSTICS);
+    assert!(eds.diagnostics().iter().all(|found| found.message.len() < 600));
 }
 
 proptest! {

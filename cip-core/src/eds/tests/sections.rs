@@ -195,7 +195,7 @@ fn assemblies_inside_of_assemblies() {
     let eds = Eds::parse(text).unwrap();
     let layout = eds.layout(eds.assembly(1).unwrap()).unwrap();
     let shown: Vec<_> =
-        layout.iter().map(|slot| (slot.name.as_str(), slot.first_bit, slot.bits, slot.param_bit)).collect();
+        layout.iter().map(|slot| (&*slot.name, slot.first_bit, slot.bits, slot.param_bit)).collect();
     assert_eq!(shown, [("A", 0, 8, 0), ("A", 8, 4, 0), ("A", 24, 4, 4), ("V", 32, 8, 0)]);
     assert_eq!(eds.variants()[0].choices.len(), 2);
     assert_eq!(eds.variants()[1].choices[1].references, [Reference::Padding, Reference::Assembly(2)]);

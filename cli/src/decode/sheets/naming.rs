@@ -155,7 +155,7 @@ fn member(slot: &Slot<'_>, node: &mut Node, data: &[u8]) -> Option<Named> {
         (_, None, None) => return None,
     };
     Some(Named {
-        name: slot.name.clone(),
+        name: slot.name.to_string(),
         text,
         param: slot.param.map(|param| param.number),
         first_bit: Some(slot.first_bit),

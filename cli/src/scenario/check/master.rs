@@ -94,6 +94,19 @@ impl Checker<'_> {
         entry.multicast_poll = (raw.multicast_poll.as_ref())
             .map(|io| self.poll(ConnectionName::MulticastPoll, io, raw))
             .transpose()?;
+        if let (Some(io), Some(poll)) = (&raw.multicast_poll, entry.multicast_poll)
+            && let Some(group) = others.iter().find_map(|other| other.entry.multicast_poll)
+            && poll.consume != group.consume
+        {
+            return self.fail(
+                &io.get_ref().consume.as_ref().map_or_else(|| io.span(), Spanned::span),
+                format!(
+                    "`consume` of `multicast_poll` is {}, and {} for a slave before; expected the same, since all get \
+                     one command",
+                    poll.consume, group.consume
+                ),
+            );
+        }
         entry.bit_strobe = raw.bit_strobe.as_ref().map(|io| self.strobe(io, raw)).transpose()?;
         entry.state_change = self.state_change(raw)?;
         if is_set(raw.background.as_ref()) {
@@ -279,10 +292,9 @@ impl Checker<'_> {
     }
 }
 
-/// The bytes of a multicast poll command: the most that a slave consumes of it.
+/// The bytes of a multicast poll command, which is the same for all slaves.
 pub(super) fn multicast_size(scan: &[ScannedSlave]) -> usize {
-    let consumed = scan.iter().filter_map(|slave| slave.entry.multicast_poll);
-    consumed.map(|poll| poll.consume.into()).max().unwrap_or(0)
+    scan.iter().find_map(|slave| slave.entry.multicast_poll).map_or(0, |poll| poll.consume.into())
 }
 
 const fn first_contact_name(contact: FirstContact) -> &'static str {

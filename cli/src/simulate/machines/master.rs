@@ -80,7 +80,10 @@ impl MasterMachine {
             master.set_output(mac, &slave.output).expect("outputs of a scenario");
             master.set_strobe_bit(mac, slave.strobe_bit).expect("a slave of a scenario");
         }
-        master.set_multicast_output(&node.multicast_output).expect("outputs of a scenario");
+        // Without the only slave of its group there is no such command.
+        if master.scan_list().any(|entry| entry.multicast_poll.is_some()) {
+            master.set_multicast_output(&node.multicast_output).expect("outputs of a scenario");
+        }
         master.set_run(node.run);
         let own_status = master.own_status();
         Self { master, mac, told: HashMap::new(), own_status, scans: ScanTimes::default(), last_scan: None }

@@ -5,12 +5,12 @@ use std::collections::VecDeque;
 use devicenet_core::MacId;
 use devicenet_core::access::Access;
 use devicenet_core::message::{DelayOffset, DeviceIdentity};
-use devicenet_core::tool::{Config, OfflineTool, ToolEvent, ToolState};
+use devicenet_core::tool::{CommandError, Config, OfflineTool, ToolEvent, ToolState};
 use link_core::{Action, Deadline, Input, Instant, Machine};
 
 use super::access_config;
-use crate::scenario::AccessNode;
-use crate::simulate::event::NodeEvent;
+use crate::scenario::{AccessNode, Do};
+use crate::simulate::event::{Effect, NodeEvent};
 
 /// A tool of a scenario. What it is told to do it does one after the other, and takes the offline connection set before it if
 /// need be.
@@ -20,6 +20,8 @@ pub(in crate::simulate) struct ToolMachine {
     /// The MAC ID is kept without power.
     mac: MacId,
     tasks: VecDeque<Task>,
+    /// What it cannot do, and why: still to be told.
+    refused: VecDeque<(Task, CommandError)>,
     /// It waits for what comes of the last.
     is_busy: bool,
 }
@@ -34,6 +36,18 @@ pub(in crate::simulate) enum Task {
     Release,
 }
 
+impl From<Task> for Do {
+    fn from(task: Task) -> Self {
+        match task {
+            Task::Claim => Self::Claim,
+            Task::Who => Self::Who,
+            Task::Identify(device) => Self::Identify(device),
+            Task::Recover(device, mac) => Self::Recover(device, mac.number()),
+            Task::Release => Self::Release,
+        }
+    }
+}
+
 impl ToolMachine {
     pub(in crate::simulate) fn new(node: &AccessNode) -> Self {
         Self::with(node, access_config(node).mac_id)
@@ -46,7 +60,13 @@ impl ToolMachine {
 
     fn with(node: &AccessNode, mac: MacId) -> Self {
         let access = devicenet_core::access::Config { mac_id: mac, ..access_config(node) };
-        Self { tool: OfflineTool::new(Config::new(access)), mac, tasks: VecDeque::new(), is_busy: false }
+        Self {
+            tool: OfflineTool::new(Config::new(access)),
+            mac,
+            tasks: VecDeque::new(),
+            refused: VecDeque::new(),
+            is_busy: false,
+        }
     }
 
     pub(in crate::simulate) const fn access(&self) -> &Access {
@@ -82,8 +102,15 @@ impl ToolMachine {
                 (ToolState::Owner, Task::Identify(device)) => self.tool.identify_device(now, device),
                 (ToolState::Owner, Task::Recover(device, mac)) => self.tool.change_mac_id(now, device, mac),
             };
-            if begun.is_err() {
-                return;
+            match begun {
+                Ok(()) => {}
+                // It will be tried again.
+                Err(CommandError::NotOnLine | CommandError::NotOwner | CommandError::Busy) => return,
+                Err(error @ (CommandError::OwnMacId(_) | CommandError::Access(_))) => {
+                    self.tasks.pop_front();
+                    self.refused.push_back((task, error));
+                    continue;
+                }
             }
             self.tasks.pop_front();
             self.is_busy = matches!(task, Task::Who | Task::Identify(_) | Task::Recover(..));
@@ -106,6 +133,9 @@ impl Machine for ToolMachine {
     }
 
     fn poll(&mut self, now: Instant) -> Option<Action<NodeEvent>> {
+        if let Some((task, error)) = self.refused.pop_front() {
+            return Some(Action::Event(NodeEvent::Action(task.into(), Effect::None(error.to_string()))));
+        }
         let action = self.tool.poll(now)?;
         if let Action::Event(
             ToolEvent::WhoDone { .. }

@@ -186,10 +186,11 @@ impl Session {
         Ok(())
     }
 
-    /// What the broadcast manager did ends with its mode.
+    /// What the broadcast manager did ends with its mode, and so does the telling of statistics.
     fn enter(&mut self, mode: Mode) {
         self.mode = mode;
         self.broadcast = Broadcast::default();
+        self.statistics.tell_no_more();
     }
 
     /// To the client in raw mode.

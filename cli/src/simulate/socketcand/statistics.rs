@@ -47,6 +47,11 @@ impl Statistics {
         self.interval = (!every.is_zero()).then(|| Interval { every, next: now + every });
     }
 
+    /// Goes on counting, and tells nothing.
+    pub(super) fn tell_no_more(&mut self) {
+        self.interval = None;
+    }
+
     /// When they are to be told next.
     pub(super) fn deadline(&self) -> Option<Instant> {
         self.interval.as_ref().map(|interval| interval.next)

@@ -181,3 +181,13 @@ fn statistics_come_in_their_interval() {
     assert_eq!(client.says("< statistics 0 >"), [""; 0]);
     assert_eq!(client.0.deadline(), None);
 }
+
+/// A client in raw mode expects frames and errors only.
+#[test]
+fn statistics_end_with_their_mode() {
+    let mut client = Client::open();
+    assert_eq!(client.says("< controlmode >< statistics 100 >"), ["< ok >"]);
+    assert_eq!(client.ticks(100), ["< stat 0 0 0 0 >"]);
+    assert_eq!(client.says("< rawmode >< echo >"), ["< ok >", "< echo >"]);
+    assert_eq!(client.ticks(200), [""; 0]);
+}
