@@ -210,9 +210,15 @@ fn a_path_is_forgotten_when_its_node_starts_again() {
 fn what_is_no_eds_is_not_shown() {
     for (input, told) in [
         (&b""[..], "error: <stdin>: the file is empty: it is no EDS\n"),
-        (b"a letter\n", "error: <stdin>: no section `[Name]` in it: it is no EDS\n"),
+        (b"a letter\n", "error: <stdin>: no section such as [Device] in it: it is no EDS\n"),
+        (b"[ letter ]\na = b;\n", "error: <stdin>: no section such as [Device] in it: it is no EDS\n"),
     ] {
-        for arguments in [&["eds", "show", "-"][..], &["eds", "show", "--json", "-"]] {
+        let recording = format!("{}/../tests/captures/slave-01-startup-poll.log", env!("CARGO_MANIFEST_DIR"));
+        for arguments in [
+            &["eds", "show", "-"][..],
+            &["eds", "show", "--json", "-"],
+            &["decode", "--eds", "-", &recording],
+        ] {
             let output = run(arguments, input);
             assert_exit(&output, 2);
             assert_eq!((stdout(&output), stderr(&output)), ("", told));

@@ -4,6 +4,7 @@ use core::fmt;
 use std::string::String;
 use std::vec::Vec;
 
+use super::check::structure;
 use super::diagnostic::Findings;
 use super::encoding::Characters;
 use super::parser::Parser;
@@ -141,6 +142,12 @@ impl Section {
     #[must_use]
     pub fn is(&self, name: &str) -> bool {
         self.name.eq_ignore_ascii_case(name)
+    }
+
+    /// Whether it is one of those that say something of a DeviceNet device, such as `[Device]` and `[Params]`.
+    #[must_use]
+    pub fn is_known(&self) -> bool {
+        structure::is_known(&self.name)
     }
 }
 

@@ -10,7 +10,7 @@ use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
-use cip_core::eds::{Code, Eds, MAX_FILE};
+use cip_core::eds::{Code, Eds, MAX_FILE, Section};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
 
@@ -63,7 +63,7 @@ pub struct CheckArgs {
 #[command(after_long_help = "\
 Exit codes:
   0  done; the file may have findings, which a note on standard error counts
-  2  wrong usage, or a file that cannot be read, or that has no section
+  2  wrong usage, or a file that cannot be read, or that is no EDS
 
 Examples:
   devicenet eds show valve.eds
@@ -103,6 +103,21 @@ pub fn read(path: &Path) -> Result<Eds, Failure> {
         return Err(failed(&format_args!("too long for an EDS, at most {MAX_FILE} bytes are read")));
     }
     Eds::parse(bytes).map_err(|error| failed(&error))
+}
+
+/// Reads a file that is an EDS, whatever is wrong in it.
+///
+/// # Errors
+/// As [`read`], and when nothing in it is of an EDS.
+pub fn read_sheet(path: &Path) -> Result<Eds, Failure> {
+    let eds = read(path)?;
+    let document = eds.document();
+    if document.sections().iter().any(Section::is_known) {
+        return Ok(eds);
+    }
+    let what =
+        if document.bytes().is_empty() { "the file is empty" } else { "no section such as [Device] in it" };
+    Err(Failure::Usage(format!("{}: {what}: it is no EDS", name(path))))
 }
 
 /// A file in messages.

@@ -13,19 +13,14 @@ use cip_core::scan::{IoType, ScanEntry};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{ShowArgs, name, read};
+use super::{ShowArgs, name, read_sheet};
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Output};
 use crate::table::{Cell, Table};
 use crate::text::{count, printable};
 
 pub(super) fn run(args: &ShowArgs, json: bool) -> Result<Exit, Failure> {
-    let eds = read(&args.file)?;
-    if eds.document().sections().is_empty() {
-        let what =
-            if eds.document().bytes().is_empty() { "the file is empty" } else { "no section `[Name]` in it" };
-        return Err(Failure::Usage(format!("{}: {what}: it is no EDS", name(&args.file))));
-    }
+    let eds = read_sheet(&args.file)?;
     let mut output = Output::new();
     match json {
         true => object(&eds, &name(&args.file), &mut output.buffer)?,

@@ -340,10 +340,7 @@ fn what_can_be_expected_of_a_master() {
             "slave = 10\nslave_state = \"up\"",
             "22:15: there is no slave_state `up`; expected `offline`, `waiting`, `contacting`, `configuring` or `running`",
         ),
-        (
-            "input = \"01\"",
-            "21:9: `scanner` has the role `master` and no `input`; expected a node with the role `slave`",
-        ),
+        ("input = \"01\"", "21:9: the input of a master is that of a slave; expected `slave` too"),
         (
             "mode = \"run\"",
             "21:8: `scanner` has the role `master` and no `mode`; expected a node with the role `slave`",

@@ -5,7 +5,7 @@ mod characters;
 mod device;
 mod io;
 mod params;
-mod structure;
+pub(super) mod structure;
 
 use super::diagnostic::Findings;
 use super::document::Document;

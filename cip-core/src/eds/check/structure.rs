@@ -214,6 +214,11 @@ impl Known {
     }
 }
 
+/// Whether the entries of a section of this name are read.
+pub(in crate::eds) fn is_known(name: &str) -> bool {
+    known(name).is_some()
+}
+
 fn known(name: &str) -> Option<&'static Known> {
     KNOWN.iter().find(|known| known.name.eq_ignore_ascii_case(name))
 }

@@ -61,7 +61,7 @@ impl Sheets {
     pub fn read(files: &[EdsFile]) -> Result<Self, Failure> {
         let mut sheets = Self::default();
         for EdsFile { mac, path } in files {
-            let eds = eds::read(path)?;
+            let eds = eds::read_sheet(path)?;
             let name = path.display().to_string();
             let errors = eds.diagnostics().iter().filter(|found| found.severity() == Severity::Error).count();
             if errors > 0 {

@@ -75,6 +75,9 @@ impl Checker<'_> {
             ("event", Some(event)) => {
                 format!("{here} no event `{}`; expected a node with the role {roles}", event.get_ref())
             }
+            ("input", _) if matches!(node.role, Role::Master(_)) => {
+                "the input of a master is that of a slave; expected `slave` too".to_owned()
+            }
             ("state", _) => {
                 format!("{here} no state of network access; expected a node with the role {roles}")
             }
