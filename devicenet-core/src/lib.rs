@@ -118,6 +118,7 @@ extern crate std;
 pub mod access;
 pub mod client;
 mod collision;
+mod counter;
 pub mod id;
 pub mod master;
 pub mod message;

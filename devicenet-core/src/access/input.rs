@@ -5,15 +5,16 @@ use link_core::{BusErrorKind, Frame, LinkEvent, TxOutcome, TxToken};
 
 use super::config::BusOffWhileChecking;
 use super::event::{AccessEvent, Outgoing};
-use super::machine::{Access, Fate, InFlight, Listening, Timer, count};
+use super::machine::{Access, Fate, InFlight, Listening, Timer};
 use super::state::{Cause, CheckRequest, Fault, SecondRequest, SendStage, State};
+use crate::counter::{count, count_wide};
 use crate::id::Identifier;
 use crate::message::{Direction, DuplicateMacCheck, Wire};
 
 impl Access {
     pub(super) fn frame<const OFFLINE_SET: bool>(&mut self, frame: &Frame) {
         let Some(id) = Identifier::of_frame(frame) else {
-            self.counters.foreign_frames = self.counters.foreign_frames.saturating_add(1);
+            count_wide(&mut self.counters.foreign_frames);
             return;
         };
         if self.state.is_off_the_bus() {
@@ -207,7 +208,7 @@ impl Access {
 
     fn not_acknowledged(&mut self) {
         if let State::SendingDupMac { stage: SendStage::Queued { unacknowledged }, .. } = &mut self.state {
-            self.counters.unacknowledged = self.counters.unacknowledged.saturating_add(1);
+            count_wide(&mut self.counters.unacknowledged);
             let first = !core::mem::replace(unacknowledged, true);
             self.stay(Cause::NotAcknowledged);
             if first {
@@ -227,7 +228,7 @@ impl Access {
     }
 
     fn discard(&mut self) {
-        self.counters.discarded = self.counters.discarded.saturating_add(1);
+        count_wide(&mut self.counters.discarded);
     }
 
     pub(super) fn bad_frame(&mut self, id: Identifier, field: &[u8]) {

@@ -34,6 +34,7 @@ use link_core::{Action, Deadline, FilterSet, Input, Instant, Machine, Queue, Tim
 use super::config::Config;
 use super::event::{AccessEvent, Counters, Outgoing};
 use super::state::{Cause, CheckRequest, EDGES, Fault, SecondRequest, SendStage, State, StateKind};
+use crate::counter::count;
 use crate::id::{self, MacId};
 
 /// The network access machine of one node; see the [module](super) text.
@@ -309,10 +310,6 @@ impl Access {
             State::CommFault { .. } => Listening::Nothing,
         }
     }
-}
-
-pub(super) fn count(counter: &mut u16) {
-    *counter = counter.saturating_add(1);
 }
 
 /// That the table allows it.

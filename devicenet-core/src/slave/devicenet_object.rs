@@ -9,9 +9,10 @@ use super::application::Application;
 use super::bit_rate::{self, BIT_RATES};
 use super::config::Options;
 use super::departure::Departure;
-use super::event::{SlaveEvent, count};
+use super::event::SlaveEvent;
 use super::server::Server;
 use crate::access::MacIdSource;
+use crate::counter::count;
 use crate::id::MacId;
 
 /// What the address and bit rate switches of a device show. A device without one of them has 0 there.

@@ -6,9 +6,10 @@ use cip_core::message::BodyFormat;
 use link_core::timers::TimerKey;
 
 use super::application::Application;
-use super::event::{SlaveEvent, count};
+use super::event::SlaveEvent;
 use super::node::{Changed, Node};
 use super::timer::apply;
+use crate::counter::count;
 use crate::id::{Identifier, MacId};
 
 /// One of them, open or not.

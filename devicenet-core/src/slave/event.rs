@@ -12,6 +12,7 @@ use link_core::{BitRate, Queue, TxOutcome};
 use super::application::{IoKind, IoMode};
 use super::indicator::ModuleStatus;
 use crate::access::{AccessEvent, NetworkStatus};
+use crate::counter::count;
 use crate::id::{Identifier, MacId};
 
 /// What happened in a slave.
@@ -178,12 +179,14 @@ pub(super) struct Events {
 }
 
 impl Events {
+    #[inline(never)]
     pub(super) fn raise(&mut self, event: SlaveEvent) {
         if self.queue.push(event).is_err() {
             count(&mut self.counters.events_lost);
         }
     }
 
+    #[cold]
     pub(super) fn ignored(&mut self, id: Identifier, why: Ignored) {
         count(&mut self.counters.ignored);
         self.raise(SlaveEvent::Ignored { id, why });
@@ -214,14 +217,6 @@ const fn received_bit(connection: IoKind) -> u8 {
         IoKind::ChangeOfState => 4,
         IoKind::MulticastPoll => 8,
     }
-}
-
-pub(super) const fn count(counter: &mut u16) {
-    *counter = counter.saturating_add(1);
-}
-
-pub(super) const fn count_wide(counter: &mut u32) {
-    *counter = counter.saturating_add(1);
 }
 
 /// One line, in the words of a trace.

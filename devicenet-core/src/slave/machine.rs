@@ -9,7 +9,7 @@ use super::config::Options;
 use super::detection::Detection;
 use super::devicenet_object::{Port, Switches};
 use super::dynamic::DynamicTimer;
-use super::event::{Counters, Event, SlaveEvent, count, count_wide};
+use super::event::{Counters, Event, SlaveEvent};
 use super::indicator::ModuleStatus;
 use super::lines::{self, Line};
 use super::node::{Changed, Node};
@@ -17,6 +17,7 @@ use super::timer::Timer;
 use super::transfer::{Piece, Rules, Transfer};
 use super::unconnected::Answer;
 use crate::access::{Access, NetworkStatus};
+use crate::counter::{count, count_wide};
 use crate::id::Identifier;
 
 /// A slave; see the [module](super) text.

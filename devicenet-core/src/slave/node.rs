@@ -15,10 +15,11 @@ use super::application::{Application, IoKind, IoMode};
 use super::config::{Config, Options};
 use super::departure::Departure;
 use super::dynamic::{Dynamic, DynamicTimer};
-use super::event::{Events, SlaveEvent, count};
+use super::event::{Events, SlaveEvent};
 use super::lines::Lines;
 use super::machine::changes;
 use super::timer::{Timer, apply};
+use crate::counter::count;
 use crate::id::MacId;
 
 /// Everything in a slave that its objects look at and change.

@@ -16,11 +16,12 @@ use super::config::Options;
 use super::connection_object::ConnectionObject;
 use super::departure::Departure;
 use super::devicenet_object::{DeviceNetObject, Port};
-use super::event::{Ignored, SlaveEvent, count};
+use super::event::{Ignored, SlaveEvent};
 use super::machine::{DynamicTransfer, Slave};
 use super::node::{BOTH, Changed, Node};
 use super::transfer::Transfer;
 use crate::access::Access;
+use crate::counter::count;
 use cip_core::connection::IoState;
 
 /// All objects of a slave, put together for one request.

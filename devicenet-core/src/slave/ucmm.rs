@@ -100,7 +100,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             _ => Err(GeneralStatus::SERVICE_NOT_SUPPORTED.into()),
         };
         match done {
-            Ok(()) => super::event::count(&mut self.node.events.counters.requests),
+            Ok(()) => crate::counter::count(&mut self.node.events.counters.requests),
             Err(failure) => {
                 out.truncate(0);
                 self.refuse(failure, &mut out);

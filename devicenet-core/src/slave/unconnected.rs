@@ -21,8 +21,9 @@ use link_core::Frame;
 use super::allocation::{Door, Requester};
 use super::application::Application;
 use super::config::Options;
-use super::event::{Ignored, count};
+use super::event::Ignored;
 use super::machine::Slave;
+use crate::counter::count;
 use crate::id::Identifier;
 use crate::message::ExplicitHeader;
 

@@ -23,8 +23,9 @@ use link_core::Frame;
 
 use super::application::{Application, IoKind, IoMode};
 use super::config::Options;
-use super::event::{Ignored, SlaveEvent, count, count_wide};
+use super::event::{Ignored, SlaveEvent};
 use super::machine::{Slave, changes};
+use crate::counter::{count, count_wide};
 use crate::id::{Identifier, MacId};
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
