@@ -178,6 +178,12 @@ impl IoKind {
         if A::IO.intersects(choice) { Some(self) } else { None }
     }
 
+    /// Those that the application offers, in the order of their instances; the compiler knows them too.
+    pub(super) const fn all_offered<A: Application>() -> &'static [Self] {
+        let (kinds, count) = const { &offered_first::<A>() };
+        kinds.split_at(*count).0
+    }
+
     pub(super) const fn of_instance(instance: InstanceId) -> Option<Self> {
         Some(match instance.0 {
             2 => Self::Poll,
@@ -187,6 +193,24 @@ impl IoKind {
             _ => return None,
         })
     }
+}
+
+/// The connections that the application offers, before places that mean nothing; and how many they are.
+const fn offered_first<A: Application>() -> ([IoKind; 4], usize) {
+    let mut kinds = IoKind::ALL;
+    let mut count: usize = 0;
+    let (mut all, mut places): (&[IoKind], &mut [IoKind]) = (&IoKind::ALL, &mut kinds);
+    while let [kind, following @ ..] = all {
+        all = following;
+        if kind.offered::<A>().is_some()
+            && let Some((place, rest)) = core::mem::replace(&mut places, &mut []).split_first_mut()
+        {
+            *place = *kind;
+            places = rest;
+            count = count.saturating_add(1);
+        }
+    }
+    (kinds, count)
 }
 
 impl core::fmt::Display for IoKind {

@@ -198,7 +198,12 @@ impl Events {
 
     pub(super) fn pop(&mut self) -> Option<SlaveEvent> {
         if self.received != 0 {
-            let kind = IoKind::ALL.into_iter().find(|&kind| self.received & received_bit(kind) != 0)?;
+            let kind = match self.received.trailing_zeros() {
+                0 => IoKind::Poll,
+                1 => IoKind::BitStrobe,
+                2 => IoKind::ChangeOfState,
+                _ => IoKind::MulticastPoll,
+            };
             self.received &= !received_bit(kind);
             return Some(SlaveEvent::Received(kind));
         }

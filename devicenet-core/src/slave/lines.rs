@@ -69,15 +69,8 @@ impl Lines {
     pub(super) fn ready<A: Application>(&self) -> Option<IoKind> {
         let due = if fragments::<A>() { self.due.union(self.continued) } else { self.due };
         let ready = due.intersection(all_of::<A>()).difference(self.in_flight);
-        if ready.is_empty() {
-            return None;
-        }
-        Some(match ready.bits().trailing_zeros() {
-            0 => IoKind::MulticastPoll,
-            1 => IoKind::ChangeOfState,
-            2 => IoKind::BitStrobe,
-            _ => IoKind::Poll,
-        })
+        // Asked first, so that the compiler knows the only line of a device that has one.
+        if ready.is_empty() { None } else { io_of(ready) }
     }
 
     /// An I/O message is to be sent; false if one is waiting already, with which it goes together.
@@ -167,11 +160,9 @@ pub(super) const fn of(kind: IoKind) -> Line {
 /// The lines for the I/O of an application.
 const fn all_of<A: Application>() -> Line {
     let mut lines = Line::empty();
-    let mut kinds: &[IoKind] = &IoKind::ALL;
+    let mut kinds = IoKind::all_offered::<A>();
     while let [kind, rest @ ..] = kinds {
-        if kind.offered::<A>().is_some() {
-            lines = lines.union(of(*kind));
-        }
+        lines = lines.union(of(*kind));
         kinds = rest;
     }
     lines
@@ -194,9 +185,15 @@ pub(super) fn identifier(line: Line, mac: MacId) -> Identifier {
     }
 }
 
-/// The I/O connection of a line.
-pub(super) fn io_of(line: Line) -> Option<IoKind> {
-    IoKind::ALL.into_iter().find(|&kind| of(kind) == line)
+/// The I/O connection of the line of the highest priority; `None` if there is no line of I/O.
+pub(super) const fn io_of(lines: Line) -> Option<IoKind> {
+    Some(match lines.bits().trailing_zeros() {
+        0 => IoKind::MulticastPoll,
+        1 => IoKind::ChangeOfState,
+        2 => IoKind::BitStrobe,
+        3 => IoKind::Poll,
+        _ => return None,
+    })
 }
 
 /// The token of the frames of a line: its bit, which is never that of network access.

@@ -159,7 +159,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     /// Attribute 5 of the DeviceNet object: what is allocated and has not timed out.
     pub(super) fn choice(&self) -> AllocationChoice {
         let mut choice = self.held;
-        for kind in IoKind::ALL.into_iter().filter_map(IoKind::offered::<A>) {
+        for &kind in IoKind::all_offered::<A>() {
             if self.io(kind).state() == IoState::TimedOut {
                 choice.remove(bits_of(kind));
             }
@@ -222,11 +222,11 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     }
 
     pub(super) fn is_io_established(&self) -> bool {
-        self.io.iter().any(|connection| connection.state() == IoState::Established)
+        IoKind::all_offered::<A>().iter().any(|&kind| self.io(kind).state() == IoState::Established)
     }
 
     pub(super) fn is_io_timed_out(&self) -> bool {
-        self.io.iter().any(|connection| connection.state() == IoState::TimedOut)
+        IoKind::all_offered::<A>().iter().any(|&kind| self.io(kind).state() == IoState::TimedOut)
     }
 
     /// Allocates an instance, or allocates it anew after a time-out.
@@ -240,7 +240,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
 
     /// The network is gone: nothing of any connection is left.
     pub(super) fn lose_network(&mut self) {
-        for kind in IoKind::ALL.into_iter().filter_map(IoKind::offered::<A>) {
+        for &kind in IoKind::all_offered::<A>() {
             // Nobody waits for an answer.
             let _ = self.io_step(kind, IoCause::NetworkLost);
         }
@@ -266,7 +266,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         };
         let alone = !self.is_io_established() && self.explicit.state() == ExplicitState::NonExistent;
         if !parent_exists && (alone || self.options.contains(Options::DROP_CONFIGURING_WITH_EXPLICIT)) {
-            for kind in IoKind::ALL.into_iter().filter_map(IoKind::offered::<A>) {
+            for &kind in IoKind::all_offered::<A>() {
                 let _ = self.io_step(kind, IoCause::ExplicitGone);
             }
         }
@@ -282,7 +282,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         if self.explicit.state() == ExplicitState::NonExistent {
             self.drop_bits(AllocationChoice::EXPLICIT);
         }
-        for kind in IoKind::ALL.into_iter().filter_map(IoKind::offered::<A>) {
+        for &kind in IoKind::all_offered::<A>() {
             if self.io(kind).state() == IoState::NonExistent {
                 self.drop_bits(bits_of(kind));
             }
@@ -311,7 +311,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
 
     /// Instances that timed out are deleted.
     pub(super) fn release_timed_out(&mut self) {
-        for kind in IoKind::ALL.into_iter().filter_map(IoKind::offered::<A>) {
+        for &kind in IoKind::all_offered::<A>() {
             if self.io(kind).state() == IoState::TimedOut {
                 let _ = self.io_step(kind, IoCause::Released);
             }

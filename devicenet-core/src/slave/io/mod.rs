@@ -186,7 +186,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// Puts outputs to rest, and tells of every mode that has changed.
     pub(super) fn follow_modes(&mut self) {
-        for kind in IoKind::ALL.into_iter().filter_map(IoKind::offered::<A>) {
+        for &kind in IoKind::all_offered::<A>() {
             let bit = super::node::mode_bit(kind);
             if !self.node.changed.contains(bit) {
                 continue;
