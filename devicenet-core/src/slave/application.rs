@@ -92,6 +92,15 @@ bitflags::bitflags! {
         const HEARTBEAT = 1 << 2;
         /// The shutdown message: [`SHUTDOWN_MESSAGE`](super::Options::SHUTDOWN_MESSAGE).
         const SHUTDOWN_MESSAGE = 1 << 3;
+        /// Choices other than the defaults: [`options`](super::Config::options) and [`failures`](super::Config::failures).
+        const CHOICES = 1 << 4;
+        /// What a DeviceNet object need not have: the attributes 6 to 10 and 12, which are
+        /// [switches](super::Slave::set_switches), [Quick Connect](crate::access::Config::quick_connect) and
+        /// [diagnostic counters](super::Diagnostics).
+        const OPTIONAL_ATTRIBUTES = 1 << 5;
+        /// The events of the indicators. What they show can be asked all the same:
+        /// [`network_status`](super::Slave::network_status), [`module_status`](super::Slave::module_status).
+        const INDICATOR_EVENTS = 1 << 6;
     }
 }
 

@@ -1,10 +1,13 @@
 //! The choices that the specification leaves to a slave.
 
+use core::marker::PhantomData;
+
 use bitflags::bitflags;
 use cip_core::connection::TimerResolution;
 use cip_core::object::FailureOptions;
 use link_core::BitRate;
 
+use super::application::{Application, Parts};
 use super::bit_rate::BitRateConfig;
 use crate::access;
 use crate::id::MacId;
@@ -150,6 +153,28 @@ impl Options {
 impl Default for Options {
     fn default() -> Self {
         Self::DEFAULT
+    }
+}
+
+/// The options of a slave. Without [`Parts::CHOICES`] they are constants.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub(super) struct Choices<A> {
+    options: Options,
+    application: PhantomData<A>,
+}
+
+impl<A: Application> Choices<A> {
+    pub(super) const fn new(config: &Config) -> Self {
+        Self { options: config.options, application: PhantomData }
+    }
+
+    pub(super) const fn contains(&self, option: Options) -> bool {
+        // The shutdown message is a part of its own.
+        if A::PARTS.contains(Parts::CHOICES) || option.contains(Options::SHUTDOWN_MESSAGE) {
+            self.options.contains(option)
+        } else {
+            Options::DEFAULT.contains(option)
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use cip_core::fragment::{IO_MESSAGE_MAX, IO_UNFRAGMENTED_LEN};
 use cip_core::identity::DeviceState;
+use cip_core::object::FailureOptions;
 use link_core::Queue;
 
 use super::Diagnostics;
@@ -116,6 +117,9 @@ fn parts_of(config: &Config) -> Parts {
     parts.set(Parts::BIT_RATE_DETECTION, config.bit_rate.detect);
     parts.set(Parts::HEARTBEAT, config.heartbeat_interval.is_some());
     parts.set(Parts::SHUTDOWN_MESSAGE, config.options.contains(Options::SHUTDOWN_MESSAGE));
+    let choices = config.options.difference(Options::SHUTDOWN_MESSAGE) != Options::DEFAULT;
+    parts.set(Parts::CHOICES, choices || config.failures != FailureOptions::default());
+    parts.set(Parts::OPTIONAL_ATTRIBUTES, config.access.quick_connect);
     parts
 }
 

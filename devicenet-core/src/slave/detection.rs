@@ -78,7 +78,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             self.next_rate();
         }
         if let Input::Link(event) = input {
-            self.port.diagnostics.note(event);
+            self.note(event);
         }
     }
 

@@ -5,7 +5,7 @@ use cip_core::codec::Writer;
 use cip_core::object::{AttributeRule, Call, Effects, Failure, Object, exact};
 use link_core::{BitRate, BusErrorKind, LinkEvent};
 
-use super::application::Application;
+use super::application::{Application, Parts};
 use super::bit_rate::{self, BIT_RATES};
 use super::config::Options;
 use super::departure::Departure;
@@ -71,6 +71,7 @@ pub(super) struct DeviceNetObject<'s, 'a, A, const MESSAGE: usize, const DYNAMIC
 /// | 10 | Quick Connect, BOOL | Get, Set |
 /// | 12 | diagnostic counters | Get, Set clears them |
 ///
+/// The attributes from 6 on are there with [`Parts::OPTIONAL_ATTRIBUTES`].
 /// Services besides Get and Set: 0x4B Allocate, 0x4C Release. Class attribute 1 (revision) is 2.
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
     for DeviceNetObject<'_, '_, A, MESSAGE, DYNAMIC>
@@ -89,6 +90,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
             (true, true) => &NONE_SET,
             (false, true) => &ONLY_MAC_ID_SET,
         };
+        if !A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) {
+            return rules.get(..MANDATORY_ATTRIBUTES);
+        }
         let without_switches = rules.len().saturating_sub(SWITCH_ATTRIBUTES);
         if self.0.port.switches.is_some() { Some(rules) } else { rules.get(..without_switches) }
     }
@@ -104,6 +108,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
             5 => {
                 let master = node.master.map_or(NOT_ALLOCATED, MacId::number);
                 return Ok(out.bytes(&[node.choice().bits(), master])?);
+            }
+            _ if !A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) => {
+                return Err(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED.into());
             }
             6 => port.switches.is_some_and(|read| read.mac_id != access.mac_id().number()).into(),
             7 => port.switches.is_some_and(|read| read.bit_rate != bit_rate::number(port.active)).into(),
@@ -141,6 +148,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
             4 => {
                 let [count] = exact(value)?;
                 self.0.access.set_bus_off_counter(count).map_err(|_| invalid)?;
+            }
+            _ if !A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) => {
+                return Err(GeneralStatus::ATTRIBUTE_NOT_SETTABLE.into());
             }
             10 => {
                 let enabled = boolean(value)?;
@@ -236,7 +246,9 @@ static RATE_SET: [AttributeRule; 11] = table(AttributeRule::get(1, 1), Attribute
 static NONE_SET: [AttributeRule; 11] = table(AttributeRule::get(1, 1), AttributeRule::get(2, 1));
 static ONLY_MAC_ID_SET: [AttributeRule; 11] = table(AttributeRule::get_set(1, 1), AttributeRule::get(2, 1));
 
-/// The last ones of each table.
+/// The first ones of each table.
+const MANDATORY_ATTRIBUTES: usize = 5;
+/// The last ones.
 const SWITCH_ATTRIBUTES: usize = 4;
 /// The MAC ID of the master while there is none.
 const NOT_ALLOCATED: u8 = 255;

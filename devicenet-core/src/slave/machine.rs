@@ -82,7 +82,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         &self.node.events.counters
     }
 
-    /// What the switches show: attributes 6 to 9 of the DeviceNet object, which it has from then on.
+    /// What the switches show: attributes 6 to 9 of the DeviceNet object, which it has from then on if it has
+    /// [`Parts::OPTIONAL_ATTRIBUTES`].
     pub const fn set_switches(&mut self, switches: Switches) {
         self.port.switches = Some(switches);
     }
@@ -163,9 +164,16 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
     }
 
+    /// Counts what the controller tells.
+    pub(super) fn note(&mut self, event: LinkEvent) {
+        if A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) {
+            self.port.diagnostics.note(event);
+        }
+    }
+
     #[inline(never)]
     fn link(&mut self, now: Instant, event: LinkEvent) {
-        self.port.diagnostics.note(event);
+        self.note(event);
         self.tell_access(now, Input::Link(event));
     }
 

@@ -11,8 +11,8 @@ use cip_core::message::AllocationChoice;
 use cip_core::object::{AcknowledgeSettings, FailureOptions};
 use link_core::{Instant, Timers};
 
-use super::application::{Application, IoKind, IoMode};
-use super::config::{Config, Options};
+use super::application::{Application, IoKind, IoMode, Parts};
+use super::config::{Choices, Config, Options};
 use super::departure::Departure;
 use super::dynamic::{Dynamic, DynamicTimer};
 use super::event::{Events, SlaveEvent};
@@ -25,8 +25,8 @@ use crate::id::MacId;
 /// Everything in a slave that its objects look at and change.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub(super) struct Node<A, const DYNAMIC: usize> {
-    pub(super) options: Options,
-    pub(super) failures: FailureOptions,
+    pub(super) options: Choices<A>,
+    failures: FailureOptions,
     pub(super) resolution: TimerResolution,
     /// Instance 1.
     pub(super) explicit: ExplicitConnection,
@@ -86,7 +86,7 @@ bitflags::bitflags! {
 impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     pub(super) fn new(config: &Config) -> Self {
         Self {
-            options: config.options,
+            options: Choices::new(config),
             failures: config.failures,
             resolution: config.resolution,
             explicit: ExplicitConnection::NON_EXISTENT,
@@ -108,6 +108,11 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             events: Events::default(),
             application: PhantomData,
         }
+    }
+
+    /// How some errors are answered. Without [`Parts::CHOICES`] that is a constant.
+    pub(super) fn failures(&self) -> FailureOptions {
+        if A::PARTS.contains(Parts::CHOICES) { self.failures } else { FailureOptions::default() }
     }
 
     pub(super) const fn io(&self, kind: IoKind) -> &IoConnection {

@@ -90,8 +90,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             || self.access.has_output()
             || self.must_set_filter()
             || !self.node.events.is_empty()
-            || self.shown != self.network_status()
-            || self.module != self.module_status()
+            || (A::PARTS.contains(Parts::INDICATOR_EVENTS)
+                && (self.shown != self.network_status() || self.module != self.module_status()))
             || (lines.is_free(Line::EXPLICIT) && self.is_explicit_line_due())
             || (DYNAMIC > 0 && (self.is_dynamic_due() || (lines.is_free(Line::UCMM) && self.is_ucmm_due())))
     }
@@ -151,6 +151,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     fn tell(&mut self) -> Option<SlaveEvent> {
         if let Some(event) = self.node.events.pop() {
             return Some(event);
+        }
+        if !A::PARTS.contains(Parts::INDICATOR_EVENTS) {
+            return None;
         }
         let network = self.network_status();
         if core::mem::replace(&mut self.shown, network) != network {

@@ -78,7 +78,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
     /// Answers Get_Attribute_Single, which is what a device is asked most. It leaves nothing to be done.
     #[inline]
     fn read(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<(), Failure> {
-        respond_with(call, self.node.failures, out, |out| match call.class {
+        respond_with(call, self.node.failures(), out, |out| match call.class {
             ClassId::IDENTITY => read(&self.identity(), call, out),
             ClassId::DEVICENET => self.read_devicenet(call, out),
             ClassId::CONNECTION => self.read_connection(call, out),
@@ -89,7 +89,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
     /// Answers any other service.
     #[inline(never)]
     pub(super) fn perform(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
-        respond_with(call, self.node.failures, out, |out| match call.class {
+        respond_with(call, self.node.failures(), out, |out| match call.class {
             ClassId::IDENTITY => {
                 let mut identity = self.identity();
                 let effects = perform(&mut identity, call, out)?;

@@ -5,10 +5,10 @@ use cip_core::object::Identity;
 use link_core::frame::standard_id;
 use link_core::{Action, FilterSet, Frame, Input, Instant, LinkEvent, Machine};
 
-use super::bus::{Block, device};
+use super::bus::*;
 use crate::MacId;
-use crate::access::Fault;
-use crate::slave::{Application, Config, Group2OnlyServer, InvalidSlave, IoKind, Options, Parts};
+use crate::access::{Fault, NetworkStatus};
+use crate::slave::{Application, Config, Group2OnlyServer, InvalidSlave, IoKind, Options, Parts, SlaveEvent};
 
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 struct Small(Block);
@@ -34,10 +34,6 @@ impl Application for Small {
 /// Of a configuration.
 type Change = fn(&mut Config);
 
-fn block() -> Block {
-    Block { device: device(), inputs: [0; 2], outputs: [0] }
-}
-
 #[test]
 fn what_is_left_out_cannot_be_configured() {
     let refused = |change: Change| {
@@ -46,10 +42,13 @@ fn what_is_left_out_cannot_be_configured() {
         Group2OnlyServer::<Small>::new(config, Small(block())).err()
     };
     assert_eq!(refused(|_| {}), None);
-    let cases: [(Change, Parts); 3] = [
+    let cases: [(Change, Parts); 6] = [
         (|config| config.bit_rate.detect = true, Parts::BIT_RATE_DETECTION),
         (|config| config.heartbeat_interval = Some(0), Parts::HEARTBEAT),
         (|config| config.options.insert(Options::SHUTDOWN_MESSAGE), Parts::SHUTDOWN_MESSAGE),
+        (|config| config.options.insert(Options::ANSWER_SHORT_BODY), Parts::CHOICES),
+        (|config| config.failures.group_2_only_failure = true, Parts::CHOICES),
+        (|config| config.access.quick_connect = true, Parts::OPTIONAL_ATTRIBUTES),
     ];
     for (change, part) in cases {
         assert_eq!(refused(change), Some(InvalidSlave::PartLeftOut(part)));
@@ -81,3 +80,41 @@ fn answers_to_who<A: Application>(slave: &mut Group2OnlyServer<A>) -> usize {
     let actions = slave.handle(Instant::ZERO, frame(0x7ED, &[0x3F, 0x4B, 0x00]));
     actions.filter(|action| matches!(action, Action::Transmit(..))).count()
 }
+
+/// What a part decides is not there without it, and nothing else is missing.
+#[test]
+fn a_small_slave_answers_as_a_complete_one() {
+    let mut complete = Bus::<Block, 0>::online(config(), block()).allocated(0x01);
+    let mut small = Bus::<Small, 0>::online(config(), Small(block())).allocated(0x01);
+    for attribute in 1..=12 {
+        let request = [MASTER, 0x0E, 0x03, 0x01, attribute];
+        complete.hears(REQUEST, &request);
+        small.hears(REQUEST, &request);
+        match attribute {
+            1..=5 => assert_eq!(complete.response(), small.response(), "attribute {attribute}"),
+            10 => assert_eq!(complete.response(), [MASTER, 0x8E, 0x00], "Quick Connect is off"),
+            12 => complete.skip(),
+            _ => assert_eq!(complete.response(), NOT_SUPPORTED),
+        }
+        if attribute > 5 {
+            assert_eq!(small.response(), NOT_SUPPORTED, "attribute {attribute}");
+        }
+    }
+}
+
+#[test]
+fn what_indicators_show_can_be_asked_without_events() {
+    let is_status = |event: &SlaveEvent| matches!(event, SlaveEvent::NetworkStatus(_));
+    let mut complete = Bus::<Block, 0>::online(config(), block());
+    let mut small = Bus::<Small, 0>::online(config(), Small(block()));
+    let allocate = [MASTER, 0x4B, 0x03, 0x01, 0x01, MASTER];
+    complete.hears(UNCONNECTED, &allocate);
+    small.hears(UNCONNECTED, &allocate);
+    assert!(complete.events.iter().any(is_status));
+    assert!(!small.events.iter().any(is_status));
+    assert_eq!(small.slave.network_status(), NetworkStatus::SolidGreen);
+    assert_eq!(small.slave.module_status(), complete.slave.module_status());
+}
+
+/// Attribute not supported.
+const NOT_SUPPORTED: [u8; 4] = [MASTER, 0x94, 0x14, 0xFF];
