@@ -43,6 +43,12 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
 
     /// Takes note of the present moment, and returns it; a `now` before the last one is the last one.
     pub fn advance(&mut self, now: Instant) -> Instant {
+        later(&mut self.now, now)
+    }
+
+    /// The same without a call, for where every frame passes.
+    #[inline]
+    pub fn advance_inline(&mut self, now: Instant) -> Instant {
         self.now = self.now.max(now);
         self.now
     }
@@ -56,10 +62,7 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
     /// Starts or restarts a timer. One that is set to [`Instant::MAX`] does not run.
     pub fn set(&mut self, key: K, at: Instant) {
         debug_assert!(key.index() < N, "the index of the timer \"{}\" is not one of {N}", key.why());
-        if let Some(slot) = self.at.get_mut(key.index()) {
-            *slot = at;
-        }
-        self.bound = self.bound.min(at);
+        set(self.at.get_mut(key.index()), &mut self.bound, at);
     }
 
     /// Starts or restarts a timer that expires `span` from the latest moment that was noted.
@@ -69,12 +72,26 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
 
     /// The same for a span in milliseconds, without the arithmetic of [`Duration`].
     pub fn set_after_millis(&mut self, key: K, millis: u32) {
-        self.set(key, self.now.saturating_add_millis(millis));
+        let at = after(self.now, millis);
+        self.set(key, at);
+    }
+
+    /// The same without a call, for where every frame passes.
+    #[inline]
+    pub fn set_after_millis_inline(&mut self, key: K, millis: u32) {
+        let at = self.now.saturating_add_millis(millis);
+        if let Some(slot) = self.at.get_mut(key.index()) {
+            *slot = at;
+        }
+        self.bound = self.bound.min(at);
     }
 
     /// Stops a timer.
+    #[inline]
     pub fn clear(&mut self, key: K) {
-        self.set(key, Instant::MAX);
+        if let Some(timer) = self.at.get_mut(key.index()) {
+            *timer = Instant::MAX;
+        }
     }
 
     /// Stops all timers.
@@ -91,7 +108,7 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
     /// Whether a timer runs that expires by `now`. Most of the time, that is one comparison.
     #[inline]
     pub fn is_due(&mut self, now: Instant) -> bool {
-        now >= self.bound && self.is_due_after_all(now)
+        now >= self.bound && is_due_after_all(&self.at, &mut self.bound, now)
     }
 
     /// Stops and returns the timer that expired first by `now`; of several at the same moment, the first in
@@ -120,16 +137,36 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
             *at = at.saturating_sub(span);
         }
     }
-
-    /// The bound was reached: what it stood for may run later by now, or not at all.
-    fn is_due_after_all(&mut self, now: Instant) -> bool {
-        let first = earliest(&self.at);
-        self.bound = first.map_or(Instant::MAX, |(_, at)| at);
-        first.is_some() && self.bound <= now
-    }
 }
 
-// One copy of the code for the timers of all machines.
+// One copy of the code for the timers of all machines, and of the arithmetic in 64 bits.
+
+#[inline(never)]
+fn later(latest: &mut Instant, now: Instant) -> Instant {
+    *latest = now.max(*latest);
+    *latest
+}
+
+#[inline(never)]
+fn after(now: Instant, millis: u32) -> Instant {
+    now.saturating_add_millis(millis)
+}
+
+#[inline(never)]
+fn set(timer: Option<&mut Instant>, bound: &mut Instant, at: Instant) {
+    if let Some(timer) = timer {
+        *timer = at;
+    }
+    *bound = at.min(*bound);
+}
+
+/// The bound was reached: what it stood for may run later by now, or not at all.
+#[inline(never)]
+fn is_due_after_all(timers: &[Instant], bound: &mut Instant, now: Instant) -> bool {
+    let first = earliest(timers);
+    *bound = first.map_or(Instant::MAX, |(_, at)| at);
+    first.is_some_and(|(_, at)| at <= now)
+}
 
 /// Stops the first of the timers that are over at `now`.
 #[inline(never)]

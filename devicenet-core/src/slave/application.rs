@@ -206,18 +206,15 @@ impl IoKind {
 
 /// The connections that the application offers, before places that mean nothing; and how many they are.
 const fn offered_first<A: Application>() -> ([IoKind; 4], usize) {
-    let mut kinds = IoKind::ALL;
-    let mut count: usize = 0;
-    let (mut all, mut places): (&[IoKind], &mut [IoKind]) = (&IoKind::ALL, &mut kinds);
-    while let [kind, following @ ..] = all {
-        all = following;
-        if kind.offered::<A>().is_some()
-            && let Some((place, rest)) = core::mem::replace(&mut places, &mut []).split_first_mut()
-        {
-            *place = *kind;
-            places = rest;
+    let (mut kinds, mut count) = (IoKind::ALL, 0_usize);
+    let mut all: &[IoKind] = &IoKind::ALL;
+    while let [before @ .., kind] = all {
+        if kind.offered::<A>().is_some() {
+            let [first, second, third, _] = kinds;
+            kinds = [*kind, first, second, third];
             count = count.saturating_add(1);
         }
+        all = before;
     }
     (kinds, count)
 }

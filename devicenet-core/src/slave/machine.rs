@@ -371,7 +371,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
     type Event = Event;
 
     fn input(&mut self, now: Instant, input: Input) {
-        let now = self.node.advance(now);
+        let now = self.node.advance_inline(now);
         let is_due = self.is_due(now);
         if is_due {
             self.catch_up(now);

@@ -192,8 +192,11 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             let state = self.io(kind).state();
             super::tests::edges::record_io(state, IoCause::Message, state);
         }
-        let watchdog = self.io_mut(kind).message();
-        apply(&mut self.timers, Timer::Io(kind), watchdog);
+        match self.io_mut(kind).message() {
+            Watchdog::Start { millis } => self.timers.set_after_millis_inline(Timer::Io(kind), millis),
+            Watchdog::Stop => self.timers.clear(Timer::Io(kind)),
+            Watchdog::Keep => {}
+        }
     }
 
     /// Sets attribute 9 of an I/O connection.
@@ -399,11 +402,17 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     }
 
     /// The present moment, as the slave was told it.
+    #[inline(never)]
     pub(super) fn advance(&mut self, now: Instant) -> Instant {
+        self.advance_inline(now)
+    }
+
+    #[inline]
+    pub(super) fn advance_inline(&mut self, now: Instant) -> Instant {
         if DYNAMIC > 0 {
             self.dynamic_timers.advance(now);
         }
-        self.timers.advance(now)
+        self.timers.advance_inline(now)
     }
 }
 

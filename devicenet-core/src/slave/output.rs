@@ -31,15 +31,18 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     #[inline(never)]
     fn output_besides_io(&mut self, now: Instant) -> Option<Action<Event>> {
-        self.node.advance(now);
+        self.node.advance_inline(now);
         if self.must_manage()
             && let Some(action) = self.manage()
         {
             return Some(action);
         }
-        if let Some(action) = self.send_explicit() {
-            return Some(action);
-        }
+        if self.is_explicit_ready() { self.send_explicit() } else { self.other_output() }
+    }
+
+    /// What is less urgent than a response.
+    #[inline(never)]
+    fn other_output(&mut self) -> Option<Action<Event>> {
         if DYNAMIC > 0
             && let Some(action) = self.send_dynamic(MessageGroup::Group2)
         {
@@ -92,7 +95,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             || !self.node.events.is_empty()
             || (A::PARTS.contains(Parts::INDICATOR_EVENTS)
                 && (self.shown != self.network_status() || self.module != self.module_status()))
-            || (lines.is_free(Line::EXPLICIT) && self.is_explicit_line_due())
+            || self.is_explicit_ready()
             || (DYNAMIC > 0 && (self.is_dynamic_due() || (lines.is_free(Line::UCMM) && self.is_ucmm_due())))
     }
 
@@ -186,17 +189,17 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         ModuleStatus::of(state, identity.status)
     }
 
-    fn is_explicit_line_due(&self) -> bool {
-        self.explicit.is_due()
-            || self.answers.iter().any(|answer| !answer.ucmm)
-            || (DYNAMIC == 0 && self.is_broadcast_due())
+    /// Whether the line of the explicit connection is free, and something is to be sent on it.
+    fn is_explicit_ready(&self) -> bool {
+        self.node.lines.is_free(Line::EXPLICIT)
+            && (self.explicit.is_due()
+                || self.is_answer_due(false)
+                || (DYNAMIC == 0 && self.is_broadcast_due()))
     }
 
     /// The line that carries the explicit connection, the unconnected port, and without the UCMM the broadcasts.
+    #[inline(never)]
     fn send_explicit(&mut self) -> Option<Action<Event>> {
-        if !self.node.lines.is_free(Line::EXPLICIT) {
-            return None;
-        }
         let (sent, frame) = self.next_explicit(Identifier::explicit_response(self.access.mac_id()))?;
         self.node.lines.in_flight.insert(Line::EXPLICIT);
         self.node.lines.explicit = Some(sent);
@@ -206,9 +209,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// Acknowledges of fragments first, so that they precede the response.
     fn next_explicit(&mut self, id: Identifier) -> Option<(Sent, Frame)> {
         if !self.explicit.must_acknowledge()
-            && let Some(field) = self.take_answer(false)
+            && self.is_answer_due(false)
+            && let Some(answer) = self.take_answer(false)
         {
-            return Some((Sent::Unconnected, id.frame(&field)?));
+            return Some((Sent::Unconnected, id.frame(&answer.field)?));
         }
         if self.explicit.is_due() {
             let (piece, frame) = self.explicit.take(id)?;

@@ -221,21 +221,24 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     pub(super) fn is_ucmm_due(&self) -> bool {
-        self.is_broadcast_due() || self.answers.iter().any(|answer| answer.ucmm)
+        self.is_broadcast_due() || self.is_answer_due(true)
     }
 
     pub(super) fn send_on_ucmm(&mut self) -> Option<Action<Event>> {
         if !self.node.lines.is_free(Line::UCMM) {
             return None;
         }
-        let (sent, field) = match self.take_answer(true) {
-            Some(field) => (Sent::Unconnected, field),
-            None => self.take_broadcast()?,
+        let id = Identifier::unconnected_response(self.access.mac_id());
+        let (sent, frame) = match self.take_answer(true) {
+            Some(answer) => (Sent::Unconnected, id.frame(&answer.field)?),
+            None => {
+                let (sent, field) = self.take_broadcast()?;
+                (sent, id.frame(&field)?)
+            }
         };
         self.node.lines.in_flight.insert(Line::UCMM);
         self.node.lines.ucmm = Some(sent);
-        let id = Identifier::unconnected_response(self.access.mac_id());
-        Some(Action::Transmit(lines::token(Line::UCMM), id.frame(&field)?))
+        Some(Action::Transmit(lines::token(Line::UCMM), frame))
     }
 
     pub(super) fn is_dynamic_due(&self) -> bool {

@@ -16,7 +16,6 @@ use cip_core::codec::Writer;
 use cip_core::message::BodyFormat;
 use cip_core::object::{Call, Failure};
 use heapless::Vec;
-use link_core::Frame;
 
 use super::allocation::{Door, Requester};
 use super::application::Application;
@@ -93,8 +92,18 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     /// The first answer that waits for a line.
-    pub(super) fn take_answer(&mut self, ucmm: bool) -> Option<Vec<u8, { Frame::MAX_DATA }>> {
-        Vec::from_slice(&self.answers.pop_where(|answer| answer.ucmm == ucmm)?.field).ok()
+    pub(super) fn take_answer(&mut self, ucmm: bool) -> Option<Answer> {
+        // Without dynamic connections all answers wait for the same line.
+        if DYNAMIC == 0 { self.answers.pop() } else { self.answers.pop_where(|answer| answer.ucmm == ucmm) }
+    }
+
+    /// Whether an answer waits for a line.
+    pub(super) fn is_answer_due(&self, ucmm: bool) -> bool {
+        if DYNAMIC == 0 {
+            !self.answers.is_empty()
+        } else {
+            self.answers.iter().any(|answer| answer.ucmm == ucmm)
+        }
     }
 
     fn serve_unconnected(&mut self, header: ExplicitHeader, call: &Call<'_>, out: &mut Writer<'_>) {
