@@ -17,7 +17,6 @@
 )] // A test of constants.
 
 mod recipes;
-mod slave;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

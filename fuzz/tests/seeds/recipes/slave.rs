@@ -1,9 +1,9 @@
 //! Scripts for a slave, operation by operation, and rows of fragments.
 
-type Seeds = Vec<(String, Vec<u8>)>;
+use super::Seeds;
 
 /// Each begins on line, with MAC ID 10; 0 allocates, polls and asks as master 4.
-pub(crate) fn dn_slave() -> Seeds {
+pub(super) fn dn_slave() -> Seeds {
     let short = [10, 0, 0];
     let long = [10, 0, 0x0F];
     let all = [&allocate(0x03)[..], &SENT, &rate(2, 75), &SENT, &poll(&[0xA5]), &SENT].concat();
@@ -200,7 +200,7 @@ pub(crate) fn dn_slave() -> Seeds {
 }
 
 /// The limit of the receivers, then frames and what else happens.
-pub(crate) fn fragment() -> Seeds {
+pub(super) fn fragment() -> Seeds {
     let first = [0x60, 0x00, 1, 2, 3, 4, 5, 6];
     let middle = [0x63, 1, 2, 3, 4, 5, 6];
     let last = [0x93, 7];
@@ -221,21 +221,6 @@ pub(crate) fn fragment() -> Seeds {
         ("io-sixty-four", [&[255][..], &sixty_four].concat()),
         ("sent", vec![0, 5, 13, 0, 0x86, 0, 0, 6, 0, 0, 0x86, 0, 0, 0x86, 0, 0]),
         ("given-up", vec![0, 5, 13, 0, 7, 0x86, 0, 0, 7, 7, 5, 8, 0, 0x86, 0, 1]),
-    ];
-    scripts.map(|(name, bytes)| (name.to_owned(), bytes)).to_vec()
-}
-
-/// The place of the third slave, then operations: the network runs for 5 s, and something happens to it.
-pub(crate) fn net_dn() -> Seeds {
-    let runs = [0, 0xC5];
-    let scripts: [(&str, Vec<u8>); 7] = [
-        ("two-masters", [&[2][..], &runs, &[5, 7], &[5, 0x87], &runs, &[6, 9], &runs].concat()),
-        ("twin", [&[0][..], &runs, &runs].concat()),
-        ("master-restarts", [&[2][..], &runs, &[5, 7], &runs, &[3, 0], &runs, &[3, 1], &runs].concat()),
-        ("slave-restarts", [&[2][..], &runs, &[3, 2], &runs, &[3, 4], &runs].concat()),
-        ("deaf", [&[2][..], &runs, &[4, 0xFA], &runs, &[4, 0x3B], &runs, &[4, 0xF8], &runs].concat()),
-        ("strangers", [&[2][..], &runs, &[7, 0], &[7, 2], &[7, 4], &[7, 6], &[7, 14], &runs].concat()),
-        ("told-off", [&[2][..], &runs, &[7, 8], &runs, &[3, 2], &runs].concat()),
     ];
     scripts.map(|(name, bytes)| (name.to_owned(), bytes)).to_vec()
 }

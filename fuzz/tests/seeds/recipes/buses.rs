@@ -1,0 +1,69 @@
+//! What happens to a bus and to networks, by hand.
+
+use devicenet_fuzz::input::frame_bytes;
+use link_core::Frame;
+use link_core::frame::standard_id;
+
+use super::Seeds;
+
+/// Header of three bytes and two for each node, then items of a distance, a head, and a frame or an argument.
+pub(super) fn bus_paths() -> Seeds {
+    let frame = |distance: u8, node: u8, id: u16, data: &[u8]| {
+        let frame = Frame::new(standard_id(id), data).unwrap();
+        [&[distance, node][..], &frame_bytes(&frame)].concat()
+    };
+    let change = |distance: u8, which: u8, argument: u8| vec![distance, 0x80 | which, argument];
+    let workload = |bus: u8, nodes: &[[u8; 2]], items: &[Vec<u8>]| {
+        [&[1, bus, 120][..], &nodes.concat(), &items.concat()].concat()
+    };
+    let plain = [[0x02, 0]; 4];
+    let traffic = [
+        frame(8, 0, 0x100, &[1, 2, 3]),
+        frame(0, 1, 0x101, &[0xFF; 8]),
+        frame(0, 2, 0x0FF, &[]),
+        frame(60, 3, 0x100, &[9]),
+    ];
+    let with = |change: Vec<u8>| {
+        let (first, second) = traffic.split_at(2);
+        workload(0x13, &plain, &[first, &[change], second].concat())
+    };
+    [
+        ("uncontended", workload(0x13, &plain, &[frame(8, 0, 0x100, &[1]), frame(60, 1, 0x200, &[2])])),
+        ("contended", workload(0x13, &plain, &traffic)),
+        ("same-frame-twice", workload(0x12, &plain[..3], &[frame(8, 0, 7, &[7]), frame(0, 1, 7, &[7])])),
+        ("same-identifier", workload(0x12, &plain[..3], &[frame(8, 0, 7, &[7]), frame(0, 1, 7, &[8])])),
+        ("lone", workload(0x00, &plain[..1], &[frame(8, 0, 0x52F, &[0; 7])])),
+        ("given-up", workload(0x13, &plain, &[frame(8, 0, 7, &[7]), vec![0, 0x09, 5, 1, 8, 0]])),
+        ("listen-only", workload(0x11, &[[0x01, 0], [0, 0]], &[frame(8, 1, 7, &[7])])),
+        ("late-power", workload(0x11, &[[0x00, 0], [0x80, 40]], &[frame(8, 0, 7, &[7])])),
+        ("wrong-bit-rate", workload(0x12, &[[0, 0], [0, 0], [0x10, 1]], &traffic)),
+        ("slow-clock", workload(0x12, &[[0, 0], [0x0C, 0], [0x08, 0]], &traffic)),
+        ("filter-and-reaction", workload(0x12, &[[0x20, 0], [0x40, 0], [0, 0]], &traffic)),
+        ("cut", with(change(4, 0, 0))),
+        ("power-cycle", with(change(4, 4, 0))),
+        ("bit-flips", with(change(0, 8, 40))),
+        ("flipped-bit", with(change(0, 9, 60))),
+        ("bursts", with(change(0, 10, 0x42))),
+        ("babble", with(change(0, 11, 0x80))),
+        ("spoilt-end", with(change(0, 12, 0))),
+        ("overrun", with(change(0, 13, 1))),
+        ("split", with(change(4, 15, 0))),
+    ]
+    .map(|(name, bytes)| (name.to_owned(), bytes))
+    .to_vec()
+}
+
+/// The place of the third slave, then operations: the network runs for 5 s, and something happens to it.
+pub(super) fn net_dn() -> Seeds {
+    let runs = [0, 0xC5];
+    let scripts: [(&str, Vec<u8>); 7] = [
+        ("two-masters", [&[2][..], &runs, &[5, 7], &[5, 0x87], &runs, &[6, 9], &runs].concat()),
+        ("twin", [&[0][..], &runs, &runs].concat()),
+        ("master-restarts", [&[2][..], &runs, &[5, 7], &runs, &[3, 0], &runs, &[3, 1], &runs].concat()),
+        ("slave-restarts", [&[2][..], &runs, &[3, 2], &runs, &[3, 4], &runs].concat()),
+        ("deaf", [&[2][..], &runs, &[4, 0xFA], &runs, &[4, 0x3B], &runs, &[4, 0xF8], &runs].concat()),
+        ("strangers", [&[2][..], &runs, &[7, 0], &[7, 2], &[7, 4], &[7, 6], &[7, 14], &runs].concat()),
+        ("told-off", [&[2][..], &runs, &[7, 8], &runs, &[3, 2], &runs].concat()),
+    ];
+    scripts.map(|(name, bytes)| (name.to_owned(), bytes)).to_vec()
+}
