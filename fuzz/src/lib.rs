@@ -11,7 +11,7 @@
 //! | [`fragment`] | the machines of fragmentation | each is its table, held by a second, small program |
 //! | [`frame_decode`] | identifiers, and the passive decoder on one frame | fields, line and JSON object agree |
 //! | [`monitor`] | the passive decoder on a session | what it puts together was sent, what it pairs came before |
-//! | [`net_dn`] | whole networks | who may be on line, who owns what, data from the owner only; undisturbed, every slave is served |
+//! | [`net_dn`] | whole networks, with a tool, a UCMM and bus-off | who may be on line, who owns what, data from the owner only; undisturbed, every slave is served |
 //! | [`text`] | readers of recordings and scenarios | an error has its place; what was written is read back |
 //! | [`wire`] | every wire type, paths, fragments, the bits of a frame | the laws of the byte layouts |
 //!

@@ -1,8 +1,17 @@
-//! Whole networks: two masters that want the same two slaves, and a third slave that may have the MAC ID of another.
+//! Whole networks: two masters that want the same slaves, a slave that may have the MAC ID of another, and in some of them a
+//! UCMM-capable slave and a tool that repairs faulted nodes.
 //!
 //! The bus is the simplest that there is: of all frames in flight the one with the lowest identifier is sent next, and
-//! everybody hears it. Byte 0 is the place of the third slave: bits 1-0, of which 0 and 1 are those of the others. Then each
-//! operation is one byte, modulo 8, with its argument behind it:
+//! everybody hears it. Byte 0 is what the network is like:
+//!
+//! | Bits | Content |
+//! |---|---|
+//! | 1-0 | the place of the third slave; 0 and 1 are those of the others, 2 is that of the UCMM-capable one |
+//! | 4 | the UCMM-capable slave and the tool are there; the second master tries the UCMM first |
+//! | 5 | the bus-off interrupt of all nodes is 1: after bus-off on line they come back |
+//! | 6 | the UCMM-capable slave has no unconnected port in group 2 |
+//!
+//! Then each operation is one byte with its argument behind it; below 0xF0 it is taken modulo 8:
 //!
 //! | Byte | Operation | Argument |
 //! |---|---|---|
@@ -12,76 +21,38 @@
 //! | 5 | a master runs with these outputs; 0: it is idle | value, bit 7 the master |
 //! | 6 | the inputs of the slaves change | value |
 //! | 7 | a stranger asks for a slave, or says something else | which |
+//! | 0xF0-0xF7 | the tool does something | what in bits 2-0, to which slave in bits 4-3, a new MAC ID in bits 7-5 |
+//! | 0xF8-0xFF | a controller goes bus-off | whose |
 //!
 //! What must hold is judged by an observer who sees who really sends what: it is the module `referee`.
 
+mod node;
 mod referee;
 
 use core::time::Duration;
 
 use arbitrary::Unstructured;
-use cip_core::code::DeviceType;
-use cip_core::identity::{DeviceIdentity, ProductName, Revision};
-use cip_core::message::AllocationChoice;
-use cip_core::object::Identity;
 use devicenet_core::MacId;
-use devicenet_core::master::{self, Master, PollConnection, ScanEntry};
-use devicenet_core::slave::{self, Application, Group2OnlyServer, IoKind, SlaveEvent};
+use devicenet_core::master;
+use devicenet_core::message::{DelayOffset, NodeSelection};
+use devicenet_core::slave::{self, SlaveEvent};
 use link_core::frame::standard_id;
-use link_core::{Action, Frame, Input, Instant, LinkEvent, Machine, TxOutcome, TxToken};
+use link_core::{Action, Frame, Input, Instant, LinkCommand, LinkEvent, TxOutcome};
 
+use node::{Device, Node, Plan, Role, known_as, mac_id};
 use referee::Referee;
 
 /// Lets a network live as the bytes say.
 pub fn run(data: &[u8]) {
     let mut input = Unstructured::new(data);
-    let Ok(third) = input.arbitrary::<u8>() else { return };
-    let mut network = Network::new(third);
+    let Ok(plan) = input.arbitrary::<u8>() else { return };
+    let mut network = Network::new(plan);
     let mut left = MOST_OPERATIONS;
     while let (false, Ok([op, argument])) = (input.is_empty() || left == 0, input.arbitrary::<[u8; 2]>()) {
         network.apply(op, argument);
         left -= 1;
     }
     network.come_to_rest();
-}
-
-/// Two bytes in, one byte out, by poll.
-#[derive(Clone, PartialEq, Eq, Hash, Debug)]
-struct Block {
-    device: DeviceIdentity,
-    inputs: [u8; 2],
-    outputs: [u8; 1],
-}
-
-impl Application for Block {
-    const IO: AllocationChoice = AllocationChoice::POLL;
-    type Long = ();
-
-    fn identity(&self) -> Identity<'_> {
-        Identity::new(&self.device)
-    }
-
-    fn produced(&self, _: IoKind) -> &[u8] {
-        &self.inputs
-    }
-
-    fn consumed(&mut self, _: IoKind) -> &mut [u8] {
-        &mut self.outputs
-    }
-}
-
-enum Device {
-    Master(Box<Master<2, 32>>),
-    Slave(Box<Group2OnlyServer<Block>>),
-}
-
-/// A node, and its controller.
-struct Node {
-    mac: u8,
-    device: Device,
-    in_flight: Vec<(TxToken, Frame)>,
-    /// So many frames are not heard.
-    deaf: u8,
 }
 
 struct Network {
@@ -91,55 +62,53 @@ struct Network {
 }
 
 impl Network {
-    fn new(third: u8) -> Self {
-        let macs = [MASTERS[0], MASTERS[1], SLAVES[0], SLAVES[1], SLAVES[0] + third % 4];
-        let mut nodes: Vec<Node> = Vec::new();
-        for (serial, mac) in (1..).zip(macs) {
-            let device = if serial <= 2 {
-                Device::Master(scanner(serial, mac))
-            } else {
-                Device::Slave(block(serial, mac))
-            };
-            nodes.push(Node { mac, device, in_flight: Vec::new(), deaf: 0 });
-        }
-        let mut network = Self { referee: Referee::new(&macs), nodes, now: Instant::ZERO };
-        for at in 0..macs.len() {
+    fn new(plan: u8) -> Self {
+        let plan = Plan(plan);
+        let (macs, nodes): (Vec<u8>, Vec<Node>) = plan.nodes().into_iter().unzip();
+        let known = macs.iter().zip(&nodes).map(|(&mac, node)| (mac, node.device.role()));
+        let referee = Referee::new(known, plan.bus_off_interrupt());
+        let mut network = Self { referee, nodes, now: Instant::ZERO };
+        for at in 0..network.nodes.len() {
             network.input(at, Input::Link(LinkEvent::Up));
         }
         network
     }
 
     fn apply(&mut self, op: u8, argument: u8) {
+        let anyone = usize::from(argument) % self.nodes.len();
+        match op {
+            0xF0..=0xF7 => return self.use_tool(argument),
+            0xF8.. => return self.bus_off(anyone),
+            _ => {}
+        }
         match op % 8 {
             0..=2 => self.run_for(crate::input::span(argument).min(LONGEST_RUN)),
             3 => {
-                let at = usize::from(argument) % self.nodes.len();
-                self.referee.power_cycle(at);
-                self.input(at, Input::Link(LinkEvent::Down));
-                for (token, _) in core::mem::take(&mut self.nodes[at].in_flight) {
-                    self.input(at, Input::TxDone(token, TxOutcome::Dropped));
-                }
-                self.input(at, Input::Link(LinkEvent::Up));
+                self.referee.power_cycle(anyone);
+                (self.nodes[anyone].off, self.nodes[anyone].returns) = (false, None);
+                self.input(anyone, Input::Link(LinkEvent::Down));
+                self.drop_all(anyone);
+                self.input(anyone, Input::Link(LinkEvent::Up));
             }
             4 => {
                 let at = usize::from(argument & 7) % self.nodes.len();
                 self.nodes[at].deaf = argument >> 3;
             }
             5 => {
-                if let Device::Master(master) = &mut self.nodes[usize::from(argument >> 7)].device {
+                let at = usize::from(argument >> 7);
+                if let Device::Master(master) = &mut self.nodes[at].device {
                     master.set_run(argument & 0x7F != 0);
-                    for slave in SLAVES {
-                        master
-                            .set_output(mac_id(slave), &[argument])
-                            .expect("it is listed, and takes a byte");
+                    let listed: Vec<MacId> = master.scan_list().map(|entry| entry.mac_id).collect();
+                    for slave in listed {
+                        master.set_output(slave, &[argument]).expect("it takes a byte");
                     }
                 }
-                self.drain(usize::from(argument >> 7));
+                self.drain(at);
             }
             6 => {
-                for node in &mut self.nodes {
-                    if let Device::Slave(slave) = &mut node.device {
-                        slave.application_mut().inputs = [argument, node.mac];
+                for (at, node) in (0..).zip(&mut self.nodes) {
+                    if let Some(block) = node.device.block_mut() {
+                        block.inputs = [argument, at];
                     }
                 }
             }
@@ -147,10 +116,50 @@ impl Network {
         }
     }
 
-    /// MAC ID 40, which is nobody here: it asks for slaves, releases them, polls them under no right, and checks.
+    fn use_tool(&mut self, argument: u8) {
+        let Some(at) = self.nodes.iter().position(|node| node.device.role() == Role::Tool) else { return };
+        let now = self.now;
+        let Device::Tool(tool) = &mut self.nodes[at].device else { return };
+        let device = known_as(FIRST_SLAVE + u32::from(argument >> 3 & 3));
+        // What it may not do now it refuses.
+        let _ = match argument & 7 {
+            0 | 1 => tool.claim(now),
+            2 => tool.who(now, DelayOffset::SERIAL),
+            3 => tool.identify(now, NodeSelection::ALL),
+            4 => tool.identify_device(now, device),
+            5 | 6 => tool.change_mac_id(now, device, mac_id(NEW_MACS[usize::from(argument >> 5)])),
+            _ => {
+                tool.release(now);
+                self.referee.released(at);
+                Ok(())
+            }
+        };
+        self.drain(at);
+    }
+
+    /// The controller of a node has had too many errors: it is off the bus, and what it had to send is lost.
+    fn bus_off(&mut self, at: usize) {
+        if core::mem::replace(&mut self.nodes[at].off, true) {
+            return;
+        }
+        self.nodes[at].returns = None;
+        self.referee.bus_off(at, self.now);
+        self.input(at, Input::Link(LinkEvent::BusOff));
+        self.drop_all(at);
+    }
+
+    fn drop_all(&mut self, at: usize) {
+        for (token, _) in core::mem::take(&mut self.nodes[at].in_flight) {
+            self.input(at, Input::TxDone(token, TxOutcome::Dropped));
+        }
+    }
+
+    /// MAC ID 40, which is nobody here: it asks for slaves, releases them, polls them under no right, checks, and knows of the
+    /// UCMM and of the offline connection set.
     fn stranger(&mut self, what: u8) {
         let slave = u16::from(SLAVES[usize::from(what & 1)]);
-        let (id, data): (u16, &[u8]) = match what >> 1 & 7 {
+        let capable = UCMM_SLAVE;
+        let (id, data): (u16, &[u8]) = match what >> 1 & 15 {
             0 => (0x406 | slave << 3, &[40, 0x4B, 3, 1, 0x03, 40]),
             1 => (0x406 | slave << 3, &[40, 0x4C, 3, 1, 0x03]),
             2 => (0x404 | slave << 3, &[40, 0x10, 5, 2, 9, 0, 0]),
@@ -158,7 +167,17 @@ impl Network {
             4 => (0x407 | slave << 3, &[0x80, 0x77, 0x77, 1, 0, 0, 0]),
             5 => (0x780 | 40, &[slave as u8, 0x4B, 0, 0x30]),
             6 => (0x7ED, &[0x3F, 0x4B, 2]),
-            _ => (0x404 | slave << 3, &[0xA8, 0x00, 1, 2, 3]),
+            7 => (0x404 | slave << 3, &[0xA8, 0x00, 1, 2, 3]),
+            // It opens a connection, uses it to ask for the slave, and closes one that may be another's.
+            8 => (0x780 | 40, &[capable, 0x4B, 0, 0x30 | (what & 1)]),
+            9 => (0x600 | 40 | (u16::from(what) & 1) << 6, &[capable, 0x4B, 3, 1, 0x02, 40]),
+            10 => (0x780 | 40, &[capable, 0x4C, 6 + (what & 1), 0]),
+            11 => (0x600 | 40, &[capable | 0x80, 0x00, 0x10, 5, 6, 9]),
+            12 => (0x406 | u16::from(capable) << 3, &[40, 0x4B, 3, 1, 0x03, 40]),
+            // Another tool asks for the offline connection set, or says that it has it.
+            13 => (0x7EF, &[40, 0x4B, 0x77, 0x77, 1, 0, 0, 0]),
+            14 => (0x7EE, &[40, 0xCB, 0x77, 0x77, 1, 0, 0, 0]),
+            _ => (0x7ED, &[13, 0x4D, 0x34, 0x12, 5, 0, 0, 0]),
         };
         let frame = Frame::new(standard_id(id), data).expect("at most eight bytes");
         self.deliver(None, &frame);
@@ -178,14 +197,12 @@ impl Network {
                 self.input(at, Input::TxDone(token, TxOutcome::Sent));
                 continue;
             }
-            let deadline = self.nodes.iter().filter_map(|node| node.device.deadline()).min();
+            let deadline = self.nodes.iter().filter_map(Node::deadline).min();
             match deadline.filter(|deadline| *deadline <= until) {
                 Some(deadline) => {
                     self.now = self.now.max(deadline);
                     for at in 0..self.nodes.len() {
-                        if self.nodes[at].device.deadline().is_some_and(|next| next <= self.now) {
-                            self.input(at, Input::Tick);
-                        }
+                        self.wake(at);
                     }
                 }
                 None => break,
@@ -194,9 +211,24 @@ impl Network {
         self.now = self.now.max(until);
     }
 
-    /// Everybody but the sender hears it, unless they miss it.
+    /// A node whose time has come.
+    fn wake(&mut self, at: usize) {
+        if self.nodes[at].returns.is_some_and(|returns| returns <= self.now) {
+            (self.nodes[at].off, self.nodes[at].returns) = (false, None);
+            self.referee.returned(at);
+            self.input(at, Input::Link(LinkEvent::Up));
+        }
+        if self.nodes[at].device.deadline().is_some_and(|next| next <= self.now) {
+            self.input(at, Input::Tick);
+        }
+    }
+
+    /// Everybody but the sender hears it, unless they are off the bus or miss it.
     fn deliver(&mut self, sender: Option<usize>, frame: &Frame) {
         for at in (0..self.nodes.len()).filter(|at| Some(*at) != sender) {
+            if self.nodes[at].off {
+                continue;
+            }
             if self.nodes[at].deaf > 0 {
                 self.nodes[at].deaf -= 1;
                 continue;
@@ -215,13 +247,10 @@ impl Network {
     fn drain(&mut self, at: usize) {
         for _ in 0..MOST_ACTIONS {
             let node = &mut self.nodes[at];
-            let action = match &mut node.device {
-                Device::Master(master) => master.poll(self.now).map(|action| action.map_event(|_| None)),
-                Device::Slave(slave) => slave.poll(self.now).map(|action| action.map_event(Some)),
-            };
-            match action {
+            match node.device.poll(self.now) {
                 None => return self.judge(at),
                 Some(Action::Transmit(token, frame)) => {
+                    assert!(!node.off, "{frame}: its controller is bus-off");
                     assert!(
                         node.in_flight.iter().all(|(other, _)| *other != token),
                         "{frame}: its token is in flight"
@@ -241,7 +270,14 @@ impl Network {
                 Some(Action::Event(Some(slave::Event::Slave(SlaveEvent::Received(_))))) => {
                     self.referee.consumed(at)
                 }
-                Some(Action::Event(_) | Action::Link(_)) => {}
+                Some(Action::Link(LinkCommand::Reset)) => {
+                    assert!(node.off, "a controller is reset that is on the bus");
+                    self.referee.restarts(at, self.now);
+                    node.returns = Some(self.now + RECOVERY);
+                }
+                Some(
+                    Action::Event(_) | Action::Link(LinkCommand::SetMode(_) | LinkCommand::SetFilter(_)),
+                ) => {}
             }
         }
         panic!("more than {MOST_ACTIONS} actions at once");
@@ -249,13 +285,14 @@ impl Network {
 
     /// What a node knows must be what was sent.
     fn judge(&self, at: usize) {
-        match &self.nodes[at].device {
-            Device::Slave(slave) => self.referee.outputs(at, slave.application().outputs[0]),
-            Device::Master(master) => {
-                for slave in SLAVES {
-                    let input = master.input_data(mac_id(slave), master::IoInstance::Poll);
-                    self.referee.inputs(at, slave, input);
-                }
+        let device = &self.nodes[at].device;
+        if let Some(block) = device.block() {
+            self.referee.outputs(at, block.outputs[0]);
+        }
+        if let Device::Master(master) = device {
+            for entry in master.scan_list() {
+                let input = master.input_data(entry.mac_id, master::IoInstance::Poll);
+                self.referee.inputs(at, entry.mac_id.number(), input);
             }
         }
     }
@@ -264,21 +301,26 @@ impl Network {
     fn come_to_rest(&mut self) {
         self.nodes.iter_mut().for_each(|node| node.deaf = 0);
         self.run_for(REST);
-        let masters: Vec<usize> = (0..2).filter(|&at| self.referee.is_online(at, self.now)).collect();
-        for at in 2..self.nodes.len() {
-            let mac = self.nodes[at].mac;
-            let online = |at: &usize| self.nodes[*at].mac == mac && self.referee.is_online(*at, self.now);
+        let online: Vec<usize> =
+            (0..self.nodes.len()).filter(|&at| self.referee.is_online(at, self.now)).collect();
+        let masters = online.iter().filter_map(|&at| match &self.nodes[at].device {
+            Device::Master(master) => Some((self.referee.mac(at), &**master)),
+            Device::Slave(_) | Device::Capable(_) | Device::Tool(_) => None,
+        });
+        let masters: Vec<_> = masters.collect();
+        for &at in online.iter().filter(|&&at| self.nodes[at].device.role() == Role::Slave) {
+            let mac = self.referee.mac(at);
+            let is_listed = masters.iter().any(|(_, master)| master.state(mac_id(mac)).is_some());
             // Twins that missed each other's checks are both on line.
-            let is_alone = (2..self.nodes.len()).filter(online).eq([at]);
-            if masters.is_empty() || !SLAVES.contains(&mac) || !is_alone {
+            let is_alone = online.iter().filter(|&&other| self.referee.mac(other) == mac).count() == 1;
+            if !is_listed || !is_alone {
                 continue;
             }
-            let running = |&&master: &&usize| match &self.nodes[master].device {
-                Device::Master(scanner) => scanner.state(mac_id(mac)) == Some(master::SlaveState::Running),
-                Device::Slave(_) => false,
-            };
-            let runs: Vec<u8> =
-                masters.iter().filter(running).map(|&master| self.nodes[master].mac).collect();
+            let runs = masters.iter().filter_map(|(number, master)| {
+                let runs = master.state(mac_id(mac)) == Some(master::SlaveState::Running);
+                runs.then_some(*number)
+            });
+            let runs: Vec<u8> = runs.collect();
             let owner: Vec<u8> = self.referee.owner(at).into_iter().collect();
             assert_eq!(runs, owner, "who runs slave {mac}, and who owns it");
             assert_eq!(owner.len(), 1, "slave {mac} is left alone");
@@ -286,72 +328,25 @@ impl Network {
     }
 }
 
-impl Device {
-    fn input(&mut self, now: Instant, input: Input) {
-        match self {
-            Self::Master(master) => master.input(now, input),
-            Self::Slave(slave) => slave.input(now, input),
-        }
-    }
-
+impl Node {
+    /// When something happens in it by itself.
     fn deadline(&self) -> Option<Instant> {
-        let deadline = match self {
-            Self::Master(master) => master.deadline(),
-            Self::Slave(slave) => slave.deadline(),
-        };
-        deadline.map(|deadline| deadline.at)
+        self.device.deadline().into_iter().chain(self.returns).min()
     }
-
-    fn max_in_flight(&self) -> usize {
-        match self {
-            Self::Master(master) => master.max_in_flight(),
-            Self::Slave(slave) => slave.max_in_flight(),
-        }
-    }
-}
-
-fn scanner(serial: u32, mac: u8) -> Box<Master<2, 32>> {
-    let mut config = master::Config::new(identity(serial), mac_id(mac));
-    // Slow, so that a run has more to do with what happens than with polls.
-    config.interscan_delay = Duration::from_millis(500);
-    // Two masters that knock at the same moments for ever would be a network of its own.
-    config.retry_after = Duration::from_millis(1000 + 300 * u64::from(serial));
-    let mut master = Master::new(config);
-    for slave in SLAVES {
-        let poll = PollConnection { produce: 2, consume: 1, expected_packet_rate: 1500 };
-        let entry = ScanEntry { poll: Some(poll), ..ScanEntry::explicit_only(mac_id(slave)) };
-        master.add_slave(Instant::ZERO, entry).expect("there is room");
-    }
-    Box::new(master)
-}
-
-fn block(serial: u32, mac: u8) -> Box<Group2OnlyServer<Block>> {
-    let device = identity(serial);
-    let config = slave::Config::new(&device, mac_id(mac));
-    let block = Block { device, inputs: [0, mac], outputs: [0] };
-    Box::new(Group2OnlyServer::new(config, block).expect("its messages fit into frames"))
-}
-
-/// A fictitious vendor.
-fn identity(serial: u32) -> DeviceIdentity {
-    DeviceIdentity {
-        vendor: 0x1234.into(),
-        device_type: DeviceType::GENERIC,
-        product_code: 1,
-        revision: Revision::new(1, 1).expect("not zero"),
-        serial,
-        name: ProductName::new("node").expect("short"),
-    }
-}
-
-fn mac_id(number: u8) -> MacId {
-    MacId::new(number).expect("up to 63")
 }
 
 const MASTERS: [u8; 2] = [4, 5];
 const SLAVES: [u8; 2] = [10, 11];
+const UCMM_SLAVE: u8 = 12;
+const TOOL: u8 = 62;
+/// The serial number of the first slave.
+const FIRST_SLAVE: u32 = 3;
+/// What the tool gives away: those of slaves and of a master, free ones, and its own.
+const NEW_MACS: [u8; 8] = [SLAVES[0], SLAVES[1], UCMM_SLAVE, 13, 14, MASTERS[1], 40, TOOL];
 /// At 500 kbit/s.
 const FRAME: Duration = Duration::from_micros(250);
+/// 128 times 11 bits.
+const RECOVERY: Duration = Duration::from_micros(2816);
 const LONGEST_RUN: Duration = Duration::from_secs(12);
 /// Longer than any time-out and any pause of a master.
 const REST: Duration = Duration::from_secs(90);
@@ -384,5 +379,34 @@ mod tests {
         let network = after(&[0, 0, 0xC5]);
         let online = [2, 4].map(|at| network.referee.is_online(at, network.now));
         assert_ne!(online, [true, true]);
+    }
+
+    /// With its unconnected port and without: the masters know both doors.
+    #[test]
+    fn a_ucmm_capable_slave_has_one_of_the_masters() {
+        for plan in [0x13, 0x53] {
+            let network = after(&[plan, 0, 0xC8]);
+            assert!(network.referee.owner(5).is_some_and(|owner| MASTERS.contains(&owner)), "{plan:02X}");
+        }
+    }
+
+    /// The twins at 10 have faulted each other; one of them gets 13, and is on line.
+    #[test]
+    fn a_tool_repairs_a_twin() {
+        let change = 13_u8;
+        let argument = 5 | 2 << 3 | 3 << 5;
+        let network = after(&[0x10, 0, 0xC5, 0xF0, 0, 0, 0xC3, 0xF0, argument, 0, 0xC4]);
+        assert_eq!(network.referee.mac(4), change);
+        assert!(network.referee.is_online(4, network.now));
+    }
+
+    #[test]
+    fn with_the_bus_off_interrupt_a_node_comes_back_and_without_it_stays_away() {
+        for (plan, comes_back) in [(0x33, true), (0x13, false)] {
+            let network = after(&[plan, 0, 0xC5, 0xF8, 2, 0xF8, 6, 0, 0xC5]);
+            for at in [2, 6] {
+                assert_eq!(network.referee.is_online(at, network.now), comes_back, "{plan:02X}");
+            }
+        }
     }
 }

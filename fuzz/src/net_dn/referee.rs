@@ -1,52 +1,77 @@
 //! Who may be on line, who owns what, and that data come from the owner only: seen from the bus, where nobody can lie about
 //! who sends. It shares nothing with the machines.
+//!
+//! | Rule | |
+//! |---|---|
+//! | on line | two check requests, a second after each, and nobody with the same MAC ID was heard |
+//! | off the bus | nobody sends; who was on line comes back 100 ms later at the earliest if it is to, and checks again |
+//! | faulted | nobody sends but answers on 0x7EC, each to a question on 0x7ED; Change_MAC_ID for it is the only way out |
+//! | offline set | a tool speaks on 0x7ED and 0x7EE after two requests on 0x7EF that nobody answered |
+//! | UCMM | an answer to each request at the most, and messages to who has a connection |
+//! | identifiers | everybody sends under its own MAC ID; commands are those of masters |
+//! | owner | it has asked, there is one, and only its data are obeyed |
+
+mod observed;
 
 use core::time::Duration;
 
 use link_core::{Frame, Instant};
 
+use super::node::Role;
+use observed::Observed;
+
 pub(super) struct Referee {
     nodes: Vec<Observed>,
-}
-
-/// What was seen of a node since it has power.
-#[derive(Clone, Debug)]
-struct Observed {
-    mac: u8,
-    /// Check requests that it sent, and when the last of them was.
-    checks: u8,
-    last_check: Instant,
-    /// It heard another node with its MAC ID.
-    faulted: bool,
-    /// Of a slave: what it told, who owned it before, who asked it for an allocation, and the last poll command that it
-    /// heard.
-    owner: Option<u8>,
-    former: Vec<u8>,
-    asked: Vec<u8>,
-    command: Option<(Option<u8>, Vec<u8>)>,
-    output: u8,
-    /// Of a master: the last poll response of each MAC ID that it heard, and whose Allocate each answered last with success.
-    heard: Vec<(u8, Vec<u8>)>,
-    allocated: Vec<(u8, u8)>,
+    /// After bus-off on line a node comes back.
+    bus_off_interrupt: bool,
 }
 
 impl Referee {
-    pub(super) fn new(macs: &[u8]) -> Self {
-        Self { nodes: macs.iter().map(|&mac| Observed::new(mac)).collect() }
+    /// The nodes in the order of their serial numbers, which begin with 1.
+    pub(super) fn new(known: impl Iterator<Item = (u8, Role)>, bus_off_interrupt: bool) -> Self {
+        let nodes = (1..).zip(known).map(|(serial, (mac, role))| Observed::new(serial, mac, role)).collect();
+        Self { nodes, bus_off_interrupt }
     }
 
     pub(super) fn power_cycle(&mut self, at: usize) {
-        let (owner, output) = (self.nodes[at].owner, self.nodes[at].output);
-        let mut former = core::mem::take(&mut self.nodes[at].former);
-        former.extend(owner);
-        // What it had it gives up itself, and tells so.
-        self.nodes[at] = Observed { owner, former, output, ..Observed::new(self.nodes[at].mac) };
+        self.nodes[at].start();
+    }
+
+    /// A controller has left the bus.
+    pub(super) fn bus_off(&mut self, at: usize, now: Instant) {
+        let comes_back = self.bus_off_interrupt && self.is_online(at, now);
+        let node = &mut self.nodes[at];
+        node.off = Some(now);
+        node.faulted |= !comes_back;
+    }
+
+    /// A node resets its controller.
+    pub(super) fn restarts(&self, at: usize, now: Instant) {
+        let node = &self.nodes[at];
+        let off = node.off.expect("its controller is off the bus");
+        assert!(!node.faulted, "node {} is to stay away", node.mac);
+        assert!(now.saturating_since(off) >= BACK_OFF, "node {} comes back too soon", node.mac);
+    }
+
+    /// Its controller takes part again.
+    pub(super) fn returned(&mut self, at: usize) {
+        self.nodes[at].start();
+    }
+
+    /// A tool has given up the offline connection set.
+    pub(super) fn released(&mut self, at: usize) {
+        self.nodes[at].claims = 0;
     }
 
     /// Two check requests, a second after each, and nobody objected.
     pub(super) fn is_online(&self, at: usize, now: Instant) -> bool {
         let node = &self.nodes[at];
-        node.checks >= 2 && !node.faulted && now.saturating_since(node.last_check) >= SECOND
+        node.off.is_none() && node.checks >= 2 && !node.faulted && !node.is_waiting(now)
+    }
+
+    /// Its MAC ID, which a tool may have changed.
+    pub(super) fn mac(&self, at: usize) -> u8 {
+        self.nodes[at].mac
     }
 
     pub(super) fn owner(&self, at: usize) -> Option<u8> {
@@ -56,20 +81,22 @@ impl Referee {
     /// Whether that master owned a slave before, and has not heard that it is another's now; or owned its twin.
     fn has_missed(&self, master: u8, at: usize, owner: u8) -> bool {
         let slave = &self.nodes[at];
-        let owned = |slave: &Observed| slave.owner == Some(master) || slave.former.contains(&master);
         let knows = |node: &Observed| node.mac == master && node.allocated.contains(&(slave.mac, owner));
         // Twins that missed each other's checks are both on line.
-        let is_twin = |(place, node): (usize, &Observed)| place != at && node.mac == slave.mac && owned(node);
-        owned(slave) && !self.nodes.iter().any(knows) || self.nodes.iter().enumerate().any(is_twin)
+        let is_twin = |(place, node): (usize, &Observed)| {
+            place != at && node.mac == slave.mac && node.is_or_was_of(master)
+        };
+        slave.is_or_was_of(master) && !self.nodes.iter().any(knows)
+            || self.nodes.iter().enumerate().any(is_twin)
     }
 
     /// A node sends a frame to its end.
     pub(super) fn sent(&mut self, at: usize, now: Instant, frame: &Frame) {
         let online = self.is_online(at, now);
         let node = &mut self.nodes[at];
-        let (id, mac) = (frame.raw_id(), u32::from(node.mac));
-        let is_check = id == 0x407 | mac << 3;
-        if is_check && frame.data()[0] & 0x80 == 0 {
+        let (id, mac, data) = (frame.raw_id(), u32::from(node.mac), frame.data());
+        assert!(node.off.is_none(), "{frame}: its controller is off the bus");
+        if id == 0x407 | mac << 3 && data[0] & 0x80 == 0 {
             assert!(!node.faulted, "{frame}: a node in a fault checks");
             (node.checks, node.last_check) = (node.checks + 1, now);
             assert!(node.checks <= 2, "{frame}: a third request");
@@ -77,40 +104,19 @@ impl Referee {
         }
         if id == 0x7EC {
             assert!(node.faulted, "{frame}: no fault");
+            assert!(node.questions > 0, "{frame}: nobody has asked");
+            node.questions -= 1;
             return;
         }
         assert!(online, "{frame}: node {} is not on line", node.mac);
-        if id == 0x3C0 | mac {
-            assert!(node.owner.is_some(), "{frame}: data for nobody");
-        }
+        node.speaks(now, frame);
     }
 
     /// A node hears a frame; the sender is a stranger if it is none of these.
     pub(super) fn heard(&mut self, at: usize, now: Instant, sender: Option<usize>, frame: &Frame) {
         let sender = sender.map(|sender| self.nodes[sender].mac);
-        let node = &mut self.nodes[at];
-        let (id, mac, data) = (frame.raw_id(), u32::from(node.mac), frame.data());
-        if id == 0x407 | mac << 3 {
-            // A node that checks gives way to everybody, one on line to those that were there before.
-            node.faulted |= data[0] & 0x80 != 0 || node.checks < 2 || node.is_waiting(now);
-        }
-        let body = if id == 0x406 | mac << 3 || id == 0x404 | mac << 3 { data.get(1..) } else { None };
-        if let Some([0x4B, 3, 1, _, allocator]) = body {
-            node.asked.push(*allocator);
-        }
-        if id == 0x405 | mac << 3 {
-            node.command = Some((sender, data.to_vec()));
-        }
-        if let (0x403, [header, 0xCB, _]) = (id & !0x1F8, data) {
-            let slave = (id >> 3 & 0x3F) as u8;
-            node.allocated.retain(|(other, _)| *other != slave);
-            node.allocated.push((slave, header & 0x3F));
-        }
-        if id & !0x3F == 0x3C0 {
-            let slave = (id & 0x3F) as u8;
-            node.heard.retain(|(other, _)| *other != slave);
-            node.heard.push((slave, data.to_vec()));
-        }
+        let is_online = self.is_online(at, now);
+        self.nodes[at].hears(now, sender, is_online, frame);
     }
 
     /// A slave tells who owns it.
@@ -129,7 +135,7 @@ impl Referee {
     }
 
     /// A slave has consumed a command. Its identifier does not tell who sent it: a master that did not hear that it lost the
-    /// slave is obeyed as well, a stranger is not.
+    /// slave is obeyed as well, and the master of a twin that missed the checks; a stranger is not.
     pub(super) fn consumed(&mut self, at: usize) {
         let node = &self.nodes[at];
         let (sender, data) = node.command.clone().expect("it heard one");
@@ -158,26 +164,6 @@ impl Referee {
     }
 }
 
-impl Observed {
-    fn is_waiting(&self, now: Instant) -> bool {
-        now.saturating_since(self.last_check) < SECOND
-    }
-
-    fn new(mac: u8) -> Self {
-        Self {
-            mac,
-            checks: 0,
-            last_check: Instant::ZERO,
-            faulted: false,
-            owner: None,
-            former: Vec::new(),
-            asked: Vec::new(),
-            command: None,
-            output: 0,
-            heard: Vec::new(),
-            allocated: Vec::new(),
-        }
-    }
-}
-
 const SECOND: Duration = Duration::from_secs(1);
+/// Between bus-off and the restart of a controller.
+const BACK_OFF: Duration = Duration::from_millis(100);

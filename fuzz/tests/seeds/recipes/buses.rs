@@ -53,10 +53,13 @@ pub(super) fn bus_paths() -> Seeds {
     .to_vec()
 }
 
-/// The place of the third slave, then operations: the network runs for 5 s, and something happens to it.
+/// What the network is like, then operations: it runs for 5 s, and something happens to it.
 pub(super) fn net_dn() -> Seeds {
     let runs = [0, 0xC5];
-    let scripts: [(&str, Vec<u8>); 7] = [
+    // The tool, and the second and the third slave, which may be given MAC ID 13.
+    let (claim, who, release) = ([0xF0, 0], [0xF0, 2], [0xF0, 7]);
+    let change = |slave: u8| [0xF0, 5 | slave << 3 | 3 << 5];
+    let scripts: [(&str, Vec<u8>); 17] = [
         ("two-masters", [&[2][..], &runs, &[5, 7], &[5, 0x87], &runs, &[6, 9], &runs].concat()),
         ("twin", [&[0][..], &runs, &runs].concat()),
         ("master-restarts", [&[2][..], &runs, &[5, 7], &runs, &[3, 0], &runs, &[3, 1], &runs].concat()),
@@ -64,6 +67,36 @@ pub(super) fn net_dn() -> Seeds {
         ("deaf", [&[2][..], &runs, &[4, 0xFA], &runs, &[4, 0x3B], &runs, &[4, 0xF8], &runs].concat()),
         ("strangers", [&[2][..], &runs, &[7, 0], &[7, 2], &[7, 4], &[7, 6], &[7, 14], &runs].concat()),
         ("told-off", [&[2][..], &runs, &[7, 8], &runs, &[3, 2], &runs].concat()),
+        ("ucmm", [&[0x13][..], &runs, &[5, 7], &[5, 0x87], &runs, &[3, 5], &runs].concat()),
+        // Two nodes at 12 that missed each other's checks, each with a master.
+        (
+            "twins-on-line",
+            vec![
+                0x32, 0, 0xC3, 0, 0x84, 4, 0xC5, 4, 0x96, 3, 5, 5, 0x7C, 3, 5, 0, 0xC2, 0, 0xC2, 0, 0x84,
+                0xF0, 0x4B,
+            ],
+        ),
+        ("ucmm-alone", [&[0x53][..], &runs, &[3, 0], &runs, &[4, 0xFD], &runs].concat()),
+        (
+            "ucmm-strangers",
+            [&[0x53][..], &runs, &[7, 16], &[7, 18], &[7, 17], &[7, 20], &[7, 21], &[7, 22], &runs].concat(),
+        ),
+        ("tool-repairs", [&[0x10][..], &runs, &claim, &runs, &who, &runs, &change(2), &runs].concat()),
+        (
+            "tool-gives-a-taken-one",
+            [&[0x11][..], &runs, &claim, &runs, &[0xF0, 5 | 2 << 3], &runs, &change(2), &runs].concat(),
+        ),
+        (
+            "two-tools",
+            [&[0x10][..], &runs, &claim, &[7, 26], &runs, &[7, 28], &change(2), &claim, &runs, &release]
+                .concat(),
+        ),
+        ("bus-off-and-back", [&[0x33][..], &runs, &[0xF8, 0], &[0xF8, 2], &runs, &[0xF8, 5], &runs].concat()),
+        ("bus-off-for-good", [&[0x13][..], &runs, &[0xF8, 0], &[0xF8, 2], &runs, &[3, 2], &runs].concat()),
+        (
+            "bus-off-while-checking",
+            [&[0x33][..], &[0, 0x41], &[0xF8, 3], &[0, 0x82], &[0xF8, 6], &runs, &[3, 3], &runs].concat(),
+        ),
     ];
     scripts.map(|(name, bytes)| (name.to_owned(), bytes)).to_vec()
 }
