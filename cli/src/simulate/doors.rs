@@ -3,7 +3,7 @@
 use core::time::Duration;
 use std::collections::BTreeMap;
 
-use link_core::{LinkEvent, TxOutcome};
+use link_core::{Instant, LinkEvent, TxOutcome};
 use transport_mock::nodes::{External, ExternalEvent};
 use transport_mock::{Network, NodeId};
 
@@ -27,6 +27,8 @@ pub(super) struct Doors {
     doors: Vec<Door>,
     /// Frames that were not sent since the last time, by door and client.
     lost: BTreeMap<(usize, ClientId), u64>,
+    /// When something was last told in the trace.
+    told: Option<Instant>,
 }
 
 struct Door {
@@ -40,7 +42,7 @@ impl Doors {
     pub(super) fn of(scenario: &Scenario, network: &Network<NodeEvent>) -> Self {
         let external = network.nodes().filter(|id| scenario.nodes[id.index()].role == Role::External);
         let door = |id| Door { id, waiting: BTreeMap::new(), is_bus_off: false };
-        Self { doors: external.map(door).collect(), lost: BTreeMap::new() }
+        Self { doors: external.map(door).collect(), lost: BTreeMap::new(), told: None }
     }
 
     /// Frames of clients go to the bus.
@@ -101,14 +103,34 @@ impl Doors {
         self.announce(network, server, observer);
     }
 
+    /// Tells in the trace what was kept back.
+    pub(super) fn conclude(
+        &mut self,
+        network: &Network<NodeEvent>,
+        server: &mut Server,
+        observer: &mut Observer<'_>,
+    ) {
+        self.told = None;
+        self.announce(network, server, observer);
+    }
+
+    /// What goes wrong without end is told now and then, with how often.
     fn announce(&mut self, network: &Network<NodeEvent>, server: &mut Server, observer: &mut Observer<'_>) {
+        let now = network.now();
+        if self.told.is_some_and(|told| now < told + SILENCE) {
+            return;
+        }
         let node = |channel: usize| index(self.doors[channel].id);
-        for ((channel, client), count) in core::mem::take(&mut self.lost) {
+        let (lost, complaints) = (core::mem::take(&mut self.lost), server.complaints());
+        if !lost.is_empty() || !complaints.is_empty() {
+            self.told = Some(now);
+        }
+        for ((channel, client), count) in lost {
             let plural = if count == 1 { "" } else { "s" };
             let words = format!("{count} frame{plural} of {client} not sent");
             observer.trouble(network.now(), Some(node(channel)), words);
         }
-        for (client, Complaint { channel, words, more }) in server.complaints() {
+        for (client, Complaint { channel, words, more }) in complaints {
             let and_more = if more == 0 { String::new() } else { format!(", and {more} more") };
             let words = format!("{client}: {words}{and_more}");
             observer.trouble(network.now(), channel.map(node), words);
@@ -154,6 +176,8 @@ impl Door {
 
 /// Frames of one client that wait at one external node.
 const MOST_WAITING: usize = 1024;
+/// Between two times at which the trace tells what went wrong with clients.
+const SILENCE: Duration = Duration::from_millis(100);
 /// From bus-off to the restart, as `restart-ms` of an interface.
 const RESTART: Duration = Duration::from_millis(100);
 /// `CAN_ERR_TX_TIMEOUT`, `CAN_ERR_CRTL`, `CAN_ERR_BUSOFF`, `CAN_ERR_BUSERROR` and `CAN_ERR_RESTARTED` of linux/can/error.h.

@@ -102,6 +102,7 @@ impl<'a> Run<'a> {
         }
         if let Some(server) = &mut server {
             doors.hand_out(&mut self.network, server, &mut self.observer);
+            doors.conclude(&self.network, server, &mut self.observer);
         }
         Ok(())
     }

@@ -207,5 +207,23 @@ fn what_a_client_cannot_be_told_is_in_the_trace() {
     assert!(bus.trace().contains("| client 1: xx is not a byte, and 1 more\n"));
 }
 
+#[test]
+fn what_goes_wrong_without_end_does_not_fill_the_trace() {
+    let scenario = scenario("[[action]]\nat = \"10ms\"\nnode = \"can0\"\ndo = \"power_off\"\n");
+    let mut bus = Bus::new(&scenario);
+    bus.run_to(5_000);
+    let mut client = bus.client();
+    bus.run_to(20_000);
+    for round in 1..=50 {
+        client.says("< send 100 0 >");
+        bus.take(1);
+        bus.run_to(20_000 + round * 1_000);
+    }
+    bus.doors.conclude(&bus.network, &mut bus.server, &mut bus.observer);
+    let trace = bus.trace();
+    let told: Vec<&str> = trace.lines().filter_map(|line| Some(line.split_once("| ")?.1)).collect();
+    assert!(told.ends_with(&["1 frame of client 1 not sent", "49 frames of client 1 not sent"]), "{trace}");
+}
+
 /// What a client sends comes within milliseconds; this is for a machine that is very busy.
 const MOST_TURNS: u32 = 3_000;

@@ -191,3 +191,10 @@ fn statistics_end_with_their_mode() {
     assert_eq!(client.says("< rawmode >< echo >"), ["< ok >", "< echo >"]);
     assert_eq!(client.ticks(200), [""; 0]);
 }
+
+#[test]
+fn frames_in_cycles_come_no_faster_than_a_bus_takes_them() {
+    let mut client = Client::open();
+    assert_eq!(client.says("< add 0 1 123 0 >"), ["sends 123 [0]"]);
+    assert_eq!(client.0.deadline(), Some(Instant::from_micros(47)));
+}
