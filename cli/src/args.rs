@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use devicenet_core::monitor::Kind;
 
 use crate::eds::EdsArgs;
+use crate::live::{GetArgs, ScanArgs, SetArgs};
 use crate::scenario::Time;
 use crate::simulate::SimulateArgs;
 use crate::standard::is_standard;
@@ -27,7 +28,9 @@ Exit codes:
 Examples:
   devicenet decode recording.log
   devicenet eds check valve.eds
-  devicenet simulate"
+  devicenet simulate
+  devicenet scan can0
+  devicenet get can0 10 1/1/7 --allow-tx"
 )]
 pub struct Cli {
     /// What to do.
@@ -45,6 +48,12 @@ pub enum Command {
     Decode(DecodeArgs),
     /// Check and show Electronic Data Sheets
     Eds(EdsArgs),
+    /// Read an attribute of a node on a live bus
+    Get(GetArgs),
+    /// List the nodes on a live bus
+    Scan(ScanArgs),
+    /// Write an attribute of a node on a live bus
+    Set(SetArgs),
     /// Simulate a network on a bus that is exact to the bit
     Simulate(SimulateArgs),
 }
@@ -171,7 +180,7 @@ fn kind_parser() -> impl TypedValueParser<Value = Kind> {
 }
 
 /// `10`, `0x0A`.
-fn parse_mac_id(text: &str) -> Result<u8, String> {
+pub(crate) fn parse_mac_id(text: &str) -> Result<u8, String> {
     let number = match text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
         Some(digits) => u8::from_str_radix(digits, 16),
         None => text.parse(),

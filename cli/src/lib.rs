@@ -11,6 +11,7 @@
 //! | [`args`] | the command line |
 //! | [`decode`] | `devicenet decode` |
 //! | [`eds`] | `devicenet eds` |
+//! | [`live`] | `devicenet scan`, `get`, `set`: on an interface, on the simulated bus, over a recording |
 //! | [`recording`] | readers and writers of recordings of a CAN bus, streaming, the format found in the content |
 //! | [`scenario`] | scenario files: model, parser, diagnostics |
 //! | [`simulate`] | `devicenet simulate` |
@@ -22,6 +23,7 @@ pub mod decode;
 pub mod eds;
 mod excerpt;
 pub mod exit;
+pub mod live;
 pub mod output;
 pub mod recording;
 pub mod scenario;
@@ -42,6 +44,9 @@ pub fn run(cli: &Cli) -> Result<Exit, Failure> {
     match &cli.command {
         Command::Decode(args) => decode::run(args, cli.json),
         Command::Eds(args) => eds::run(args, cli.json),
+        Command::Get(args) => live::get(args, cli.json),
+        Command::Scan(args) => live::scan(args, cli.json),
+        Command::Set(args) => live::set(args, cli.json),
         Command::Simulate(args) => simulate::run(args, cli.json),
     }
 }

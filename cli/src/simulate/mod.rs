@@ -33,6 +33,7 @@ use std::path::Path;
 
 pub use args::SimulateArgs;
 pub use build::Settings;
+pub(crate) use event::NodeEvent;
 pub use exchange::Exchange;
 pub use expectations::{Failure as FailedExpectation, Status, Verdict};
 pub use run::Outcome;
@@ -51,9 +52,15 @@ use sight::View;
 use socketcand::Server;
 use text::TextView;
 use timeline::TimelineView;
+use transport_mock::Network;
 
 /// The built-in plant, which `devicenet simulate` runs without an argument.
 pub const PLANT: &str = include_str!("../../scenarios/plant.toml");
+
+/// The bus of a scenario with its nodes, and all that will happen to it.
+pub(crate) fn network(scenario: &Scenario) -> Network<NodeEvent> {
+    build::network(scenario, scenario.bus.seed, false)
+}
 
 /// Runs a scenario and tells what it has come to.
 #[must_use]

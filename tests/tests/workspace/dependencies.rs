@@ -12,7 +12,7 @@ const MAY_SEE: [(&str, &[&str]); 8] = [
     ("devicenet-core", &["link-core", "cip-core"]),
     ("transport-mock", &["link-core"]),
     ("transport-socketcan", &["link-core"]),
-    ("devicenet-cli", &["link-core", "cip-core", "devicenet-core", "transport-mock"]),
+    ("devicenet-cli", &["link-core", "cip-core", "devicenet-core", "transport-mock", "transport-socketcan"]),
     ("devicenet-tests", &["link-core", "cip-core", "devicenet-core", "transport-mock", "devicenet-cli"]),
     (
         "devicenet-fuzz",

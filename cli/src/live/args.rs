@@ -1,0 +1,108 @@
+//! The live commands on the command line.
+
+use clap::Args;
+
+use super::attribute::AttributePath;
+use super::endpoint::Endpoint;
+use crate::args::parse_mac_id;
+use crate::scenario::Time;
+
+/// How a command takes part in a bus.
+#[derive(Args, Clone, Debug)]
+pub struct NodeArgs {
+    /// Transmit on a live bus; without it the command says what it would send, and sends nothing
+    #[arg(long)]
+    pub allow_tx: bool,
+    /// The MAC ID that the command itself takes while it works (0 to 63); it must be free
+    #[arg(long, value_name = "N", default_value = "62", value_parser = parse_mac_id)]
+    pub own_mac: u8,
+    /// How long to listen first: for the bit rate, and for who polls whom
+    #[arg(long, value_name = "TIME", default_value = "1s")]
+    pub listen: Time,
+    /// Transmit although nothing was heard, so that the bit rate of the interface may be wrong
+    #[arg(long)]
+    pub assume_bit_rate: bool,
+}
+
+/// `devicenet scan`.
+#[derive(Args, Clone, Debug)]
+#[command(after_long_help = "\
+Listens, and tells who was heard. With --allow-tx (on the simulated bus always) it then goes on line itself, reads the Identity \
+object of every node over an explicit connection, and releases that again. Nodes that another master owns are left alone.
+
+Exit codes:
+  0  done
+  1  done, but some node refused, or did not answer all
+  2  wrong usage or bad file
+  3  the interface failed, or nobody acknowledged
+  4  refused to transmit: the bit rate is not confirmed
+
+Examples:
+  devicenet scan can0
+  devicenet scan can0 --allow-tx
+  devicenet scan log:recording.log --json | jq -c '[.mac, .vendor, .product_name]'
+  devicenet scan sim:plant.toml --listen 6s")]
+pub struct ScanArgs {
+    /// A CAN interface such as can0, sim:FILE for a scenario, log:FILE for a recording
+    pub endpoint: Endpoint,
+    /// How to take part in the bus.
+    #[command(flatten)]
+    pub node: NodeArgs,
+}
+
+/// What `get` and `set` ask.
+#[derive(Args, Clone, Debug)]
+pub struct AskArgs {
+    /// A CAN interface such as can0, or sim:FILE for a scenario
+    pub endpoint: Endpoint,
+    /// The MAC ID of the node (0 to 63)
+    #[arg(value_name = "MAC", value_parser = parse_mac_id)]
+    pub mac: u8,
+    /// CLASS/INSTANCE/ATTRIBUTE, decimal or hexadecimal: 1/1/7 is the product name
+    pub attribute: AttributePath,
+    /// How to take part in the bus.
+    #[command(flatten)]
+    pub node: NodeArgs,
+}
+
+/// `devicenet get`.
+#[derive(Args, Clone, Debug)]
+#[command(after_long_help = "\
+Goes on line, opens an explicit connection to the node, asks, and releases the connection. A node that another master owns is left \
+alone.
+
+Exit codes:
+  0  the value is printed
+  1  the node answered with an error, is another master's, or did not answer
+  2  wrong usage or bad file
+  3  the interface failed, or nobody acknowledged
+  4  refused to transmit: no --allow-tx, the bit rate is not confirmed, or another master polls the node
+
+Examples:
+  devicenet get can0 10 1/1/7 --allow-tx
+  devicenet get can0 10 0x05/2/9 --allow-tx --json
+  devicenet get sim:plant.toml 10 3/1/1 --listen 6s")]
+pub struct GetArgs {
+    /// What is asked.
+    #[command(flatten)]
+    pub ask: AskArgs,
+}
+
+/// `devicenet set`.
+#[derive(Args, Clone, Debug)]
+#[command(after_long_help = "\
+As `get`, but writes. VALUE is a number for attributes whose type the command knows, else bytes: hex:C800.
+
+Exit codes: those of `get`; 0 says that the node has taken the value.
+
+Examples:
+  devicenet set can0 10 4/100/3 hex:0102 --allow-tx
+  devicenet set sim:plant.toml 10 3/1/1 12 --listen 6s")]
+pub struct SetArgs {
+    /// What is asked.
+    #[command(flatten)]
+    pub ask: AskArgs,
+    /// A number (12, 0x0C, -3), or the bytes as they are on the wire (hex:0C00)
+    #[arg(allow_hyphen_values = true)]
+    pub value: String,
+}

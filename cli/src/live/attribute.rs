@@ -1,0 +1,145 @@
+//! An attribute and its value, as people write them.
+
+use core::fmt;
+use core::str::FromStr;
+
+use cip_core::code::{AttributeId, ClassId, InstanceId};
+use cip_core::names::{AttributeInfo, attribute_info};
+use cip_core::value::AttributeValue;
+
+/// `CLASS/INSTANCE/ATTRIBUTE`
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct AttributePath {
+    /// The class.
+    pub class: ClassId,
+    /// The instance; 0 is the class itself.
+    pub instance: InstanceId,
+    /// The attribute.
+    pub attribute: AttributeId,
+}
+
+impl AttributePath {
+    /// What is known of it.
+    pub(super) fn info(&self) -> Option<&'static AttributeInfo> {
+        attribute_info(self.class, self.instance, self.attribute)
+    }
+
+    /// A value of it in words.
+    pub(super) fn words<'a>(&self, data: &'a [u8]) -> AttributeValue<'a> {
+        AttributeValue { class: self.class, instance: self.instance, attribute: self.attribute, data }
+    }
+
+    /// The bytes of a value: `12`, `0x0C`, `-3`, `hex:0C00`.
+    ///
+    /// # Errors
+    /// What was expected.
+    pub(super) fn value(&self, text: &str) -> Result<Vec<u8>, String> {
+        if let Some(digits) = text.strip_prefix("hex:") {
+            return bytes(digits)
+                .ok_or_else(|| format!("`{text}`: pairs of hexadecimal digits expected after hex:"));
+        }
+        let size = self.info().and_then(|info| info.shape.size()).filter(|size| [1, 2, 4, 8].contains(size));
+        let Some(size) = size else {
+            return Err(format!(
+                "`{text}`: the type of {self} is not known here; give the bytes as they are on the wire, such as hex:0C00"
+            ));
+        };
+        let number = number(text).filter(|number| fits(*number, size)).ok_or_else(|| {
+            format!("`{text}`: a number of {size} byte{} expected", if size == 1 { "" } else { "s" })
+        })?;
+        Ok(number.to_le_bytes()[..size].to_vec())
+    }
+}
+
+/// Whether a number is one of so many bytes, signed or not.
+fn fits(number: i128, size: usize) -> bool {
+    let bits = 8 * size as u32;
+    (-(1 << (bits - 1))..1 << bits).contains(&number)
+}
+
+fn number(text: &str) -> Option<i128> {
+    let (sign, digits) = text.strip_prefix('-').map_or((1, text), |digits| (-1, digits));
+    let number = match digits.strip_prefix("0x").or_else(|| digits.strip_prefix("0X")) {
+        Some(digits) => u64::from_str_radix(digits, 16),
+        None => digits.parse::<u64>(),
+    };
+    // Rust takes a plus sign, which may stand behind our own.
+    number.ok().filter(|_| !digits.contains('+')).map(|number| sign * i128::from(number))
+}
+
+fn bytes(digits: &str) -> Option<Vec<u8>> {
+    let is_hex = digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+    (is_hex && !digits.is_empty() && digits.len().is_multiple_of(2)).then(|| {
+        let pairs = digits.as_bytes().chunks_exact(2);
+        pairs.filter_map(|pair| u8::from_str_radix(core::str::from_utf8(pair).ok()?, 16).ok()).collect()
+    })
+}
+
+impl FromStr for AttributePath {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts: Vec<Option<u16>> =
+            text.split('/').map(|part| number(part).and_then(|number| u16::try_from(number).ok())).collect();
+        let [Some(class), Some(instance), Some(attribute)] = parts[..] else {
+            return Err(
+                "CLASS/INSTANCE/ATTRIBUTE expected, three numbers up to 65535 such as 1/1/7 or 0x64/1/3"
+                    .into(),
+            );
+        };
+        Ok(Self { class: ClassId(class), instance: InstanceId(instance), attribute: AttributeId(attribute) })
+    }
+}
+
+/// `Identity 1 Vendor ID`, `class 0x64 1 attribute 3`
+impl fmt::Display for AttributePath {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {} ", self.class, self.instance.0)?;
+        match self.info() {
+            Some(info) => f.write_str(info.name),
+            None => fmt::Display::fmt(&self.attribute, f),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn path(text: &str) -> AttributePath {
+        text.parse().unwrap()
+    }
+
+    #[test]
+    fn paths_in_decimal_and_hexadecimal() {
+        assert_eq!(path("1/1/7"), path("0x01/0x1/0X07"));
+        assert_eq!(path("1/1/7").to_string(), "Identity 1 Product name");
+        for text in ["", "1/1", "1/1/7/8", "1/1/-7", "a/1/1", "65536/1/1", "1//1", "+1/1/1"] {
+            assert!(text.parse::<AttributePath>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn values_take_the_size_of_their_attribute() {
+        // Connection 2: EPR is a UINT; DeviceNet 1: the MAC ID is a USINT.
+        assert_eq!(path("5/2/9").value("200"), Ok(vec![0xC8, 0x00]));
+        assert_eq!(path("5/2/9").value("0xC8"), Ok(vec![0xC8, 0x00]));
+        assert_eq!(path("3/1/1").value("63"), Ok(vec![63]));
+        assert_eq!(path("3/1/1").value("-1"), Ok(vec![0xFF]));
+        assert_eq!(path("100/1/1").value("hex:0a0B"), Ok(vec![0x0A, 0x0B]));
+        for (attribute, text) in [
+            ("3/1/1", "256"),
+            ("3/1/1", "-129"),
+            ("3/1/1", "--1"),
+            ("3/1/1", "-+1"),
+            ("5/2/9", "65536"),
+            ("5/2/9", "two"),
+            ("100/1/1", "1"),
+            ("100/1/1", "hex:"),
+            ("100/1/1", "hex:012"),
+            ("100/1/1", "hex:+1"),
+        ] {
+            assert!(path(attribute).value(text).is_err(), "{attribute} {text}");
+        }
+    }
+}

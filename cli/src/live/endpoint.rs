@@ -1,0 +1,56 @@
+//! Where a command works: `can0`, `sim:FILE`, `log:FILE`.
+
+use core::convert::Infallible;
+use core::fmt;
+use core::str::FromStr;
+use std::path::PathBuf;
+
+/// An interface, a scenario or a recording.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Endpoint {
+    /// A CAN interface, by its name.
+    Interface(String),
+    /// A scenario on the simulated bus, in virtual time.
+    Scenario(PathBuf),
+    /// A recording, which can only be listened to.
+    Recording(PathBuf),
+}
+
+impl FromStr for Endpoint {
+    type Err = Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Infallible> {
+        Ok(match text.split_once(':') {
+            Some(("sim", file)) => Self::Scenario(file.into()),
+            Some(("log", file)) => Self::Recording(file.into()),
+            _ => Self::Interface(text.to_owned()),
+        })
+    }
+}
+
+impl fmt::Display for Endpoint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Interface(name) => f.write_str(name),
+            Self::Scenario(path) => write!(f, "sim:{}", path.display()),
+            Self::Recording(path) => write!(f, "log:{}", path.display()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn endpoints_as_they_are_written() {
+        for (text, endpoint) in [
+            ("can0", Endpoint::Interface("can0".into())),
+            ("sim:plant.toml", Endpoint::Scenario("plant.toml".into())),
+            ("log:a:b.log", Endpoint::Recording("a:b.log".into())),
+        ] {
+            assert_eq!(text.parse(), Ok(endpoint.clone()));
+            assert_eq!(endpoint.to_string(), text);
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! Commands on a live bus. The same work on the simulated bus, and what only listens on a recording.
+//!
+//! ```text
+//! can0      sim:FILE      log:FILE         endpoint
+//!   │           │             │            port: a link_core::Port of each
+//!   └───────────┼─────────────┘
+//!             listen ────────────────────▶ who is there, who polls whom, is the bit rate right
+//!               │  permit: --allow-tx, the bit rate is confirmed, no other master has the node
+//!             visit ─────────────────────▶ explicit connection, requests, release
+//! ```
+
+mod args;
+mod ask;
+mod attribute;
+mod endpoint;
+mod listen;
+mod permit;
+mod port;
+mod scan;
+mod visit;
+
+pub use args::{AskArgs, GetArgs, NodeArgs, ScanArgs, SetArgs};
+pub use ask::{get, set};
+pub use attribute::AttributePath;
+pub use endpoint::Endpoint;
+pub use scan::scan;

@@ -1,0 +1,70 @@
+//! Whether the command may transmit.
+
+use devicenet_core::MacId;
+
+use super::args::NodeArgs;
+use super::endpoint::Endpoint;
+use super::listen::Heard;
+use super::port::LivePort;
+use crate::exit::Failure;
+use crate::output;
+
+/// Says what will be sent, and to whom; refuses where the command line does not allow it.
+pub(super) fn announce(endpoint: &Endpoint, args: &NodeArgs, what: &str) -> Result<(), Failure> {
+    match endpoint {
+        Endpoint::Recording(_) => Err(Failure::Usage(format!(
+            "{endpoint} is a recording, which cannot be asked: name an interface such as can0, or sim:FILE"
+        ))),
+        Endpoint::Interface(_) if !args.allow_tx => Err(Failure::Refused(format!(
+            "would send on {endpoint} as MAC ID {}: duplicate MAC ID checks, then {what}; say --allow-tx to do it",
+            args.own_mac
+        ))),
+        Endpoint::Interface(_) | Endpoint::Scenario(_) => {
+            output::note(format_args!(
+                "sends on {endpoint} as MAC ID {}: duplicate MAC ID checks, then {what}",
+                args.own_mac
+            ));
+            Ok(())
+        }
+    }
+}
+
+/// Refuses to transmit where the bit rate may be wrong: one frame at a wrong rate disturbs everybody.
+pub(super) fn bit_rate(
+    endpoint: &Endpoint,
+    args: &NodeArgs,
+    port: &LivePort,
+    heard: &Heard,
+) -> Result<(), Failure> {
+    if !heard.is_up() {
+        return Err(Failure::Transport(format!("{endpoint} is down; as root: ip link set {endpoint} up")));
+    }
+    if heard.frames > 0 || args.assume_bit_rate || !port.has_bit_rate() {
+        return Ok(());
+    }
+    Err(Failure::Refused(match heard.errors {
+        0 => format!(
+            "nothing was heard on {endpoint} in {}, so its bit rate is not confirmed: listen longer with --listen, or say \
+             --assume-bit-rate if nobody sends there",
+            args.listen
+        ),
+        errors => format!(
+            "only errors ({errors}) and no frame were heard on {endpoint}: its bit rate is likely wrong; as root: ip link \
+             set {endpoint} down && ip link set {endpoint} type can bitrate 125000 && ip link set {endpoint} up (or 250000, 500000)"
+        ),
+    }))
+}
+
+/// Refuses to talk to a node that another master has.
+pub(super) fn ownership(mac: MacId, heard: &Heard) -> Result<(), Failure> {
+    match heard.master_of(mac) {
+        None => Ok(()),
+        Some(Some(master)) => Err(Failure::Refused(format!(
+            "node {mac} belongs to the master at MAC ID {master}, and is left alone: ask it through that master, or take it off \
+             its scan list first"
+        ))),
+        Some(None) => Err(Failure::Refused(format!(
+            "node {mac} is polled by a master, and is left alone: ask it through that master, or take it off its scan list first"
+        ))),
+    }
+}

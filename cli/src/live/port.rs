@@ -1,0 +1,204 @@
+//! A port for each endpoint, so that one run loop does for all.
+
+use std::collections::VecDeque;
+
+use link_core::machine::Deadline;
+use link_core::{Frame, Input, Instant, LinkCommand, LinkEvent, Port, TxToken};
+use transport_mock::{Ignore, NetworkPort, NodeConfig};
+
+use super::endpoint::Endpoint;
+use crate::exit::Failure;
+use crate::recording::{Content, Recording};
+use crate::scenario::Scenario;
+use crate::simulate::{self, NodeEvent};
+
+/// The bus of an endpoint.
+pub(super) struct LivePort {
+    bus: Bus,
+    /// Waiting ends here.
+    until: Instant,
+}
+
+enum Bus {
+    #[cfg(target_os = "linux")]
+    Interface(Box<transport_socketcan::SocketCanPort>),
+    Simulated(Box<NetworkPort<NodeEvent, Ignore>>),
+    Recorded(Box<Recorded>),
+}
+
+/// Why waiting ends.
+#[derive(Debug)]
+pub(super) enum PortError {
+    /// The time that was set is over, or the recording or the scenario is.
+    Over,
+    /// The interface has failed.
+    Failed(Failure),
+}
+
+impl LivePort {
+    /// Opens an endpoint for a machine that has so many frames in flight.
+    pub(super) fn open(endpoint: &Endpoint, max_in_flight: usize) -> Result<Self, Failure> {
+        let bus = match endpoint {
+            Endpoint::Interface(name) => interface(name)?,
+            Endpoint::Scenario(path) => {
+                let scenario = Scenario::load(path).map_err(|error| Failure::Usage(error.to_string()))?;
+                let network = simulate::network(&scenario);
+                let end = Instant::ZERO + scenario.bus.duration;
+                let config = NodeConfig::named("devicenet");
+                Bus::Simulated(Box::new(
+                    NetworkPort::attach(network, config, max_in_flight, Ignore).until(end),
+                ))
+            }
+            Endpoint::Recording(path) => Bus::Recorded(Box::new(Recorded::open(path)?)),
+        };
+        Ok(Self { bus, until: Instant::MAX })
+    }
+
+    /// Sets the moment at which waiting ends.
+    pub(super) const fn set_end(&mut self, until: Instant) {
+        self.until = until;
+    }
+
+    /// Whether a wrong bit rate could do harm: on an interface with a controller.
+    pub(super) fn has_bit_rate(&self) -> bool {
+        match &self.bus {
+            #[cfg(target_os = "linux")]
+            Bus::Interface(port) => {
+                !matches!(port.interface().kind(), Ok(transport_socketcan::Kind::WithoutBitRate))
+            }
+            Bus::Simulated(_) | Bus::Recorded(_) => false,
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn interface(name: &str) -> Result<Bus, Failure> {
+    use transport_socketcan::{Error, SocketCanPort};
+    let port = SocketCanPort::open(name).map_err(|error| match error {
+        Error::NoInterface { .. } | Error::NotCan { .. } if std::path::Path::new(name).is_file() => {
+            Failure::Usage(format!(
+                "{name} is a file: write log:{name} for a recording, sim:{name} for a scenario"
+            ))
+        }
+        error => Failure::Transport(error.to_string()),
+    })?;
+    Ok(Bus::Interface(Box::new(port)))
+}
+
+#[cfg(not(target_os = "linux"))]
+fn interface(name: &str) -> Result<Bus, Failure> {
+    Err(Failure::Transport(format!("{name}: CAN interfaces are supported on Linux only")))
+}
+
+impl Port for LivePort {
+    type Error = PortError;
+
+    fn now(&mut self) -> Instant {
+        match &mut self.bus {
+            #[cfg(target_os = "linux")]
+            Bus::Interface(port) => port.now(),
+            Bus::Simulated(port) => port.now(),
+            Bus::Recorded(recorded) => recorded.now,
+        }
+    }
+
+    fn transmit(&mut self, token: TxToken, frame: Frame) -> Result<(), PortError> {
+        match &mut self.bus {
+            #[cfg(target_os = "linux")]
+            Bus::Interface(port) => port.transmit(token, frame).map_err(failed),
+            Bus::Simulated(port) => port.transmit(token, frame).map_err(|_| PortError::Over),
+            Bus::Recorded(_) => Ok(()),
+        }
+    }
+
+    fn withdraw(&mut self, token: TxToken) -> Result<(), PortError> {
+        match &mut self.bus {
+            #[cfg(target_os = "linux")]
+            Bus::Interface(port) => port.withdraw(token).map_err(failed),
+            Bus::Simulated(port) => port.withdraw(token).map_err(|_| PortError::Over),
+            Bus::Recorded(_) => Ok(()),
+        }
+    }
+
+    fn command(&mut self, command: LinkCommand) -> Result<(), PortError> {
+        match &mut self.bus {
+            #[cfg(target_os = "linux")]
+            Bus::Interface(port) => port.command(command).map_err(failed),
+            Bus::Simulated(port) => port.command(command).map_err(|_| PortError::Over),
+            Bus::Recorded(_) => Ok(()),
+        }
+    }
+
+    fn wait(&mut self, deadline: Option<Deadline>) -> Result<(Instant, Input), PortError> {
+        let end = Deadline { at: self.until, why: "the end" };
+        let is_over = deadline.is_none_or(|deadline| end.at < deadline.at);
+        let deadline = Deadline::earlier(deadline, Some(end)).filter(|deadline| deadline.at < Instant::MAX);
+        let (now, input) = match &mut self.bus {
+            #[cfg(target_os = "linux")]
+            Bus::Interface(port) => port.wait(deadline).map_err(failed)?,
+            Bus::Simulated(port) => port.wait(deadline).map_err(|_| PortError::Over)?,
+            Bus::Recorded(recorded) => recorded.next(deadline)?,
+        };
+        if input == Input::Tick && is_over { Err(PortError::Over) } else { Ok((now, input)) }
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn failed(error: transport_socketcan::Error) -> PortError {
+    PortError::Failed(Failure::Transport(error.to_string()))
+}
+
+/// A recording that is played to a listener, as fast as it is read. Its bad lines are told.
+struct Recorded {
+    file: String,
+    recording: Recording,
+    now: Instant,
+    first: Option<Instant>,
+    ahead: VecDeque<(Instant, Frame)>,
+}
+
+impl Recorded {
+    fn open(path: &std::path::Path) -> Result<Self, Failure> {
+        let file = crate::standard::shown(path, "<stdin>");
+        let recording = Recording::open(path).map_err(|error| Failure::Usage(format!("{file}: {error}")))?;
+        Ok(Self { file, recording, now: Instant::ZERO, first: None, ahead: VecDeque::new() })
+    }
+
+    fn next(&mut self, deadline: Option<Deadline>) -> Result<(Instant, Input), PortError> {
+        if self.first.is_none() {
+            self.first = Some(self.peek()?.map_or(Instant::ZERO, |(at, _)| at));
+            return Ok((self.now, Input::Link(LinkEvent::Up)));
+        }
+        let Some((at, frame)) = self.peek()? else { return Err(PortError::Over) };
+        // From its first frame on, as on a bus that one has just come to.
+        let at = Instant::ZERO + at.saturating_since(self.first.unwrap_or(Instant::ZERO));
+        if let Some(deadline) = deadline.filter(|deadline| deadline.at < at) {
+            self.now = deadline.at;
+            return Ok((self.now, Input::Tick));
+        }
+        self.ahead.pop_front();
+        self.now = self.now.max(at);
+        Ok((self.now, Input::Frame(frame)))
+    }
+
+    fn peek(&mut self) -> Result<Option<(Instant, Frame)>, PortError> {
+        while self.ahead.is_empty() {
+            match self.recording.next() {
+                None => return Ok(None),
+                Some(Ok(frame)) => {
+                    if let Content::Classic(classic) = frame.content {
+                        self.ahead.push_back((frame.at, classic));
+                    }
+                }
+                Some(Err(error)) if error.is_fatal() => {
+                    return Err(PortError::Failed(Failure::Usage(format!("{}: {error}", self.file))));
+                }
+                Some(Err(error)) => crate::output::warn(format_args!("{}:{error}", self.file)),
+            }
+        }
+        Ok(self.ahead.front().copied())
+    }
+}
+
+/// How many frames a machine may have in flight when only listening.
+pub(super) const NONE_IN_FLIGHT: usize = 0;

@@ -1,0 +1,243 @@
+//! `devicenet scan`.
+
+use cip_core::code::{AttributeId, ClassId, InstanceId};
+use devicenet_core::MacId;
+use devicenet_core::monitor::NodeRecord;
+use link_core::{Instant, Machine as _, Port as _};
+use serde_json::{Value, json};
+
+use super::args::ScanArgs;
+use super::ask::{mac_id, refusal, trouble};
+use super::attribute::AttributePath;
+use super::endpoint::Endpoint;
+use super::listen::Heard;
+use super::permit;
+use super::port::{LivePort, NONE_IN_FLIGHT};
+use super::visit::{Answer, Question, Report, Visitor};
+use crate::exit::{Exit, Failure};
+use crate::output::{self, Output};
+use crate::table::{Cell, Table};
+use crate::text::count;
+
+/// Tells who is on a bus.
+///
+/// # Errors
+/// [`Failure`] when the endpoint cannot be used, or the bus does not allow to transmit.
+pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
+    let ScanArgs { endpoint, node } = args;
+    let own = mac_id(node.own_mac);
+    let is_active = match endpoint {
+        Endpoint::Interface(_) => node.allow_tx,
+        Endpoint::Scenario(_) => true,
+        Endpoint::Recording(_) => false,
+    };
+    let mut heard = Heard::new();
+    let reports = if is_active {
+        // A visitor only to know how much room it takes.
+        let room = Visitor::new(endpoint, own, Vec::new()).max_in_flight();
+        let mut port = LivePort::open(endpoint, room)?;
+        permit::announce(
+            endpoint,
+            node,
+            "to each node that no master owns Allocate, Get_Attribute_Single of Identity 1 to 7, Release",
+        )?;
+        let until = port.now() + node.listen.0;
+        heard.listen(&mut port, until)?;
+        permit::bit_rate(endpoint, node, &port, &heard)?;
+        let free = |mac: &MacId| *mac != own && heard.master_of(*mac).is_none();
+        let visits = MacId::all().filter(free).map(|mac| (mac, identity())).collect();
+        Visitor::new(endpoint, own, visits).run(endpoint, own, &mut port)?
+    } else {
+        let mut port = LivePort::open(endpoint, NONE_IN_FLIGHT)?;
+        let until = match endpoint {
+            Endpoint::Recording(_) => Instant::MAX,
+            Endpoint::Interface(_) | Endpoint::Scenario(_) => port.now() + node.listen.0,
+        };
+        heard.listen(&mut port, until)?;
+        if !heard.is_up() {
+            return Err(Failure::Transport(format!(
+                "{endpoint} is down; as root: ip link set {endpoint} up"
+            )));
+        }
+        Vec::new()
+    };
+    conclude(args, &heard, reports, json)
+}
+
+fn conclude(args: &ScanArgs, heard: &Heard, reports: Vec<Report>, json: bool) -> Result<Exit, Failure> {
+    let mut output = Output::new();
+    let rows = rows(heard, reports);
+    let has_findings = rows.iter().any(|row| row.finding.is_some());
+    if json {
+        for row in &rows {
+            output.buffer.extend_from_slice(format!("{}\n", row.json()).as_bytes());
+        }
+    } else if !rows.is_empty() {
+        let mut table =
+            Table::new(&["MAC", "state", "vendor", "type", "product", "rev", "serial", "name", "master"]);
+        for row in &rows {
+            table.row(row.cells());
+        }
+        output.buffer.extend_from_slice(table.to_string().as_bytes());
+    }
+    output.flush()?;
+    for row in &rows {
+        if let Some(finding) = &row.finding {
+            output::warn(format_args!("node {}: {finding}", row.mac));
+        }
+    }
+    let frames = count(heard.frames, "frame");
+    match (rows.len(), &args.endpoint) {
+        (0, Endpoint::Interface(_)) if !args.node.allow_tx => output::note(format_args!(
+            "{}: no node was heard ({frames}) in {}; --listen 10s listens longer, --allow-tx asks",
+            args.endpoint, args.node.listen
+        )),
+        (0, _) => output::note(format_args!("{}: no node ({frames} heard)", args.endpoint)),
+        (_, Endpoint::Interface(_)) if !args.node.allow_tx => output::note(format_args!(
+            "{}: those that were heard ({frames}); --allow-tx asks all of them who they are",
+            args.endpoint
+        )),
+        _ => {}
+    }
+    Ok(if has_findings { Exit::Findings } else { Exit::Done })
+}
+
+/// What is known of a node, from what it said by itself and from what it answered.
+struct Row {
+    mac: MacId,
+    record: Option<NodeRecord>,
+    /// The Identity object: attributes that were answered.
+    identity: Vec<(AttributePath, Vec<u8>)>,
+    has_answered: bool,
+    finding: Option<String>,
+}
+
+fn rows(heard: &Heard, reports: Vec<Report>) -> Vec<Row> {
+    let mut rows: Vec<Row> = heard
+        .nodes()
+        .map(|record| Row {
+            mac: record.mac,
+            record: Some(record),
+            identity: Vec::new(),
+            has_answered: false,
+            finding: None,
+        })
+        .collect();
+    for report in reports {
+        let place = rows.binary_search_by_key(&report.mac, |row| row.mac);
+        // Nobody there: no row, unless somebody was heard there.
+        if report.answers.is_empty() && place.is_err() {
+            continue;
+        }
+        let place = place.unwrap_or_else(|place| {
+            let row = Row {
+                mac: report.mac,
+                record: None,
+                identity: Vec::new(),
+                has_answered: false,
+                finding: None,
+            };
+            rows.insert(place, row);
+            place
+        });
+        rows[place].answered(report);
+    }
+    rows
+}
+
+impl Row {
+    fn answered(&mut self, report: Report) {
+        self.has_answered = !report.answers.is_empty();
+        if report.trouble.is_some() {
+            self.finding = Some(trouble(report.trouble).to_owned());
+        }
+        for (question, answer) in identity().iter().zip(report.answers) {
+            match answer {
+                Answer::Done(data) => self.identity.push((question.path, data)),
+                Answer::Refused(status, additional) => {
+                    self.finding = Some(format!("{}: {}", question.path, refusal(status, additional)));
+                }
+                Answer::Silent(failure) => self.finding = Some(format!("{}: {failure}", question.path)),
+            }
+        }
+    }
+
+    /// In words; what was answered counts more than what was heard.
+    fn word(&self, attribute: u16, heard: impl FnOnce(&NodeRecord) -> Option<String>) -> Option<String> {
+        let answered = self.identity.iter().find(|(path, _)| path.attribute.0 == attribute);
+        let answered = answered.map(|(path, data)| path.words(data).to_string());
+        answered.or_else(|| heard(self.record.as_ref()?))
+    }
+
+    fn words(&self) -> [(&'static str, Option<String>); 6] {
+        [
+            ("vendor", self.word(1, |node| Some(node.vendor?.to_string()))),
+            ("device_type", self.word(2, |node| Some(node.device_type?.to_string()))),
+            ("product", self.word(3, |node| Some(node.product?.to_string()))),
+            ("revision", self.word(4, |node| node.revision.map(|(major, minor)| format!("{major}.{minor}")))),
+            ("serial", self.serial().map(|serial| format!("0x{serial:08X}"))),
+            ("product_name", self.word(7, name)),
+        ]
+    }
+
+    fn serial(&self) -> Option<u32> {
+        let answered = self.identity.iter().find(|(path, _)| path.attribute.0 == 6);
+        let answered =
+            answered.and_then(|(_, data)| Some(u32::from_le_bytes(data.as_slice().try_into().ok()?)));
+        answered.or_else(|| self.record.as_ref()?.serial)
+    }
+
+    fn state(&self) -> &'static str {
+        match &self.record {
+            _ if self.has_answered => "online",
+            Some(record) => record.access.name(),
+            None => "unknown",
+        }
+    }
+
+    fn master(&self) -> Option<MacId> {
+        self.record.as_ref().and_then(|record| record.master)
+    }
+
+    fn cells(&self) -> Vec<Cell> {
+        let mut cells = vec![Cell::right(self.mac.to_string()), Cell::left(self.state())];
+        cells.extend(self.words().map(|(_, word)| Cell::left(word.unwrap_or_else(|| "-".into()))));
+        cells.push(Cell::right(self.master().map_or_else(|| "-".into(), |master| master.to_string())));
+        cells
+    }
+
+    fn json(&self) -> Value {
+        let mut object = json!({ "mac": self.mac.number(), "state": self.state() });
+        for (key, word) in self.words() {
+            if let Some(word) = word {
+                object[key] = word.into();
+            }
+        }
+        if let Some(master) = self.master() {
+            object["master"] = master.number().into();
+        }
+        if let Some(record) = &self.record {
+            object["frames"] = record.frames.into();
+        }
+        if let Some(finding) = &self.finding {
+            object["problem"] = finding.clone().into();
+        }
+        object
+    }
+}
+
+/// ISO 8859-1, in quotation marks as the value of the attribute is.
+fn name(record: &NodeRecord) -> Option<String> {
+    let name: String = record.product_name.iter().map(|&byte| char::from(byte)).collect();
+    (!name.is_empty()).then(|| format!("\"{name}\""))
+}
+
+/// Vendor, device type, product code, revision, serial number, product name.
+fn identity() -> Vec<Question> {
+    let path = |attribute| AttributePath {
+        class: ClassId::IDENTITY,
+        instance: InstanceId(1),
+        attribute: AttributeId(attribute),
+    };
+    [1, 2, 3, 4, 6, 7].map(|attribute| Question { path: path(attribute), value: None }).to_vec()
+}

@@ -1,0 +1,108 @@
+//! `get` and `set`.
+
+use crate::devicenet;
+
+/// Both slaves are on line after two seconds.
+const LISTEN: [&str; 2] = ["--listen", "3s"];
+
+fn get(node: &str, attribute: &str, more: &[&str]) -> crate::Run {
+    devicenet(&[&["get", "sim:two.toml", node, attribute], &LISTEN[..], more].concat())
+}
+
+#[test]
+fn an_attribute_is_read_in_words_and_as_json() {
+    let run = get("10", "1/1/7", &[]);
+    assert_eq!((run.out().as_str(), run.code()), ("node 10  Identity 1 Product name: \"valve\"\n", 0));
+    assert_eq!(
+        run.err(),
+        "note: sends on sim:two.toml as MAC ID 62: duplicate MAC ID checks, then to node 10 Allocate, Get_Attribute_Single \
+         Identity 1 Product name, Release\n"
+    );
+    let [object] = &get("0x0A", "0x01/1/7", &["--json"]).json()[..] else { panic!() };
+    assert_eq!(object["value"], "0576616c7665");
+    assert_eq!(object["value_text"], "\"valve\"");
+    assert_eq!(object["mac"], 10);
+}
+
+#[test]
+fn an_attribute_is_written_and_the_node_says_what_it_took() {
+    let run = devicenet(&["set", "sim:two.toml", "11", "3/1/3", "1", LISTEN[0], LISTEN[1]]);
+    assert_eq!((run.out().as_str(), run.code()), ("node 11  DeviceNet 1 Bus-off interrupt: done\n", 0));
+    let run = devicenet(&["set", "sim:two.toml", "11", "3/1/3", "2", LISTEN[0], LISTEN[1]]);
+    assert_eq!(run.code(), 1);
+    assert_eq!(
+        run.error(),
+        "node 11 refuses DeviceNet 1 Bus-off interrupt: error 0x09 Invalid attribute value"
+    );
+}
+
+#[test]
+fn what_a_node_refuses_is_a_finding() {
+    let run = get("10", "0x64/1/3", &[]);
+    assert_eq!((run.out().as_str(), run.code()), ("", 1));
+    assert_eq!(run.error(), "node 10 refuses class 0x64 1 attribute 3: error 0x16 Object does not exist");
+    let [object] = &get("10", "0x64/1/3", &["--json"]).json()[..] else { panic!() };
+    assert_eq!(object["status"], 0x16);
+}
+
+#[test]
+fn a_node_that_is_not_there_is_a_finding() {
+    let run = get("13", "1/1/1", &[]);
+    assert_eq!((run.out().as_str(), run.code()), ("", 1));
+    assert!(run.error().starts_with("node 13: no answer: it is absent"), "{}", run.err());
+}
+
+#[test]
+fn a_node_of_another_master_is_left_alone() {
+    let run = devicenet(&["get", "sim:owned.toml", "10", "1/1/1", "--listen", "6s"]);
+    assert_eq!((run.out().as_str(), run.code()), ("", 4));
+    assert!(
+        run.error().starts_with("node 10 belongs to the master at MAC ID 1, and is left alone"),
+        "{}",
+        run.err()
+    );
+}
+
+/// When the command has listened, that master is not on line yet; when it asks, it is. The command is refused, and the I/O of the master goes on.
+#[test]
+fn a_node_that_says_whose_it_is_is_left_alone_too() {
+    let run = devicenet(&["get", "sim:owned.toml", "10", "1/1/1", "--listen", "500ms"]);
+    assert_eq!(run.code(), 1, "{}", run.err());
+    assert_eq!(run.error(), "node 10: it belongs to another master, and is left alone");
+}
+
+#[test]
+fn the_own_mac_id_must_be_free() {
+    let run = get("10", "1/1/1", &["--own-mac", "11"]);
+    assert_eq!(run.code(), 3);
+    assert!(
+        run.error().starts_with("MAC ID 11 is taken on sim:two.toml: choose another one"),
+        "{}",
+        run.err()
+    );
+    let run = get("10", "1/1/1", &["--own-mac", "10"]);
+    assert_eq!(run.code(), 2, "{}", run.err());
+}
+
+#[test]
+fn what_cannot_be_is_said_before_anything_is_sent() {
+    for (arguments, code, words) in [
+        (&["get", "no-such-can", "10", "1/1/1"][..], 3, "there is no interface no-such-can"),
+        (&["get", "lo", "10", "1/1/1", "--allow-tx"], 3, "lo is not a CAN interface"),
+        (&["get", "two.toml", "10", "1/1/1"], 2, "two.toml is a file: write log:two.toml"),
+        (&["get", "sim:none.toml", "10", "1/1/1"], 2, "none.toml: the scenario cannot be read"),
+        (&["get", "log:two.toml", "10", "1/1/1"], 2, "two.toml: not a recording"),
+        (&["set", "sim:two.toml", "10", "5/2/9", "65536"], 2, "`65536`: a number of 2 bytes expected"),
+        (&["set", "sim:two.toml", "10", "100/1/1", "1"], 2, "give the bytes as they are on the wire"),
+    ] {
+        let run = devicenet(arguments);
+        assert_eq!(run.code(), code, "{arguments:?} {}", run.err());
+        assert!(run.error().contains(words), "{arguments:?} {}", run.err());
+        assert_eq!(run.out(), "");
+    }
+    for arguments in
+        [&["get", "can0", "64", "1/1/1"][..], &["get", "can0", "10", "1/1"], &["get", "can0", "10"]]
+    {
+        assert_eq!(devicenet(arguments).code(), 2, "{arguments:?}");
+    }
+}
