@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use devicenet_core::monitor::Kind;
 
 use crate::eds::EdsArgs;
-use crate::live::{GetArgs, ScanArgs, SetArgs};
+use crate::live::{GetArgs, RunArgs, ScanArgs, SetArgs};
 use crate::scenario::Time;
 use crate::simulate::SimulateArgs;
 use crate::standard::is_standard;
@@ -50,10 +50,14 @@ pub enum Command {
     Eds(EdsArgs),
     /// Read an attribute of a node on a live bus
     Get(GetArgs),
+    /// Be a master on a live bus
+    Master(RunArgs),
     /// List the nodes on a live bus
     Scan(ScanArgs),
     /// Write an attribute of a node on a live bus
     Set(SetArgs),
+    /// Be a slave on a live bus
+    Slave(RunArgs),
     /// Simulate a network on a bus that is exact to the bit
     Simulate(SimulateArgs),
 }

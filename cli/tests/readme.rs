@@ -39,3 +39,18 @@ fn the_finding_in_the_readme_is_printed_as_shown() {
         "not printed any more: {shown}"
     );
 }
+
+#[test]
+fn the_scan_in_the_readme_is_printed_as_shown() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+    let readme = std::fs::read_to_string(format!("{root}/README.md")).expect("the README");
+    let (_, rest) = readme.split_once("$ devicenet scan ").expect("an example of scan");
+    let (endpoint, rest) = rest.split_once('\n').expect("its output");
+    let (shown, _) = rest.split_once("```").expect("the end of its output");
+    let output = Command::new(env!("CARGO_BIN_EXE_devicenet"))
+        .current_dir(root)
+        .args(["scan", endpoint])
+        .output()
+        .expect("the program runs");
+    assert_eq!(String::from_utf8(output.stdout).expect("UTF-8"), shown);
+}

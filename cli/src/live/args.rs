@@ -1,5 +1,7 @@
 //! The live commands on the command line.
 
+use std::path::PathBuf;
+
 use clap::Args;
 
 use super::attribute::AttributePath;
@@ -7,21 +9,61 @@ use super::endpoint::Endpoint;
 use crate::args::parse_mac_id;
 use crate::scenario::Time;
 
-/// How a command takes part in a bus.
+/// Whether a command may send on a bus.
 #[derive(Args, Clone, Debug)]
-pub struct NodeArgs {
+pub struct PermitArgs {
     /// Transmit on a live bus; without it the command says what it would send, and sends nothing
     #[arg(long)]
     pub allow_tx: bool,
-    /// The MAC ID that the command itself takes while it works (0 to 63); it must be free
-    #[arg(long, value_name = "N", default_value = "62", value_parser = parse_mac_id)]
-    pub own_mac: u8,
     /// How long to listen first: for the bit rate, and for who polls whom
     #[arg(long, value_name = "TIME", default_value = "1s")]
     pub listen: Time,
     /// Transmit although nothing was heard, so that the bit rate of the interface may be wrong
     #[arg(long)]
     pub assume_bit_rate: bool,
+}
+
+/// How a command takes part in a bus.
+#[derive(Args, Clone, Debug)]
+pub struct NodeArgs {
+    /// Whether it may send.
+    #[command(flatten)]
+    pub permit: PermitArgs,
+    /// The MAC ID that the command itself takes while it works (0 to 63); it must be free
+    #[arg(long, value_name = "N", default_value = "62", value_parser = parse_mac_id)]
+    pub own_mac: u8,
+}
+
+/// `devicenet slave` and `devicenet master`.
+#[derive(Args, Clone, Debug)]
+#[command(after_long_help = "\
+FILE is a scenario, and the node is the one of that role in it; with several, --node names one. What else the scenario has, other \
+nodes, actions and faults, is left out. What the node tells is printed, one line each, until Ctrl-C or --for.
+
+Exit codes:
+  0  the node ran
+  2  wrong usage or bad file
+  3  the interface failed
+  4  refused to transmit: no --allow-tx, the bit rate is not confirmed, or another master has a node of the scan list
+
+Examples:
+  devicenet slave can0 valve.toml --allow-tx
+  devicenet master can0 line.toml --allow-tx --for 10s --json
+  devicenet slave sim:line.toml extra.toml --for 5s")]
+pub struct RunArgs {
+    /// A CAN interface such as can0, or sim:FILE for a scenario
+    pub endpoint: Endpoint,
+    /// The scenario that the node is in
+    pub file: PathBuf,
+    /// Which node, by its name
+    #[arg(long, value_name = "NAME")]
+    pub node: Option<String>,
+    /// How long to run; without, until Ctrl-C, or on the simulated bus until its scenario ends
+    #[arg(long = "for", value_name = "TIME")]
+    pub span: Option<Time>,
+    /// Whether it may send.
+    #[command(flatten)]
+    pub permit: PermitArgs,
 }
 
 /// `devicenet scan`.

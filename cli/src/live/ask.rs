@@ -44,13 +44,14 @@ fn ask(args: &AskArgs, value: Option<Vec<u8>>, json: bool) -> Result<Exit, Failu
     let mut port = LivePort::open(endpoint, visitor.max_in_flight())?;
     permit::announce(
         endpoint,
-        node,
+        &node.permit,
+        own,
         &format!("to node {mac} Allocate, {service}_Attribute_Single {attribute}, Release"),
     )?;
     let mut heard = Heard::new();
-    let until = port.now() + node.listen.0;
+    let until = port.now() + node.permit.listen.0;
     heard.listen(&mut port, until)?;
-    permit::bit_rate(endpoint, node, &port, &heard)?;
+    permit::bit_rate(endpoint, &node.permit, &port, &heard)?;
     permit::ownership(mac, &heard)?;
     let reports = visitor.run(endpoint, own, &mut port)?;
     let Some(report) = reports.first() else {

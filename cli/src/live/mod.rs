@@ -16,11 +16,13 @@ mod endpoint;
 mod listen;
 mod permit;
 mod port;
+mod run;
 mod scan;
 mod visit;
 
-pub use args::{AskArgs, GetArgs, NodeArgs, ScanArgs, SetArgs};
+pub use args::{AskArgs, GetArgs, NodeArgs, PermitArgs, RunArgs, ScanArgs, SetArgs};
 pub use ask::{get, set};
 pub use attribute::AttributePath;
 pub use endpoint::Endpoint;
+pub use run::{master, slave};
 pub use scan::scan;

@@ -2,7 +2,7 @@
 
 use devicenet_core::MacId;
 
-use super::args::NodeArgs;
+use super::args::PermitArgs;
 use super::endpoint::Endpoint;
 use super::listen::Heard;
 use super::port::LivePort;
@@ -10,19 +10,22 @@ use crate::exit::Failure;
 use crate::output;
 
 /// Says what will be sent, and to whom; refuses where the command line does not allow it.
-pub(super) fn announce(endpoint: &Endpoint, args: &NodeArgs, what: &str) -> Result<(), Failure> {
+pub(super) fn announce(
+    endpoint: &Endpoint,
+    args: &PermitArgs,
+    own: MacId,
+    what: &str,
+) -> Result<(), Failure> {
     match endpoint {
         Endpoint::Recording(_) => Err(Failure::Usage(format!(
             "{endpoint} is a recording, which cannot be asked: name an interface such as can0, or sim:FILE"
         ))),
         Endpoint::Interface(_) if !args.allow_tx => Err(Failure::Refused(format!(
-            "would send on {endpoint} as MAC ID {}: duplicate MAC ID checks, then {what}; say --allow-tx to do it",
-            args.own_mac
+            "would send on {endpoint} as MAC ID {own}: duplicate MAC ID checks, then {what}; say --allow-tx to do it"
         ))),
         Endpoint::Interface(_) | Endpoint::Scenario(_) => {
             output::note(format_args!(
-                "sends on {endpoint} as MAC ID {}: duplicate MAC ID checks, then {what}",
-                args.own_mac
+                "sends on {endpoint} as MAC ID {own}: duplicate MAC ID checks, then {what}"
             ));
             Ok(())
         }
@@ -32,7 +35,7 @@ pub(super) fn announce(endpoint: &Endpoint, args: &NodeArgs, what: &str) -> Resu
 /// Refuses to transmit where the bit rate may be wrong: one frame at a wrong rate disturbs everybody.
 pub(super) fn bit_rate(
     endpoint: &Endpoint,
-    args: &NodeArgs,
+    args: &PermitArgs,
     port: &LivePort,
     heard: &Heard,
 ) -> Result<(), Failure> {

@@ -1,5 +1,7 @@
 //! A port for each endpoint, so that one run loop does for all.
 
+use core::sync::atomic::{AtomicBool, Ordering};
+use core::time::Duration;
 use std::collections::VecDeque;
 
 use link_core::machine::Deadline;
@@ -17,6 +19,8 @@ pub(super) struct LivePort {
     bus: Bus,
     /// Waiting ends here.
     until: Instant,
+    /// So does it when this is set.
+    interrupted: Option<&'static AtomicBool>,
 }
 
 enum Bus {
@@ -51,12 +55,30 @@ impl LivePort {
             }
             Endpoint::Recording(path) => Bus::Recorded(Box::new(Recorded::open(path)?)),
         };
-        Ok(Self { bus, until: Instant::MAX })
+        Ok(Self { bus, until: Instant::MAX, interrupted: None })
     }
 
     /// Sets the moment at which waiting ends.
     pub(super) const fn set_end(&mut self, until: Instant) {
         self.until = until;
+    }
+
+    /// Ends waiting when somebody interrupts the command.
+    pub(super) const fn set_interruption(&mut self, interrupted: &'static AtomicBool) {
+        self.interrupted = Some(interrupted);
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.interrupted.is_some_and(|interrupted| interrupted.load(Ordering::Relaxed))
+    }
+
+    fn wait_for_the_bus(&mut self, deadline: Option<Deadline>) -> Result<(Instant, Input), PortError> {
+        match &mut self.bus {
+            #[cfg(target_os = "linux")]
+            Bus::Interface(port) => port.wait(deadline).map_err(failed),
+            Bus::Simulated(port) => port.wait(deadline).map_err(|_| PortError::Over),
+            Bus::Recorded(recorded) => recorded.next(deadline),
+        }
     }
 
     /// Whether a wrong bit rate could do harm: on an interface with a controller.
@@ -131,15 +153,20 @@ impl Port for LivePort {
 
     fn wait(&mut self, deadline: Option<Deadline>) -> Result<(Instant, Input), PortError> {
         let end = Deadline { at: self.until, why: "the end" };
-        let is_over = deadline.is_none_or(|deadline| end.at < deadline.at);
+        let is_last = deadline.is_none_or(|deadline| end.at < deadline.at);
         let deadline = Deadline::earlier(deadline, Some(end)).filter(|deadline| deadline.at < Instant::MAX);
-        let (now, input) = match &mut self.bus {
-            #[cfg(target_os = "linux")]
-            Bus::Interface(port) => port.wait(deadline).map_err(failed)?,
-            Bus::Simulated(port) => port.wait(deadline).map_err(|_| PortError::Over)?,
-            Bus::Recorded(recorded) => recorded.next(deadline)?,
-        };
-        if input == Input::Tick && is_over { Err(PortError::Over) } else { Ok((now, input)) }
+        loop {
+            if self.is_interrupted() {
+                return Err(PortError::Over);
+            }
+            let look = self.interrupted.map(|_| self.now() + LOOK_AFTER);
+            let look = look.map(|at| Deadline { at, why: "an interruption" });
+            match self.wait_for_the_bus(Deadline::earlier(deadline, look))? {
+                (now, Input::Tick) if deadline.is_none_or(|deadline| now < deadline.at) => {}
+                (_, Input::Tick) if is_last => return Err(PortError::Over),
+                other => return Ok(other),
+            }
+        }
     }
 }
 
@@ -200,5 +227,7 @@ impl Recorded {
     }
 }
 
+/// How often an interruption is looked for.
+const LOOK_AFTER: Duration = Duration::from_millis(100);
 /// How many frames a machine may have in flight when only listening.
 pub(super) const NONE_IN_FLIGHT: usize = 0;

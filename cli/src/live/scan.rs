@@ -27,7 +27,7 @@ pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
     let ScanArgs { endpoint, node } = args;
     let own = mac_id(node.own_mac);
     let is_active = match endpoint {
-        Endpoint::Interface(_) => node.allow_tx,
+        Endpoint::Interface(_) => node.permit.allow_tx,
         Endpoint::Scenario(_) => true,
         Endpoint::Recording(_) => false,
     };
@@ -38,12 +38,13 @@ pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
         let mut port = LivePort::open(endpoint, room)?;
         permit::announce(
             endpoint,
-            node,
+            &node.permit,
+            own,
             "to each node that no master owns Allocate, Get_Attribute_Single of Identity 1 to 7, Release",
         )?;
-        let until = port.now() + node.listen.0;
+        let until = port.now() + node.permit.listen.0;
         heard.listen(&mut port, until)?;
-        permit::bit_rate(endpoint, node, &port, &heard)?;
+        permit::bit_rate(endpoint, &node.permit, &port, &heard)?;
         let free = |mac: &MacId| *mac != own && heard.master_of(*mac).is_none();
         let visits = MacId::all().filter(free).map(|mac| (mac, identity())).collect();
         Visitor::new(endpoint, own, visits).run(endpoint, own, &mut port)?
@@ -51,7 +52,7 @@ pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
         let mut port = LivePort::open(endpoint, NONE_IN_FLIGHT)?;
         let until = match endpoint {
             Endpoint::Recording(_) => Instant::MAX,
-            Endpoint::Interface(_) | Endpoint::Scenario(_) => port.now() + node.listen.0,
+            Endpoint::Interface(_) | Endpoint::Scenario(_) => port.now() + node.permit.listen.0,
         };
         heard.listen(&mut port, until)?;
         if !heard.is_up() {
@@ -88,12 +89,12 @@ fn conclude(args: &ScanArgs, heard: &Heard, reports: Vec<Report>, json: bool) ->
     }
     let frames = count(heard.frames, "frame");
     match (rows.len(), &args.endpoint) {
-        (0, Endpoint::Interface(_)) if !args.node.allow_tx => output::note(format_args!(
+        (0, Endpoint::Interface(_)) if !args.node.permit.allow_tx => output::note(format_args!(
             "{}: no node was heard ({frames}) in {}; --listen 10s listens longer, --allow-tx asks",
-            args.endpoint, args.node.listen
+            args.endpoint, args.node.permit.listen
         )),
         (0, _) => output::note(format_args!("{}: no node ({frames} heard)", args.endpoint)),
-        (_, Endpoint::Interface(_)) if !args.node.allow_tx => output::note(format_args!(
+        (_, Endpoint::Interface(_)) if !args.node.permit.allow_tx => output::note(format_args!(
             "{}: those that were heard ({frames}); --allow-tx asks all of them who they are",
             args.endpoint
         )),

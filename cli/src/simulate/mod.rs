@@ -44,6 +44,8 @@ use crate::exit::{Exit, Failure};
 use crate::output::{self, Output};
 use crate::scenario::{Node, Role, Scenario, TimeRange};
 use json::JsonView;
+use link_core::Machine;
+use machines::{MasterMachine, SlaveMachine};
 use record::RecordView;
 use run::Run;
 use selection::{Selected, Selection};
@@ -60,6 +62,15 @@ pub const PLANT: &str = include_str!("../../scenarios/plant.toml");
 /// The bus of a scenario with its nodes, and all that will happen to it.
 pub(crate) fn network(scenario: &Scenario) -> Network<NodeEvent> {
     build::network(scenario, scenario.bus.seed, false)
+}
+
+/// The machine of a node that speaks DeviceNet.
+pub(crate) fn machine(node: &Node) -> Option<Box<dyn Machine<Event = NodeEvent>>> {
+    match &node.role {
+        Role::Slave(slave) => Some(Box::new(SlaveMachine::new(slave, node.bit_rate))),
+        Role::Master(master) => Some(Box::new(MasterMachine::new(master))),
+        _ => None,
+    }
 }
 
 /// Runs a scenario and tells what it has come to.
@@ -176,7 +187,7 @@ pub fn run(args: &SimulateArgs, json: bool) -> Result<Exit, Failure> {
 }
 
 /// Is set by Ctrl-C, or by whoever else asks the program to end, from now on. The second time ends it at once.
-fn interruption() -> Result<&'static AtomicBool, Failure> {
+pub(crate) fn interruption() -> Result<&'static AtomicBool, Failure> {
     static INTERRUPTED: AtomicBool = AtomicBool::new(false);
     let handle = || {
         if INTERRUPTED.swap(true, Ordering::Relaxed) {

@@ -2,6 +2,8 @@
 //! The live commands on the simulated bus and on recordings, as a user runs them.
 
 mod ask;
+#[cfg(target_os = "linux")]
+mod kernel;
 mod scan;
 
 use std::process::{Command, Output};

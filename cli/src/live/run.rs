@@ -1,0 +1,131 @@
+//! `devicenet slave` and `devicenet master`: a node of a scenario on a live bus.
+
+use core::ops::ControlFlow;
+use std::io;
+
+use devicenet_core::MacId;
+use link_core::{Input, Instant, LinkEvent, Port as _, drive};
+use serde_json::json;
+
+use super::args::RunArgs;
+use super::ask::mac_id;
+use super::listen::Heard;
+use super::permit;
+use super::port::{LivePort, PortError};
+use crate::exit::{Exit, Failure};
+use crate::output::Output;
+use crate::scenario::{Node, Role, Scenario};
+use crate::simulate::{self, NodeEvent};
+
+/// Is a slave on a live bus.
+///
+/// # Errors
+/// [`Failure`] when the command line, the file, the endpoint or the bus does not allow it.
+pub fn slave(args: &RunArgs, json: bool) -> Result<Exit, Failure> {
+    run(args, "slave", |node| matches!(node.role, Role::Slave(_)), json)
+}
+
+/// Is a master on a live bus.
+///
+/// # Errors
+/// [`Failure`] when the command line, the file, the endpoint or the bus does not allow it.
+pub fn master(args: &RunArgs, json: bool) -> Result<Exit, Failure> {
+    run(args, "master", |node| matches!(node.role, Role::Master(_)), json)
+}
+
+fn run(args: &RunArgs, role: &str, is_of_role: impl Fn(&Node) -> bool, json: bool) -> Result<Exit, Failure> {
+    let RunArgs { endpoint, permit, .. } = args;
+    let scenario = Scenario::load(&args.file).map_err(|error| Failure::Usage(error.to_string()))?;
+    let node = choose(args, &scenario, role, is_of_role)?;
+    let Some(mut machine) = simulate::machine(node) else {
+        return Err(Failure::Usage(format!("{} is no {role}", node.name)));
+    };
+    let mut port = LivePort::open(endpoint, machine.max_in_flight())?;
+    let (own, slaves) = addresses(node);
+    let what = match &slaves[..] {
+        [] => "its answers to a master".to_owned(),
+        slaves => format!("to each of MAC ID {} Allocate, its configuration, and I/O commands", list(slaves)),
+    };
+    permit::announce(endpoint, permit, own, &what)?;
+    let mut heard = Heard::new();
+    let now = port.now();
+    heard.listen(&mut port, now + permit.listen.0)?;
+    permit::bit_rate(endpoint, permit, &port, &heard)?;
+    slaves.iter().try_for_each(|slave| permit::ownership(*slave, &heard))?;
+
+    port.set_interruption(simulate::interruption()?);
+    let now = port.now();
+    port.set_end(args.span.map_or(Instant::MAX, |span| now + span.0));
+    machine.input(now, Input::Link(LinkEvent::Up));
+    let mut log = Log { output: Output::new(), name: &node.name, json };
+    let ended = drive(&mut machine.as_mut(), &mut port, |_, now, event| match log.event(now, &event) {
+        Ok(()) => ControlFlow::Continue(()),
+        Err(error) => ControlFlow::Break(error),
+    });
+    match ended {
+        Ok(error) => Err(error.into()),
+        Err(PortError::Failed(failure)) => Err(failure),
+        Err(PortError::Over) => Ok(Exit::Done),
+    }
+}
+
+fn choose<'a>(
+    args: &RunArgs,
+    scenario: &'a Scenario,
+    role: &str,
+    is_of_role: impl Fn(&Node) -> bool,
+) -> Result<&'a Node, Failure> {
+    let file = args.file.display();
+    let nodes: Vec<&Node> = scenario.nodes.iter().filter(|node| is_of_role(node)).collect();
+    let names = || nodes.iter().map(|node| node.name.as_str()).collect::<Vec<_>>().join(", ");
+    match (&nodes[..], &args.node) {
+        ([], _) => Err(Failure::Usage(format!("{file}: there is no node of the role {role}"))),
+        ([node], None) => Ok(node),
+        (_, None) => Err(Failure::Usage(format!(
+            "{file}: there are several of the role {role}, choose one with --node: {}",
+            names()
+        ))),
+        (_, Some(name)) => (nodes.iter().find(|node| node.name == *name).copied()).ok_or_else(|| {
+            Failure::Usage(format!("{file}: there is no {role} named {name}; there is {}", names()))
+        }),
+    }
+}
+
+/// The MAC ID of a node, and of the slaves that it will talk to.
+fn addresses(node: &Node) -> (MacId, Vec<MacId>) {
+    match &node.role {
+        Role::Slave(slave) => (mac_id(slave.access.mac), Vec::new()),
+        Role::Master(master) => {
+            (mac_id(master.access.mac), master.scan.iter().map(|slave| slave.entry.mac_id).collect())
+        }
+        _ => (MacId::DEFAULT, Vec::new()),
+    }
+}
+
+fn list(macs: &[MacId]) -> String {
+    macs.iter().map(MacId::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// What the node tells, line by line, at once.
+struct Log<'a> {
+    output: Output,
+    name: &'a str,
+    json: bool,
+}
+
+impl Log<'_> {
+    fn event(&mut self, now: Instant, event: &NodeEvent) -> io::Result<()> {
+        // Data, which frames tell in a trace, as well.
+        if !event.is_news() && !matches!(event, NodeEvent::Output { .. } | NodeEvent::Input { .. }) {
+            return Ok(());
+        }
+        let words = event.words();
+        let line = match self.json {
+            true => json!({ "t": now.as_nanos() as f64 / 1e9, "node": self.name, "text": words, "problem": event.is_problem() }).to_string(),
+            false => format!("{now:.6}  {}  {words}", self.name),
+        };
+        self.output.buffer.extend_from_slice(line.as_bytes());
+        self.output.buffer.push(b'\n');
+        self.output.flush()
+    }
+}

@@ -1,0 +1,127 @@
+//! The same commands on interfaces of a real kernel, each node a process of its own.
+
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::path::Path;
+use std::process::{Child, ChildStdout, Command, Stdio};
+
+use crate::devicenet;
+
+/// Every test of this program that is marked as ignored, where there is CAN: in a user-mode kernel, or on this machine.
+#[test]
+fn on_a_real_kernel() {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scripts/can-kernel");
+    let check = Command::new(&script).arg("--ready").stdin(Stdio::null()).output().expect("the script runs");
+    if !check.status.success() {
+        let why = String::from_utf8_lossy(&check.stderr).trim().to_owned();
+        assert!(std::env::var_os("DEVICENET_REQUIRE_CAN_KERNEL").is_none(), "no kernel with CAN: {why}");
+        eprintln!("SKIPPED: the tests on a real kernel: {why}");
+        return;
+    }
+    let run = Command::new(&script)
+        .arg("--")
+        .arg(std::env::current_exe().expect("this program"))
+        .args(["--ignored", "--test-threads=1"])
+        .stdin(Stdio::null())
+        .output()
+        .expect("the script runs");
+    let (out, err) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
+    println!("{out}{err}");
+    assert!(run.status.success(), "{}", run.status);
+    assert!(!out.contains(" 0 passed"), "nothing ran");
+}
+
+/// A node in the background, which ends by itself.
+struct Node {
+    child: Child,
+    out: BufReader<ChildStdout>,
+    told: String,
+}
+
+impl Node {
+    fn start(role: &str, bus: &str, name: &str, span: &str) -> Self {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_devicenet"))
+            .args([role, bus, "line.toml", "--node", name, "--allow-tx", "--listen", "1ms", "--for", span])
+            .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/live"))
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let out = BufReader::new(child.stdout.take().unwrap());
+        Self { child, out, told: String::new() }
+    }
+
+    /// Waits until it tells this.
+    fn until(&mut self, words: &str) {
+        while !self.told.lines().any(|line| line.contains(words)) {
+            let read = self.out.read_line(&mut self.told).unwrap();
+            assert!(read > 0, "{words} is missing in\n{}", self.told);
+        }
+    }
+
+    /// Waits for its end.
+    fn told(mut self) -> String {
+        self.out.read_to_string(&mut self.told).unwrap();
+        assert!(self.child.wait().unwrap().success(), "{}", self.told);
+        core::mem::take(&mut self.told)
+    }
+}
+
+impl Drop for Node {
+    fn drop(&mut self) {
+        let _ = self.child.kill().and_then(|()| self.child.wait());
+    }
+}
+
+#[test]
+#[ignore = "needs vcan"]
+fn a_master_and_three_slaves() {
+    let slaves = ["valve", "gauge", "switch"].map(|name| Node::start("slave", "vcan0", name, "9s"));
+    let master = Node::start("master", "vcan0", "scanner", "7s").told();
+    for line in [
+        "slave 10: Configuring -> Running",
+        "slave 11: Configuring -> Running",
+        "slave 12: Configuring -> Running",
+        "slave 10: poll: input data 01 02 03",
+        "slave 11: poll: input data 01 02 03 04 05 06 07 08 09 0A 0B 0C",
+        "slave 12: change-of-state or cyclic: input data 05",
+    ] {
+        assert!(master.contains(line), "{line} is missing in\n{master}");
+    }
+    let [valve, ..] = slaves.map(Node::told);
+    assert!(valve.contains("poll: output data 80"), "{valve}");
+}
+
+#[test]
+#[ignore = "needs vcan"]
+fn one_mac_id_in_two_processes() {
+    let mut first = Node::start("slave", "vcan1", "valve", "8s");
+    first.until("-> OnLine");
+    let second = Node::start("slave", "vcan1", "valve", "3s").told();
+    let first = first.told();
+    assert!(first.contains("-> OnLine") && !first.contains("-> CommFault"), "{first}");
+    assert!(second.contains("-> CommFault") && !second.contains("-> OnLine"), "{second}");
+}
+
+#[test]
+#[ignore = "needs vcan"]
+fn nodes_are_listed_and_asked() {
+    let mut gauge = Node::start("slave", "vcan1", "gauge", "120s");
+    gauge.until("-> OnLine");
+    let scan = devicenet(&["scan", "vcan1", "--allow-tx", "--json"]);
+    assert_eq!(scan.code(), 0, "{}", scan.err());
+    let [object] = &scan.json()[..] else { panic!("{}", scan.out()) };
+    assert_eq!((&object["mac"], &object["product_name"]), (&11.into(), &"\"gauge\"".into()));
+    let get = devicenet(&["get", "vcan1", "11", "1/1/6", "--allow-tx"]);
+    assert_eq!(
+        (get.out().as_str(), get.code()),
+        ("node 11  Identity 1 Serial number: 9030\n", 0),
+        "{}",
+        get.err()
+    );
+    let set = devicenet(&["set", "vcan1", "11", "3/1/3", "1", "--allow-tx"]);
+    assert_eq!(set.code(), 0, "{}", set.err());
+    let get = devicenet(&["get", "vcan1", "11", "3/1/3", "--allow-tx"]);
+    assert!(get.out().starts_with("node 11  DeviceNet 1 Bus-off interrupt: "), "{} {}", get.out(), get.err());
+    assert_eq!(devicenet(&["get", "vcan1", "11", "3/1/3"]).code(), 4, "not without --allow-tx");
+    let absent = devicenet(&["get", "vcan1", "13", "1/1/1", "--allow-tx"]);
+    assert_eq!(absent.code(), 1, "{}", absent.err());
+}
