@@ -120,6 +120,8 @@ pub mod client;
 mod collision;
 mod counter;
 pub mod id;
+#[cfg(test)]
+mod machine_laws;
 pub mod master;
 pub mod message;
 pub mod monitor;

@@ -2,13 +2,12 @@
 
 use std::cell::RefCell;
 use std::collections::HashSet;
-use std::string::ToString;
-use std::vec::Vec;
 
 use link_core::{BusErrorKind, LinkEvent};
 
-use super::super::{Access, BusOffWhileChecking, Cause, EDGES, StateKind};
+use super::super::{Access, BusOffWhileChecking, Cause, EDGES, Edge, StateKind};
 use super::bus::*;
+use crate::machine_laws;
 
 std::thread_local! {
     static TAKEN: RefCell<HashSet<(StateKind, Cause, StateKind)>> = RefCell::default();
@@ -45,30 +44,21 @@ fn every_edge_is_taken() {
     bus.wait(1000);
     bus.acknowledges();
 
-    let missed: Vec<_> = TAKEN.with_borrow(|taken| {
-        EDGES.iter().filter(|edge| !taken.contains(&(edge.from, edge.cause, edge.to))).collect()
-    });
-    assert!(missed.is_empty(), "{missed:#?}");
+    TAKEN.with_borrow(|taken| machine_laws::every_edge_was_taken(EDGES, taken, key));
 }
 
 #[test]
 fn the_text_shows_the_table_as_it_is() {
-    let text = include_str!("../state.rs");
-    let documented: Vec<_> = text
-        .lines()
-        .filter_map(|line| line.strip_prefix("/// "))
-        .filter(|line| {
-            line.starts_with("| ") && line.matches('|').count() == 5 && line.as_bytes()[2].is_ascii_digit()
-        })
-        .collect();
-    let actual: Vec<_> = EDGES.iter().map(ToString::to_string).collect();
-    assert_eq!(documented, actual, "put this into the text of EDGES:\n{}", actual.join("\n"));
+    machine_laws::text_shows(include_str!("../state.rs"), "| Row | From | Cause | To |", EDGES);
 }
 
 #[test]
 fn no_edge_is_listed_twice_and_rows_are_in_order() {
-    let distinct: HashSet<_> = EDGES.iter().map(|edge| (edge.from, edge.cause, edge.to)).collect();
-    assert_eq!(distinct.len(), EDGES.len());
+    machine_laws::edges_are_distinct(EDGES, key);
     assert!(EDGES.is_sorted_by_key(|edge| edge.number));
     assert_eq!(EDGES.iter().map(|edge| edge.number).collect::<HashSet<_>>().len(), 15, "all fifteen rows");
+}
+
+const fn key(edge: &Edge) -> (StateKind, Cause, StateKind) {
+    (edge.from, edge.cause, edge.to)
 }

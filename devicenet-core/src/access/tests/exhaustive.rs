@@ -3,7 +3,6 @@
 //! The real machine is explored, not a model of it: two machines that differ only in the time of day and in what they
 //! counted are the same.
 
-use std::collections::{HashSet, VecDeque};
 use std::vec::Vec;
 
 use link_core::link::LinkCommandKind;
@@ -14,6 +13,7 @@ use link_core::{
 
 use super::super::{Access, AccessEvent, BusOffWhileChecking, Cause, CheckRequest, Config, State, StateKind};
 use super::bus::*;
+use crate::machine_laws;
 
 /// A machine, and what the bus knows of it.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
@@ -152,20 +152,7 @@ impl World {
 
 /// All worlds that can be reached.
 fn explore(config: Config) -> Vec<World> {
-    let start = World::new(config);
-    let mut seen = HashSet::from([start.clone()]);
-    let mut open = VecDeque::from([start]);
-    while let Some(world) = open.pop_front() {
-        for &step in STEPS {
-            if let Some(next) = world.step(step)
-                && seen.insert(next.clone())
-            {
-                open.push_back(next);
-            }
-        }
-        assert!(seen.len() < 1_000, "the state space does not close");
-    }
-    seen.into_iter().collect()
+    machine_laws::reachable(World::new(config), STEPS, World::step, 1_000).into_iter().collect()
 }
 
 fn configurations() -> Vec<Config> {

@@ -2,11 +2,10 @@
 
 use std::cell::RefCell;
 use std::collections::HashSet;
-use std::string::ToString;
-use std::vec::Vec;
 
-use super::super::{Cause, EDGES, SlaveState};
+use super::super::{Cause, EDGES, Edge, SlaveState};
 use super::bus::{Bus, config, mac, polled};
+use crate::machine_laws;
 
 std::thread_local! {
     static TAKEN: RefCell<HashSet<(SlaveState, Cause, SlaveState)>> = RefCell::default();
@@ -90,10 +89,7 @@ fn every_edge_is_taken() {
     bus.hears("5FF: 00 E7 03 44 33 22 11");
     bus.wait(1005);
 
-    let missed: Vec<_> = TAKEN.with_borrow(|taken| {
-        EDGES.iter().filter(|edge| !taken.contains(&(edge.from, edge.cause, edge.to))).collect()
-    });
-    assert!(missed.is_empty(), "{missed:#?}");
+    TAKEN.with_borrow(|taken| machine_laws::every_edge_was_taken(EDGES, taken, key));
 }
 
 /// A slave without time-out that starts anew.
@@ -109,20 +105,14 @@ fn lost_by_its_check() {
 
 #[test]
 fn the_text_shows_the_table_as_it_is() {
-    let text = include_str!("../state.rs");
-    let documented: Vec<_> = text
-        .lines()
-        .filter_map(|line| line.strip_prefix("/// "))
-        .skip_while(|line| *line != "| From | Cause | To |")
-        .skip(2)
-        .take_while(|line| line.starts_with('|'))
-        .collect();
-    let actual: Vec<_> = EDGES.iter().map(ToString::to_string).collect();
-    assert_eq!(documented, actual, "put this into the text of EDGES:\n{}", actual.join("\n"));
+    machine_laws::text_shows(include_str!("../state.rs"), "| From | Cause | To |", EDGES);
 }
 
 #[test]
 fn no_edge_is_listed_twice() {
-    let distinct: HashSet<_> = EDGES.iter().map(|edge| (edge.from, edge.cause, edge.to)).collect();
-    assert_eq!(distinct.len(), EDGES.len());
+    machine_laws::edges_are_distinct(EDGES, key);
+}
+
+const fn key(edge: &Edge) -> (SlaveState, Cause, SlaveState) {
+    (edge.from, edge.cause, edge.to)
 }

@@ -4,7 +4,7 @@
 //! counted are the same.
 
 use core::time::Duration;
-use std::collections::{HashSet, VecDeque};
+use std::collections::HashSet;
 use std::vec::Vec;
 
 use link_core::{Action, Frame, Input, Instant, LinkEvent, Machine, TxOutcome, TxToken};
@@ -12,6 +12,7 @@ use link_core::{Action, Frame, Input, Instant, LinkEvent, Machine, TxOutcome, Tx
 use super::super::*;
 use super::bus::{config, frame, mac, polled};
 use crate::client::Waits;
+use crate::machine_laws;
 
 type Scanner = Master<1, 16>;
 
@@ -199,19 +200,7 @@ fn response_to(request: &Frame, answer: Answer) -> Option<Frame> {
 /// No order of inputs breaks an assertion, and from everywhere a slave that answers is brought up again.
 #[test]
 fn no_order_of_inputs_leads_astray() {
-    let start = World::new();
-    let mut seen = HashSet::from([start.clone()]);
-    let mut open = VecDeque::from([start]);
-    while let Some(world) = open.pop_front() {
-        for &step in STEPS {
-            if let Some(next) = world.step(step)
-                && seen.insert(next.clone())
-            {
-                open.push_back(next);
-            }
-        }
-        assert!(seen.len() < 20_000, "the state space does not close");
-    }
+    let seen = machine_laws::reachable(World::new(), STEPS, World::step, 20_000);
     let mut leads_up = HashSet::new();
     for world in &seen {
         let mut way = std::vec![world.clone()];

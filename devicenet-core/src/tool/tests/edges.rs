@@ -2,11 +2,10 @@
 
 use std::cell::RefCell;
 use std::collections::HashSet;
-use std::string::ToString;
-use std::vec::Vec;
 
-use super::super::{Cause, EDGES, OfflineTool, ToolState};
+use super::super::{Cause, EDGES, Edge, OfflineTool, ToolState};
 use super::bus::Bus;
+use crate::machine_laws;
 
 std::thread_local! {
     static TAKEN: RefCell<HashSet<(ToolState, Cause, ToolState)>> = RefCell::default();
@@ -29,28 +28,19 @@ fn every_edge_is_taken() {
         make().command(OfflineTool::release);
         make().hears("42F: 80 34 12 99 99 00 00");
     }
-    let missed: Vec<_> = TAKEN.with_borrow(|taken| {
-        EDGES.iter().filter(|edge| !taken.contains(&(edge.from, edge.cause, edge.to))).collect()
-    });
-    assert!(missed.is_empty(), "{missed:#?}");
+    TAKEN.with_borrow(|taken| machine_laws::every_edge_was_taken(EDGES, taken, key));
 }
 
 #[test]
 fn the_text_shows_the_table_as_it_is() {
-    let text = include_str!("../state.rs");
-    let documented: Vec<_> = text
-        .lines()
-        .filter_map(|line| line.strip_prefix("/// "))
-        .skip_while(|line| *line != "| From | Cause | To |")
-        .skip(2)
-        .take_while(|line| line.starts_with('|'))
-        .collect();
-    let actual: Vec<_> = EDGES.iter().map(ToString::to_string).collect();
-    assert_eq!(documented, actual, "put this into the text of EDGES:\n{}", actual.join("\n"));
+    machine_laws::text_shows(include_str!("../state.rs"), "| From | Cause | To |", EDGES);
 }
 
 #[test]
 fn no_edge_is_listed_twice() {
-    let distinct: HashSet<_> = EDGES.iter().map(|edge| (edge.from, edge.cause, edge.to)).collect();
-    assert_eq!(distinct.len(), EDGES.len());
+    machine_laws::edges_are_distinct(EDGES, key);
+}
+
+const fn key(edge: &Edge) -> (ToolState, Cause, ToolState) {
+    (edge.from, edge.cause, edge.to)
 }
