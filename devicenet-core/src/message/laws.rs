@@ -316,7 +316,7 @@ fn the_strobe_bits_of_mac_id_0_7_8_and_63() {
 #[test]
 fn messages_to_faulted_nodes_are_strict() {
     let error = refused::<WhoRequest>(&[0x80, 0x4B, 0x00]);
-    assert_eq!(error, ParseError::value("reserved bit of Match and Value", 0, 0x80));
+    assert_eq!(error, ParseError::value("Match and Value", 0, 0x80));
     assert_eq!(refused::<WhoRequest>(&[0x3F, 0x4B, 7]), ParseError::value("time delay byte offset", 2, 7));
     let change = [0x43, 0x4D, 6, 0, 8, 7, 6, 5];
     assert_eq!(refused::<ChangeMacIdRequest>(&change), ParseError::value("new MAC ID", 0, 0x43));

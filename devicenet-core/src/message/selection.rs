@@ -53,7 +53,7 @@ impl NodeSelection {
     pub(super) fn read(reader: &mut Reader<'_>) -> Result<Self, ParseError> {
         let offset = reader.offset();
         let byte = reader.u8("Match and Value")?;
-        Self::from_byte(byte).ok_or(ParseError::value("reserved bit of Match and Value", offset, byte.into()))
+        Self::from_byte(byte).ok_or(ParseError::value("Match and Value", offset, byte.into()))
     }
 
     const fn from_byte(byte: u8) -> Option<Self> {
