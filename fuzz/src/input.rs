@@ -23,8 +23,9 @@
 use core::time::Duration;
 
 use arbitrary::{Result, Unstructured};
-use link_core::Frame;
 use link_core::frame::{extended_id, standard_id};
+use link_core::link::LinkCommandKind;
+use link_core::{BusErrorKind, Frame, LinkEvent};
 
 /// Reads a frame.
 ///
@@ -86,6 +87,20 @@ pub fn span_byte(span: Duration) -> u8 {
         .filter(|&byte| self::span(byte) <= span)
         .max_by_key(|&byte| self::span(byte))
         .unwrap_or_default()
+}
+
+/// What happens below the frame, by a byte modulo 8.
+#[must_use]
+pub fn link_event(which: u8) -> LinkEvent {
+    match which % 8 {
+        0 | 1 => LinkEvent::Up,
+        2 => LinkEvent::Down,
+        3 => LinkEvent::BusOff,
+        4 => LinkEvent::BusError(BusErrorKind::Ack),
+        5 => LinkEvent::BusError(BusErrorKind::Bit),
+        6 => LinkEvent::Overrun { lost: 1 },
+        _ => LinkEvent::Refused(LinkCommandKind::Reset),
+    }
 }
 
 const REMOTE: u8 = 0x10;

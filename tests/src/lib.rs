@@ -18,6 +18,7 @@
 //!
 //! Recordings are in `captures`, scenario files in `scenarios`, each with its source or purpose.
 
+pub mod block;
 pub mod line;
 pub mod notation;
 pub mod outcomes;

@@ -5,15 +5,15 @@ use core::time::Duration;
 
 use cip_core::code::{DeviceType, VendorId};
 use cip_core::identity::{DeviceIdentity, ProductName, Revision};
-use cip_core::message::AllocationChoice;
-use cip_core::object::Identity;
 use devicenet_core::master::{self, Master, MasterEvent, PollConnection, ScanEntry, SlaveState};
-use devicenet_core::slave::{self, Application, IoKind, Slave};
+use devicenet_core::slave::{self, Slave};
 use devicenet_core::tool::{OfflineTool, ToolEvent};
 use devicenet_core::{Identifier, MacId};
 use link_core::{BitRate, Frame, Instant};
 use transport_mock::record::Outcome;
 use transport_mock::{BusConfig, Change, Network, NodeConfig, NodeId, Reaction, Record};
+
+use crate::block::Block;
 
 mod measure;
 mod tables;
@@ -24,7 +24,9 @@ pub use tables::{bring_up_table, bring_ups, scan_cycles, scan_table};
 /// The master of a line, with room for messages of several fragments.
 pub type LineMaster = Master<63, 64>;
 /// A slave of a line.
-pub type LineSlave = Slave<Block, 64, 0>;
+pub type LineSlave = Slave<LineBlock, 64, 0>;
+/// The device behind it.
+pub type LineBlock = Block<2, 2>;
 
 /// What a line is like.
 #[derive(Clone, Debug)]
@@ -123,7 +125,7 @@ impl Line {
             Self { network, master, slaves: Vec::new(), sent: Vec::new(), destroyed: 0, told: Vec::new() };
         for number in plan.slaves.clone() {
             let late = plan.late.filter(|(first, _)| number >= *first).map_or(Instant::ZERO, |(_, at)| at);
-            let device = Block::new(number);
+            let device = block(number);
             let mut config = slave::Config::new(&device.identity, mac(number));
             config.heartbeat_interval = plan.heartbeat;
             let id = line.add_slave(&format!("slave {number}"), late, config, device);
@@ -150,7 +152,7 @@ impl Line {
         name: &str,
         power_up: Instant,
         config: slave::Config,
-        device: Block,
+        device: LineBlock,
     ) -> NodeId {
         let node = NodeConfig { power_up: Some(power_up), ..NodeConfig::named(name) };
         self.network.add(node, LineSlave::new(config, device).expect("a valid slave"))
@@ -240,46 +242,6 @@ impl Line {
     }
 }
 
-/// The device behind every slave of a line.
-#[derive(Clone, PartialEq, Eq, Hash, Debug)]
-pub struct Block {
-    /// Who it is.
-    pub identity: DeviceIdentity,
-    /// What it sends.
-    pub inputs: [u8; 2],
-    /// What it received.
-    pub outputs: [u8; 2],
-}
-
-impl Block {
-    /// A device whose serial number and data follow from a number.
-    ///
-    /// # Panics
-    /// Never: the identity is valid.
-    #[must_use]
-    pub fn new(number: u8) -> Self {
-        let identity = identity(0x2211_0000 | u32::from(number));
-        Self { identity, inputs: data(number, 0x3C), outputs: [0; 2] }
-    }
-}
-
-impl Application for Block {
-    const IO: AllocationChoice = AllocationChoice::POLL;
-    type Long = ();
-
-    fn identity(&self) -> Identity<'_> {
-        Identity::new(&self.identity)
-    }
-
-    fn produced(&self, _: IoKind) -> &[u8] {
-        &self.inputs
-    }
-
-    fn consumed(&mut self, _: IoKind) -> &mut [u8] {
-        &mut self.outputs
-    }
-}
-
 impl From<MasterEvent> for Told {
     fn from(event: MasterEvent) -> Self {
         Self::Master(event)
@@ -306,6 +268,15 @@ impl From<ToolEvent> for Told {
 #[track_caller]
 pub fn mac(number: u8) -> MacId {
     MacId::new(number).expect("a MAC ID")
+}
+
+/// A device whose serial number and data follow from a number.
+///
+/// # Panics
+/// Never: the identity is valid.
+#[must_use]
+pub fn block(number: u8) -> LineBlock {
+    Block::new(identity(0x2211_0000 | u32::from(number)), data(number, 0x3C))
 }
 
 /// A device of a fictitious vendor.

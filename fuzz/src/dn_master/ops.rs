@@ -21,10 +21,9 @@
 use core::time::Duration;
 
 use arbitrary::{Result, Unstructured};
-use link_core::link::LinkCommandKind;
-use link_core::{BusErrorKind, Frame, LinkEvent};
+use link_core::{Frame, LinkEvent};
 
-use crate::input;
+use crate::input::{self, link_event};
 
 /// Something that happens to a master.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,16 +60,4 @@ pub(super) fn op(input: &mut Unstructured<'_>) -> Result<Op> {
         11 => Op::Ask { slave: input.arbitrary()?, len: input.arbitrary()? },
         _ => Op::Command { which: input.arbitrary()?, slave: input.arbitrary()? },
     })
-}
-
-fn link_event(which: u8) -> LinkEvent {
-    match which % 8 {
-        0 | 1 => LinkEvent::Up,
-        2 => LinkEvent::Down,
-        3 => LinkEvent::BusOff,
-        4 => LinkEvent::BusError(BusErrorKind::Ack),
-        5 => LinkEvent::BusError(BusErrorKind::Bit),
-        6 => LinkEvent::Overrun { lost: 1 },
-        _ => LinkEvent::Refused(LinkCommandKind::Reset),
-    }
 }

@@ -17,10 +17,9 @@
 use core::time::Duration;
 
 use arbitrary::{Result, Unstructured};
-use link_core::link::LinkCommandKind;
-use link_core::{BusErrorKind, Frame, LinkEvent};
+use link_core::{Frame, LinkEvent};
 
-use crate::input;
+use crate::input::{self, link_event};
 
 /// Something that happens to a tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,16 +52,4 @@ pub(super) fn op(input: &mut Unstructured<'_>) -> Result<Op> {
         9 => Op::Link(link_event(input.arbitrary()?)),
         _ => Op::Command(input.arbitrary()?),
     })
-}
-
-fn link_event(which: u8) -> LinkEvent {
-    match which % 8 {
-        0 | 1 => LinkEvent::Up,
-        2 => LinkEvent::Down,
-        3 => LinkEvent::BusOff,
-        4 => LinkEvent::BusError(BusErrorKind::Ack),
-        5 => LinkEvent::BusError(BusErrorKind::Bit),
-        6 => LinkEvent::Overrun { lost: 1 },
-        _ => LinkEvent::Refused(LinkCommandKind::Reset),
-    }
 }

@@ -39,7 +39,9 @@ use devicenet_core::slave::{self, SlaveEvent};
 use link_core::frame::standard_id;
 use link_core::{Action, Frame, Input, Instant, LinkCommand, LinkEvent, TxOutcome};
 
-use node::{Device, Node, Plan, Role, known_as, mac_id};
+use devicenet_tests::line::mac as mac_id;
+
+use node::{Device, Node, Plan, Role, known_as};
 use referee::Referee;
 
 /// Lets a network live as the bytes say.

@@ -2,16 +2,13 @@
 
 use core::time::Duration;
 
-use cip_core::code::DeviceType;
-use cip_core::identity::{DeviceIdentity, ProductName, Revision};
-use cip_core::message::AllocationChoice;
-use cip_core::object::Identity;
-use devicenet_core::MacId;
 use devicenet_core::access;
 use devicenet_core::master::{self, FirstContact, Master, PollConnection, ScanEntry};
 use devicenet_core::message::PortNumber;
-use devicenet_core::slave::{self, Application, Event, Group2OnlyServer, IoKind, Options, Slave};
+use devicenet_core::slave::{self, Event, Group2OnlyServer, Options, Slave};
 use devicenet_core::tool::{self, OfflineTool};
+use devicenet_tests::block::Block;
+use devicenet_tests::line::{identity, mac as mac_id};
 use link_core::{Action, Frame, Input, Instant, Machine, TxToken};
 
 use super::{MASTERS, SLAVES, TOOL, UCMM_SLAVE};
@@ -30,9 +27,9 @@ pub(super) struct Node {
 
 pub(super) enum Device {
     Master(Box<Master<3, 32>>),
-    Slave(Box<Group2OnlyServer<Block>>),
+    Slave(Box<Group2OnlyServer<Small>>),
     /// Two of its clients can have a connection at once.
-    Capable(Box<Slave<Block, 32, 2>>),
+    Capable(Box<Slave<Small, 32, 2>>),
     Tool(Box<OfflineTool>),
 }
 
@@ -49,29 +46,7 @@ pub(super) enum Role {
 pub(super) struct Plan(pub(super) u8);
 
 /// Two bytes in, one byte out, by poll.
-#[derive(Clone, PartialEq, Eq, Hash, Debug)]
-pub(super) struct Block {
-    device: DeviceIdentity,
-    pub(super) inputs: [u8; 2],
-    pub(super) outputs: [u8; 1],
-}
-
-impl Application for Block {
-    const IO: AllocationChoice = AllocationChoice::POLL;
-    type Long = ();
-
-    fn identity(&self) -> Identity<'_> {
-        Identity::new(&self.device)
-    }
-
-    fn produced(&self, _: IoKind) -> &[u8] {
-        &self.inputs
-    }
-
-    fn consumed(&mut self, _: IoKind) -> &mut [u8] {
-        &mut self.outputs
-    }
-}
+pub(super) type Small = Block<2, 1>;
 
 impl Plan {
     /// Who is there, in the order of their serial numbers, which begin with 1.
@@ -127,23 +102,23 @@ impl Plan {
         Box::new(master)
     }
 
-    fn block(self, serial: u32, mac: u8) -> Box<Group2OnlyServer<Block>> {
+    fn block(self, serial: u32, mac: u8) -> Box<Group2OnlyServer<Small>> {
         let (config, block) = self.slave(serial, mac);
         Box::new(Group2OnlyServer::new(config, block).expect("its messages fit into frames"))
     }
 
     /// It has the unconnected port of group 2, or not.
-    fn capable(self, serial: u32) -> Box<Slave<Block, 32, 2>> {
+    fn capable(self, serial: u32) -> Box<Slave<Small, 32, 2>> {
         let (mut config, block) = self.slave(serial, UCMM_SLAVE);
         config.options.set(Options::UNCONNECTED_PORT, self.0 & 0x40 == 0);
         Box::new(Slave::new(config, block).expect("its messages fit into frames"))
     }
 
-    fn slave(self, serial: u32, mac: u8) -> (slave::Config, Block) {
+    fn slave(self, serial: u32, mac: u8) -> (slave::Config, Small) {
         let device = identity(serial);
         let mut config = slave::Config::new(&device, mac_id(mac));
         config.access.bus_off_interrupt = self.bus_off_interrupt();
-        (config, Block { device, inputs: [0, mac], outputs: [0] })
+        (config, Block::new(device, [0, mac]))
     }
 
     fn tool(self, serial: u32) -> Box<OfflineTool> {
@@ -201,7 +176,7 @@ impl Device {
     }
 
     /// What is behind a slave.
-    pub(super) fn block(&self) -> Option<&Block> {
+    pub(super) fn block(&self) -> Option<&Small> {
         match self {
             Self::Slave(slave) => Some(slave.application()),
             Self::Capable(slave) => Some(slave.application()),
@@ -209,7 +184,7 @@ impl Device {
         }
     }
 
-    pub(super) fn block_mut(&mut self) -> Option<&mut Block> {
+    pub(super) fn block_mut(&mut self) -> Option<&mut Small> {
         match self {
             Self::Slave(slave) => Some(slave.application_mut()),
             Self::Capable(slave) => Some(slave.application_mut()),
@@ -218,25 +193,10 @@ impl Device {
     }
 }
 
-/// A device of a fictitious vendor.
-fn identity(serial: u32) -> DeviceIdentity {
-    DeviceIdentity {
-        vendor: VENDOR.into(),
-        device_type: DeviceType::GENERIC,
-        product_code: 1,
-        revision: Revision::new(1, 1).expect("not zero"),
-        serial,
-        name: ProductName::new("node").expect("short"),
-    }
-}
-
-/// What tells a device from every other.
+/// What tells the device of this serial number from every other.
 pub(super) fn known_as(serial: u32) -> devicenet_core::message::DeviceIdentity {
     devicenet_core::message::DeviceIdentity { vendor: VENDOR.into(), serial }
 }
 
-pub(super) fn mac_id(number: u8) -> MacId {
-    MacId::new(number).expect("up to 63")
-}
-
+/// That of every device of the suites.
 pub(super) const VENDOR: u16 = 0x1234;

@@ -1,74 +1,21 @@
 //! Networks of real machines on the simulated bus: masters, slaves and a tool.
 
-use cip_core::code::{DeviceType, VendorId};
-use cip_core::identity::{DeviceIdentity, ProductName, Revision};
-use cip_core::message::AllocationChoice;
-use cip_core::object::Identity;
-use devicenet_core::MacId;
+use cip_core::code::VendorId;
 use devicenet_core::access::{self, Fault};
 use devicenet_core::master::{
-    self, ElectronicKey, IoInstance, Master, MasterEvent, PollConnection, ReplacementMode, ScanEntry,
-    ScannerStatus, SlaveState,
+    self, ElectronicKey, IoInstance, Master, PollConnection, ReplacementMode, ScanEntry, ScannerStatus,
+    SlaveState,
 };
 use devicenet_core::message::{DelayOffset, PortNumber};
-use devicenet_core::slave::{self, Application, Group2OnlyServer, IoKind};
-use devicenet_core::tool::{self, OfflineTool, ToolEvent, ToolState};
+use devicenet_core::slave::{self, Group2OnlyServer};
+use devicenet_core::tool::{self, OfflineTool, ToolState};
+use devicenet_tests::block::Block;
+use devicenet_tests::line::{Told, identity, mac};
 use link_core::{BitRate, Instant};
 use transport_mock::{BusConfig, Change, Network, NodeConfig, NodeId, Record};
 
 type Scanner = Master<63, 32>;
-type Slave = Group2OnlyServer<Block>;
-
-/// Two bytes in, one byte out, by poll.
-#[derive(Clone, PartialEq, Eq, Hash, Debug)]
-struct Block {
-    device: DeviceIdentity,
-    inputs: [u8; 2],
-    outputs: [u8; 1],
-}
-
-impl Application for Block {
-    const IO: AllocationChoice = AllocationChoice::POLL;
-    type Long = ();
-
-    fn identity(&self) -> Identity<'_> {
-        Identity::new(&self.device)
-    }
-
-    fn produced(&self, _: IoKind) -> &[u8] {
-        &self.inputs
-    }
-
-    fn consumed(&mut self, _: IoKind) -> &mut [u8] {
-        &mut self.outputs
-    }
-}
-
-/// What any of them tells.
-#[derive(Clone, Debug)]
-enum Told {
-    Master(MasterEvent),
-    Slave,
-    Tool(ToolEvent),
-}
-
-impl From<MasterEvent> for Told {
-    fn from(event: MasterEvent) -> Self {
-        Self::Master(event)
-    }
-}
-
-impl From<slave::Event> for Told {
-    fn from(_: slave::Event) -> Self {
-        Self::Slave
-    }
-}
-
-impl From<ToolEvent> for Told {
-    fn from(event: ToolEvent) -> Self {
-        Self::Tool(event)
-    }
-}
+type Slave = Group2OnlyServer<Block<2, 1>>;
 
 /// A line of nodes; each has its MAC ID as serial number, or another that it is given.
 struct Line {
@@ -82,7 +29,7 @@ impl Line {
     }
 
     fn master(&mut self, number: u8, slaves: &[u8], change: impl FnOnce(&mut master::Config)) -> NodeId {
-        let mut config = master::Config::new(device(number.into()), mac(number));
+        let mut config = master::Config::new(identity(number.into()), mac(number));
         change(&mut config);
         let mut master = Scanner::new(config);
         for &slave in slaves {
@@ -95,9 +42,9 @@ impl Line {
 
     /// A slave that powers up at `seconds`; `None`: when somebody switches it on.
     fn slave(&mut self, number: u8, serial: u32, seconds: Option<u64>) -> NodeId {
-        let device = device(serial);
+        let device = identity(serial);
         let config = slave::Config::new(&device, mac(number));
-        let block = Block { device, inputs: [number, 0x12], outputs: [0] };
+        let block = Block::new(device, [number, 0x12]);
         let mut node = named("slave", number);
         node.power_up = seconds.map(|seconds| Instant::from_millis(1000 * seconds));
         self.network.add(node, Slave::new(config, block).unwrap())
@@ -117,7 +64,7 @@ impl Line {
                 match event {
                     Told::Master(event) => told.push(event.to_string()),
                     Told::Tool(event) => told.push(event.to_string()),
-                    Told::Slave => {}
+                    Told::Slave(_) => {}
                 }
             }
         });
@@ -155,24 +102,8 @@ fn entry(number: u8) -> ScanEntry {
     ScanEntry { key, poll: Some(poll), replaceable: true, ..ScanEntry::explicit_only(mac(number)) }
 }
 
-/// A device of a fictitious vendor.
-fn device(serial: u32) -> DeviceIdentity {
-    DeviceIdentity {
-        vendor: VendorId(0x1234),
-        device_type: DeviceType::GENERAL_PURPOSE_DISCRETE_IO,
-        product_code: 42,
-        revision: Revision { major: 1, minor: 1 },
-        serial,
-        name: ProductName::new("Example Block").unwrap(),
-    }
-}
-
 fn named(role: &str, number: u8) -> NodeConfig {
     NodeConfig::named(format!("{role} {number}"))
-}
-
-fn mac(number: u8) -> MacId {
-    MacId::new(number).unwrap()
 }
 
 #[test]
@@ -292,8 +223,8 @@ fn a_tool_recovers_a_duplicate_while_the_line_runs() {
     let master = line.master(0, &[10, 11], |_| {});
     let veteran = line.slave(10, 10, Some(0));
     let twin = line.slave(10, 0x0506_0708, Some(5));
-    let identity = devicenet_core::message::DeviceIdentity { vendor: VendorId(0x1234), serial: 0x77 };
-    let config = tool::Config::new(access::Config::new(identity, PortNumber::ZERO, mac(62)));
+    let known = devicenet_core::message::DeviceIdentity { vendor: VendorId(0x1234), serial: 0x77 };
+    let config = tool::Config::new(access::Config::new(known, PortNumber::ZERO, mac(62)));
     let tool = line.network.add(named("tool", 62), OfflineTool::new(config));
     line.run(10);
     assert_eq!(line.block(twin).access().fault(), Some(Fault::DuplicateMacId));

@@ -4,18 +4,11 @@ use cip_core::code::{AttributeId, ClassId, DeviceType, GeneralStatus, InstanceId
 use cip_core::codec::Writer;
 use cip_core::identity::{DeviceIdentity, ProductName, Revision};
 use cip_core::message::AllocationChoice;
-use cip_core::object::{AttributeRule, Effects, Failure, Identity, Object, ObjectSet, Resets};
+use cip_core::object::{AttributeRule, Effects, Failure, Identity, Object, ObjectSet};
 use devicenet_core::slave::{Application, Fragmented, IoKind};
+use devicenet_tests::block::Block;
 
-/// Two bytes in and one byte out, by poll.
-#[derive(Clone, PartialEq, Eq, Hash, Debug)]
-pub(crate) struct Block {
-    pub(crate) device: DeviceIdentity,
-    pub(crate) inputs: Vec<u8>,
-    pub(crate) outputs: Vec<u8>,
-}
-
-/// The same by every connection of the predefined set, with longer data if they are to be so.
+/// As a block, by every connection of the predefined set, with longer data if they are to be so.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub(crate) struct Full {
     device: DeviceIdentity,
@@ -26,7 +19,7 @@ pub(crate) struct Full {
 /// A block with an object of its vendor, class 0x64: two attributes that cannot be set, for the reasons that only an object
 /// knows, and three that are long.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
-pub(crate) struct Odd(pub(crate) Block);
+pub(crate) struct Odd(pub(crate) Block<2, 1>);
 
 struct Probe;
 
@@ -37,35 +30,10 @@ pub(crate) trait Data {
     fn outputs(&self) -> &[u8];
 }
 
-impl Block {
-    pub(crate) fn new(device: DeviceIdentity, inputs: &[u8], outputs: usize) -> Self {
-        Self { device, inputs: inputs.to_vec(), outputs: vec![0; outputs] }
-    }
-}
-
 impl Full {
     pub(crate) fn new(inputs: &[u8], outputs: usize) -> Self {
         let outputs = [vec![0; outputs], vec![0], Vec::new(), vec![0; 1]];
         Self { device: device(), inputs: inputs.to_vec(), outputs }
-    }
-}
-
-impl Application for Block {
-    const IO: AllocationChoice = AllocationChoice::POLL;
-    type Long = ();
-
-    fn identity(&self) -> Identity<'_> {
-        let mut identity = Identity::new(&self.device);
-        identity.resets = Resets::OUT_OF_BOX;
-        identity
-    }
-
-    fn produced(&self, _: IoKind) -> &[u8] {
-        &self.inputs
-    }
-
-    fn consumed(&mut self, _: IoKind) -> &mut [u8] {
-        &mut self.outputs
     }
 }
 
@@ -89,7 +57,7 @@ impl Application for Full {
 }
 
 impl Application for Odd {
-    const IO: AllocationChoice = Block::IO;
+    const IO: AllocationChoice = AllocationChoice::POLL;
     type Long = ();
 
     fn identity(&self) -> Identity<'_> {
@@ -157,7 +125,7 @@ impl Data for Odd {
     }
 }
 
-impl Data for Block {
+impl<const IN: usize, const OUT: usize> Data for Block<IN, OUT> {
     fn set_inputs(&mut self, inputs: &[u8]) {
         self.inputs.copy_from_slice(inputs);
     }

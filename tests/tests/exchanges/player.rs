@@ -5,11 +5,12 @@ use core::time::Duration;
 use devicenet_core::MacId;
 use devicenet_core::access::MacIdSource;
 use devicenet_core::slave::{Config, Options, Slave};
+use devicenet_tests::block::Block;
 use devicenet_tests::notation::{bytes, frame};
 use link_core::{BitRate, Instant};
 
 use crate::bus::Bus;
-use crate::device::{Block, Full, Odd, device};
+use crate::device::{Full, Odd, device};
 use crate::host::Host;
 use crate::script::{Exchange, spoken};
 
@@ -305,11 +306,11 @@ impl Player {
         let valid = "the sizes are valid";
         match self.device.as_str() {
             "block" => {
-                Host::new(Slave::<_, 64, 0>::new(config, Block::new(device(), &short, 1)).expect(valid))
+                Host::new(Slave::<_, 64, 0>::new(config, Block::<2, 1>::new(device(), short)).expect(valid))
             }
             "full" => Host::new(Slave::<_, 64, 0>::new(config, Full::new(&short, 1)).expect(valid)),
             "odd" => {
-                let odd = Odd(Block::new(device(), &short, 1));
+                let odd = Odd(Block::<2, 1>::new(device(), short));
                 Host::new(Slave::<_, 64, 0>::new(config, odd).expect(valid))
             }
             "longest" => Host::new(Slave::<_, 64, 0>::new(config, Full::new(&short, 448)).expect(valid)),

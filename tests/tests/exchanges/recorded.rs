@@ -9,11 +9,11 @@ use cip_core::identity::{DeviceIdentity, ProductName, Revision};
 use devicenet_cli::recording::{Content, Recording};
 use devicenet_core::MacId;
 use devicenet_core::slave::{Config, Options, Slave};
+use devicenet_tests::block::Block;
 use devicenet_tests::notation::frame;
 use link_core::{BitRate, Instant};
 
 use crate::bus::Bus;
-use crate::device::Block;
 use crate::host::Host;
 
 /// What it sent, and what ours sends instead.
@@ -98,7 +98,7 @@ fn answers(stimulus: &str) -> Vec<String> {
     let mut config = Config::new(&device, MacId::new(10).expect("a MAC ID"));
     config.options.insert(Options::READ_NON_EXISTENT_STATE);
     let slave =
-        Slave::<_, 64, 0>::new(config, Block::new(device, &[0x03, 0x6B, 0x00], 0)).expect("valid sizes");
+        Slave::<_, 64, 0>::new(config, Block::<3, 0>::new(device, [0x03, 0x6B, 0x00])).expect("valid sizes");
     let mut bus = Bus::new(BitRate::K500, Host::new(slave), ["1".to_owned()]);
     bus.run_until(Instant::from_millis(2500));
     bus.up();

@@ -12,7 +12,7 @@ use devicenet_core::access::{self, Fault};
 use devicenet_core::message::{DelayOffset, DeviceIdentity, PortNumber};
 use devicenet_core::slave;
 use devicenet_core::tool::{CommandError, Config, OfflineTool, ToolEvent, ToolState};
-use devicenet_tests::line::{Block, Line, Plan, Told, identity, mac};
+use devicenet_tests::line::{Line, LineBlock, Plan, Told, block, identity, mac};
 use link_core::{BitRate, Instant};
 use transport_mock::NodeId;
 
@@ -45,7 +45,7 @@ impl Site {
         line.forget();
         let now = line.network.now();
         let twin = |line: &mut Line, serial: u32, at: Instant| {
-            let device = Block { identity: identity(serial), ..Block::new(0) };
+            let device = LineBlock { identity: identity(serial), ..block(0) };
             let config = slave::Config::new(&device.identity, MacId::DEFAULT);
             line.add_slave("fresh", at, config, device)
         };
