@@ -99,18 +99,7 @@ pub(crate) fn explicit_pieces(message: &[u8]) -> Vec<(u8, Vec<u8>)> {
     if message.len() <= 7 {
         return Vec::new();
     }
-    let last = message.len().div_ceil(6) - 1;
-    let piece = |(index, bytes): (usize, &[u8])| {
-        let kind = if index == 0 {
-            0x00
-        } else if index == last {
-            0x80
-        } else {
-            0x40
-        };
-        (kind | (index % 64) as u8, bytes.to_vec())
-    };
-    message.chunks(6).enumerate().map(piece).collect()
+    pieces(message, 6).map(|(byte, bytes)| (byte, bytes.to_vec())).collect()
 }
 
 /// The data fields of an I/O message on a connection that fragments; no message has more than 448 bytes.
@@ -121,18 +110,20 @@ pub(crate) fn io_fields(message: &[u8], empty_as_3f: bool) -> Vec<Vec<u8>> {
         1..=7 => return vec![[&[0x3F][..], message].concat()],
         _ => {}
     }
-    let last = message.len().div_ceil(7) - 1;
-    let field = |(index, bytes): (usize, &[u8])| {
-        let kind = if index == 0 {
-            0x00
-        } else if index == last {
-            0x80
-        } else {
-            0x40
+    pieces(message, 7).map(|(byte, bytes)| [&[byte][..], bytes].concat()).collect()
+}
+
+/// Pieces of so many bytes, each with its fragmentation byte: first, middle or last, and the count, which wraps at 64.
+fn pieces(message: &[u8], size: usize) -> impl Iterator<Item = (u8, &[u8])> {
+    let last = message.len().div_ceil(size) - 1;
+    message.chunks(size).enumerate().map(move |(index, bytes)| {
+        let kind = match index {
+            0 => 0x00,
+            _ if index == last => 0x80,
+            _ => 0x40,
         };
-        [&[kind | index as u8][..], bytes].concat()
-    };
-    message.chunks(7).enumerate().map(field).collect()
+        (kind | (index % 64) as u8, bytes)
+    })
 }
 
 /// The receiving side of an I/O connection that fragments.
