@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::attribute::AttributePath;
 use super::endpoint::Endpoint;
+use super::recover::{Assignment, Device};
 use crate::args::parse_mac_id;
 use crate::scenario::Time;
 
@@ -32,6 +33,42 @@ pub struct NodeArgs {
     /// The MAC ID that the command itself takes while it works (0 to 63); it must be free
     #[arg(long, value_name = "N", default_value = "62", value_parser = parse_mac_id)]
     pub own_mac: u8,
+}
+
+/// `devicenet recover`.
+#[derive(Args, Clone, Debug)]
+#[command(after_long_help = "\
+A node whose MAC ID is in use by another falls silent, and only hears the offline connection set. This claims the set, asks who is \
+there, and gives each such node, by vendor and serial number, the MAC ID that it is told. It needs no power cycle, and does not \
+disturb nodes that run.
+
+Exit codes:
+  0  done; also when nobody is faulted
+  1  some node did not get its MAC ID
+  2  wrong usage or bad file
+  3  the interface failed, or nobody acknowledged
+  4  refused to transmit: no --allow-tx, the bit rate is not confirmed, or another tool works with the faulted nodes
+
+Examples:
+  devicenet recover can0 --allow-tx
+  devicenet recover can0 --identify 0x1234:0x00002345 --allow-tx
+  devicenet recover can0 --assign 0x1234:0x00002345=12 --allow-tx
+  devicenet recover sim:line.toml --listen 6s --assign-free")]
+pub struct RecoverArgs {
+    /// A CAN interface such as can0, or sim:FILE for a scenario
+    pub endpoint: Endpoint,
+    /// Make a device flash red and green; may be given more than once
+    #[arg(long, value_name = "VENDOR:SERIAL")]
+    pub identify: Vec<Device>,
+    /// Give a device a MAC ID; may be given more than once
+    #[arg(long, value_name = "VENDOR:SERIAL=MAC")]
+    pub assign: Vec<Assignment>,
+    /// Give each faulted node the lowest MAC ID from 1 to 62 that was not heard
+    #[arg(long, conflicts_with = "assign")]
+    pub assign_free: bool,
+    /// How to take part in the bus.
+    #[command(flatten)]
+    pub node: NodeArgs,
 }
 
 /// `devicenet slave` and `devicenet master`.

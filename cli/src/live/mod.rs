@@ -16,13 +16,15 @@ mod endpoint;
 mod listen;
 mod permit;
 mod port;
+mod recover;
 mod run;
 mod scan;
 mod visit;
 
-pub use args::{AskArgs, GetArgs, NodeArgs, PermitArgs, RunArgs, ScanArgs, SetArgs};
+pub use args::{AskArgs, GetArgs, NodeArgs, PermitArgs, RecoverArgs, RunArgs, ScanArgs, SetArgs};
 pub use ask::{get, set};
 pub use attribute::AttributePath;
 pub use endpoint::Endpoint;
+pub use recover::{Assignment, Device, recover};
 pub use run::{master, slave};
 pub use scan::scan;

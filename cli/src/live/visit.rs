@@ -14,6 +14,7 @@ use devicenet_core::client::Failure as NoResponse;
 use devicenet_core::master::{
     Cause, CommandError, Config, Master, MasterEvent, ScanEntry, ScannerStatus, SlaveEvent, SlaveState,
 };
+use devicenet_core::message;
 use link_core::{Action, Deadline, Input, Instant, LinkEvent, Machine, Port as _, drive};
 
 use super::attribute::AttributePath;
@@ -81,7 +82,7 @@ enum Stage {
 impl Visitor {
     /// For these nodes, at most 63 of them.
     pub(super) fn new(endpoint: &Endpoint, own: MacId, visits: Vec<(MacId, Questions)>) -> Self {
-        let config = Config { tries: 2, deferred_delete: false, ..Config::new(identity(endpoint), own) };
+        let config = Config { tries: 2, deferred_delete: false, ..Config::new(device(endpoint), own) };
         let mut master = Box::new(Master::new(config));
         for (mac, _) in &visits {
             // They are as many as it holds, and none of them is its own.
@@ -274,20 +275,26 @@ impl Machine for Visitor {
     }
 }
 
-fn taken(endpoint: &Endpoint, own: MacId) -> Failure {
+pub(super) fn taken(endpoint: &Endpoint, own: MacId) -> Failure {
     Failure::Transport(format!(
         "MAC ID {own} is taken on {endpoint}: choose another one for this command with --own-mac"
     ))
 }
 
 /// Who the command is on the bus. No vendor has the number 0, and two of these at once should differ in their serial number.
-fn identity(endpoint: &Endpoint) -> DeviceIdentity {
+pub(super) fn identity(endpoint: &Endpoint) -> message::DeviceIdentity {
     let serial = match endpoint {
         Endpoint::Scenario(_) | Endpoint::Recording(_) => 1,
         Endpoint::Interface(_) => RandomState::new().hash_one(std::process::id()) as u32,
     };
+    message::DeviceIdentity { vendor: 0.into(), serial }
+}
+
+/// The same with everything that the Identity object tells.
+fn device(endpoint: &Endpoint) -> DeviceIdentity {
+    let message::DeviceIdentity { vendor, serial } = identity(endpoint);
     DeviceIdentity {
-        vendor: 0.into(),
+        vendor,
         device_type: DeviceType::COMMUNICATIONS_ADAPTER,
         product_code: 0,
         revision: Revision { major: 1, minor: 1 },

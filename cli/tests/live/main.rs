@@ -4,6 +4,7 @@
 mod ask;
 #[cfg(target_os = "linux")]
 mod kernel;
+mod recover;
 mod scan;
 
 use std::process::{Command, Output};

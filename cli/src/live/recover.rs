@@ -1,0 +1,402 @@
+//! `devicenet recover`: nodes that are silent because of a duplicate MAC ID are found, told apart, and given another one.
+
+use core::fmt;
+use core::ops::ControlFlow;
+use core::str::FromStr;
+use core::time::Duration;
+use std::collections::VecDeque;
+
+use devicenet_core::MacId;
+use devicenet_core::access::{self, Fault};
+use devicenet_core::message::{DelayOffset, DeviceIdentity, PortNumber};
+use devicenet_core::tool::{Cause, CommandError, Config, OfflineTool, Refusal, ToolEvent, ToolState};
+use link_core::{Action, Deadline, Input, Instant, LinkEvent, Machine, Port as _, drive};
+use serde_json::{Value, json};
+
+use super::args::RecoverArgs;
+use super::ask::mac_id;
+use super::listen::Heard;
+use super::permit;
+use super::port::{LivePort, PortError};
+use super::visit;
+use crate::exit::{Exit, Failure};
+use crate::output::{self, Output};
+use crate::text::count;
+
+/// A device, as people write it: `VENDOR:SERIAL`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Device(pub DeviceIdentity);
+
+/// A device and its new MAC ID: `VENDOR:SERIAL=MAC`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Assignment {
+    /// The device.
+    pub device: Device,
+    /// What it is given.
+    pub mac: MacId,
+}
+
+/// Finds faulted nodes, and gives them MAC IDs.
+///
+/// # Errors
+/// [`Failure`] when the command line, the endpoint or the bus does not allow it.
+pub fn recover(args: &RecoverArgs, json: bool) -> Result<Exit, Failure> {
+    let RecoverArgs { endpoint, node, .. } = args;
+    let own = mac_id(node.own_mac);
+    if let Some(assignment) = args.assign.iter().find(|assignment| assignment.mac == own) {
+        return Err(Failure::Usage(format!(
+            "MAC ID {} is this command's own while it works: give the device another, or choose one with --own-mac",
+            assignment.mac
+        )));
+    }
+    let mut port = LivePort::open(
+        endpoint,
+        Recovery::new(DeviceIdentity { vendor: 0.into(), serial: 0 }, own).max_in_flight(),
+    )?;
+    permit::announce(endpoint, &node.permit, own, &what(args))?;
+    let mut heard = Heard::new();
+    let now = port.now();
+    heard.listen(&mut port, now + node.permit.listen.0)?;
+    permit::bit_rate(endpoint, &node.permit, &port, &heard)?;
+
+    let mut recovery = Recovery::new(visit::identity(endpoint), own);
+    recovery.tasks.extend(args.identify.iter().map(|device| Task::Identify(device.0)));
+    recovery
+        .tasks
+        .extend(args.assign.iter().map(|assignment| Task::Assign(assignment.device.0, assignment.mac)));
+    if args.assign_free {
+        let is_free = |mac: &MacId| *mac != own && heard.node(*mac).is_none();
+        // 63 is where devices come from, and the lowest IDs have the most urgent frames: those are for masters.
+        recovery.free =
+            Some(MacId::all().filter(is_free).filter(|mac| (1..63).contains(&mac.number())).collect());
+    }
+    let now = port.now();
+    port.set_end(now + LONGEST);
+    recovery.input(now, Input::Link(LinkEvent::Up));
+    let mut report = Report { output: Output::new(), json, found: 0, failed: 0 };
+    let ended = drive(&mut recovery, &mut port, |_, _, news| match news {
+        News::Over => ControlFlow::Break(Ok(())),
+        News::Taken => ControlFlow::Break(Err(visit::taken(endpoint, own))),
+        News::OwnedByAnother => ControlFlow::Break(Err(Failure::Refused(format!(
+            "another tool works with the faulted nodes on {endpoint}: wait until it is done"
+        )))),
+        News::Result(result) => match report.tell(result) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => ControlFlow::Break(Err(error.into())),
+        },
+    });
+    match ended {
+        Ok(done) => done?,
+        Err(PortError::Failed(failure)) => return Err(failure),
+        Err(PortError::Over) => {
+            return Err(Failure::Transport(format!(
+                "no way on line on {endpoint}: nobody acknowledges what is sent, or the scenario has ended"
+            )));
+        }
+    }
+    if report.found == 0 {
+        output::note(format_args!("{endpoint}: no node waits for a MAC ID"));
+    } else if args.assign.is_empty() && !args.assign_free {
+        output::note(format_args!(
+            "{}; --identify VENDOR:SERIAL makes one flash, --assign VENDOR:SERIAL=MAC gives it a MAC ID, --assign-free gives each \
+             the next that is free",
+            count(report.found, "faulted node")
+        ));
+    }
+    Ok(if report.failed > 0 { Exit::Findings } else { Exit::Done })
+}
+
+fn what(args: &RecoverArgs) -> String {
+    let mut what = "the ownership of the offline connection set, Who".to_owned();
+    for device in &args.identify {
+        what += &format!(", Identify to {device}");
+    }
+    for Assignment { device, mac } in &args.assign {
+        what += &format!(", Change_MAC_ID to {mac} for {device}");
+    }
+    if args.assign_free {
+        what += ", Change_MAC_ID for each node that answers";
+    }
+    what
+}
+
+/// Something that is found or done.
+#[derive(Debug)]
+enum Outcome {
+    Found(DeviceIdentity),
+    Identified(DeviceIdentity),
+    Recovered(DeviceIdentity, MacId),
+    NotRecovered(DeviceIdentity, MacId, Refusal),
+    /// There is no MAC ID left for it.
+    NoneFree(DeviceIdentity),
+}
+
+#[derive(Debug)]
+enum News {
+    Result(Outcome),
+    Over,
+    Taken,
+    OwnedByAnother,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Task {
+    Claim,
+    Who,
+    Identify(DeviceIdentity),
+    Assign(DeviceIdentity, MacId),
+    Release,
+}
+
+/// A tool with a list of what is to be done, one after the other.
+struct Recovery {
+    tool: OfflineTool,
+    /// After Claim and Who, and before Release.
+    tasks: VecDeque<Task>,
+    /// What it does now.
+    current: Option<Task>,
+    /// Those that answer to Who are given one of these, if it is so wished.
+    free: Option<VecDeque<MacId>>,
+    is_over: bool,
+    ready: VecDeque<News>,
+}
+
+impl Recovery {
+    fn new(device: DeviceIdentity, own: MacId) -> Self {
+        let access = access::Config::new(device, PortNumber::ZERO, own);
+        Self {
+            tool: OfflineTool::new(Config::new(access)),
+            tasks: VecDeque::from([Task::Claim, Task::Who]),
+            current: None,
+            free: None,
+            is_over: false,
+            ready: VecDeque::new(),
+        }
+    }
+
+    /// Begins what is next, if it can.
+    fn work(&mut self, now: Instant) {
+        if self.current.is_some() || self.is_over {
+            return;
+        }
+        let Some(task) = self.tasks.front().copied() else {
+            self.tasks.push_back(Task::Release);
+            return self.work(now);
+        };
+        let begun = match task {
+            Task::Claim => self.tool.claim(now),
+            Task::Who => self.tool.who(now, DelayOffset::SERIAL),
+            Task::Identify(device) => self.tool.identify_device(now, device),
+            Task::Assign(device, mac) => self.tool.change_mac_id(now, device, mac),
+            Task::Release => {
+                self.tool.release(now);
+                self.is_over = true;
+                self.ready.push_back(News::Over);
+                return;
+            }
+        };
+        match begun {
+            Ok(()) => {
+                self.tasks.pop_front();
+                self.current = Some(task);
+            }
+            // It will be on line, or have its answers.
+            Err(CommandError::NotOnLine | CommandError::Busy) => {}
+            Err(CommandError::NotOwner | CommandError::OwnMacId(_) | CommandError::Access(_)) => {
+                self.tasks.pop_front();
+            }
+        }
+    }
+
+    fn follow(&mut self, event: ToolEvent) {
+        match event {
+            ToolEvent::StateChanged { to: ToolState::Owner, .. } => self.current = None,
+            ToolEvent::StateChanged { to: ToolState::Idle, cause: Cause::OwnedByAnother, .. } => {
+                self.ready.push_back(News::OwnedByAnother);
+            }
+            ToolEvent::Found(answer) => {
+                self.tell(Outcome::Found(answer.device));
+                match self.free.as_mut().map(VecDeque::pop_front) {
+                    Some(Some(mac)) => self.tasks.push_back(Task::Assign(answer.device, mac)),
+                    Some(None) => self.tell(Outcome::NoneFree(answer.device)),
+                    None => {}
+                }
+            }
+            ToolEvent::WhoDone { .. } => self.current = None,
+            ToolEvent::IdentifyDone { .. } => {
+                if let Some(Task::Identify(device)) = self.current.take() {
+                    self.tell(Outcome::Identified(device));
+                }
+            }
+            ToolEvent::Recovered { device, mac } => {
+                self.current = None;
+                self.tell(Outcome::Recovered(device, mac));
+            }
+            ToolEvent::NotRecovered { device, mac, why } => {
+                self.current = None;
+                self.tell(Outcome::NotRecovered(device, mac, why));
+            }
+            ToolEvent::Access(_) if self.tool.access().fault() == Some(Fault::DuplicateMacId) => {
+                self.ready.push_back(News::Taken);
+            }
+            _ => {}
+        }
+    }
+
+    fn tell(&mut self, outcome: Outcome) {
+        self.ready.push_back(News::Result(outcome));
+    }
+}
+
+impl Machine for Recovery {
+    type Event = News;
+
+    fn input(&mut self, now: Instant, input: Input) {
+        self.tool.input(now, input);
+    }
+
+    fn poll(&mut self, now: Instant) -> Option<Action<News>> {
+        loop {
+            if let Some(news) = self.ready.pop_front() {
+                return Some(Action::Event(news));
+            }
+            match self.tool.poll(now) {
+                Some(Action::Event(event)) => self.follow(event),
+                Some(Action::Transmit(token, frame)) => return Some(Action::Transmit(token, frame)),
+                Some(Action::Withdraw(token)) => return Some(Action::Withdraw(token)),
+                Some(Action::Link(command)) => return Some(Action::Link(command)),
+                None => {
+                    let (current, left) = (self.current.is_some(), self.tasks.len());
+                    self.work(now);
+                    if (current, left) == (self.current.is_some(), self.tasks.len()) && self.ready.is_empty()
+                    {
+                        return None;
+                    }
+                }
+            }
+        }
+    }
+
+    fn deadline(&self) -> Option<Deadline> {
+        self.tool.deadline()
+    }
+
+    fn max_in_flight(&self) -> usize {
+        self.tool.max_in_flight()
+    }
+}
+
+/// Tells each outcome at once.
+struct Report {
+    output: Output,
+    json: bool,
+    found: u64,
+    failed: u64,
+}
+
+impl Report {
+    fn tell(&mut self, outcome: Outcome) -> std::io::Result<()> {
+        match &outcome {
+            Outcome::Found(_) => self.found += 1,
+            Outcome::NotRecovered(..) | Outcome::NoneFree(_) => self.failed += 1,
+            Outcome::Identified(_) | Outcome::Recovered(..) => {}
+        }
+        let line = if self.json { outcome.json().to_string() } else { outcome.to_string() };
+        self.output.buffer.extend_from_slice(line.as_bytes());
+        self.output.buffer.push(b'\n');
+        self.output.flush()
+    }
+}
+
+impl Outcome {
+    fn json(&self) -> Value {
+        let (event, device) = match self {
+            Self::Found(device) => ("found", device),
+            Self::Identified(device) => ("identify", device),
+            Self::Recovered(device, _) => ("recovered", device),
+            Self::NotRecovered(device, ..) | Self::NoneFree(device) => ("not_recovered", device),
+        };
+        let mut object = json!({ "event": event, "vendor": device.vendor.0, "serial": device.serial });
+        if let Self::Recovered(_, mac) | Self::NotRecovered(_, mac, _) = self {
+            object["mac"] = mac.number().into();
+        }
+        object["text"] = self.to_string().into();
+        object
+    }
+}
+
+impl fmt::Display for Outcome {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Found(device) => write!(f, "faulted  {}", Device(*device)),
+            Self::Identified(device) => write!(f, "flashing  {}", Device(*device)),
+            Self::Recovered(device, mac) => {
+                write!(f, "recovered  {}  is on line as node {mac}", Device(*device))
+            }
+            Self::NotRecovered(device, mac, why) => {
+                write!(f, "not recovered  {}  as node {mac}: {why}", Device(*device))
+            }
+            Self::NoneFree(device) => write!(f, "not recovered  {}: no MAC ID is free", Device(*device)),
+        }
+    }
+}
+
+/// `0x1234:0x00002345`
+impl fmt::Display for Device {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "0x{:04X}:0x{:08X}", self.0.vendor.0, self.0.serial)
+    }
+}
+
+impl FromStr for Device {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once(':').and_then(|(vendor, serial)| {
+            let vendor = u16::try_from(number(vendor)?).ok()?;
+            Some(DeviceIdentity { vendor: vendor.into(), serial: number(serial)? })
+        });
+        parts.map(Self).ok_or_else(|| "VENDOR:SERIAL expected, such as 0x1234:0x00002345".into())
+    }
+}
+
+impl FromStr for Assignment {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || "VENDOR:SERIAL=MAC expected, such as 0x1234:0x00002345=12".to_owned();
+        let (device, mac) = text.split_once('=').ok_or_else(expected)?;
+        let mac = number(mac).and_then(|mac| MacId::new(u8::try_from(mac).ok()?)).ok_or_else(expected)?;
+        Ok(Self { device: device.parse()?, mac })
+    }
+}
+
+fn number(text: &str) -> Option<u32> {
+    let number = match text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
+        Some(digits) => u32::from_str_radix(digits, 16),
+        None => text.parse(),
+    };
+    number.ok().filter(|_| !text.contains('+'))
+}
+
+/// Claiming takes two seconds, Who three, a new MAC ID about five.
+const LONGEST: Duration = Duration::from_secs(600);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn devices_as_they_are_written() {
+        let device: Device = "0x1234:9029".parse().unwrap();
+        assert_eq!(device.to_string(), "0x1234:0x00002345");
+        let assignment: Assignment = "4660:0x2345=0x0C".parse().unwrap();
+        assert_eq!((assignment.device, assignment.mac.number()), (device, 12));
+        for text in ["", "1", "1:", "65536:1", "1:4294967296", "1:+1", "a:1"] {
+            assert!(text.parse::<Device>().is_err(), "{text}");
+        }
+        for text in ["1:1", "1:1=64", "1:1=", "1=1:1"] {
+            assert!(text.parse::<Assignment>().is_err(), "{text}");
+        }
+    }
+}
