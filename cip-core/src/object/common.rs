@@ -1,7 +1,7 @@
 //! The common services that a class may offer, and the class attributes that follow from its tables.
 
 use super::rule::rule_of;
-use super::serve::{get, rules};
+use super::serve::{NO_ATTRIBUTE, NO_INSTANCE, get, rules};
 use super::{AttributeRule, Call, Effect, Effects, Failure, Object, exact};
 use crate::code::{AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode};
 use crate::codec::Writer;
@@ -103,7 +103,7 @@ pub fn attributes_all<O: Object>(
     call: &Call<'_>,
     out: &mut Writer<'_>,
 ) -> Result<Effects, Failure> {
-    let rules = rules(object, call.instance)?;
+    let rules = rules(object, call.instance).ok_or(NO_INSTANCE)?;
     if rules.is_empty() {
         return Err(GeneralStatus::SERVICE_NOT_SUPPORTED.into());
     }
@@ -124,7 +124,7 @@ pub fn attribute_list<O: Object>(
     call: &Call<'_>,
     out: &mut Writer<'_>,
 ) -> Result<Effects, Failure> {
-    let rules = rules(object, call.instance)?;
+    let rules = rules(object, call.instance).ok_or(NO_INSTANCE)?;
     let (count, ids) = counted(call.data)?;
     let (ids, rest) = ids.as_chunks::<2>();
     if ids.len() < count {
@@ -137,7 +137,9 @@ pub fn attribute_list<O: Object>(
     for &id in ids {
         let attribute = AttributeId(u16::from_le_bytes(id));
         let at = emit_entry(attribute, out)?;
-        let value = rule_of(rules, attribute).and_then(|_| get(object, call.instance, attribute, out));
+        let value = rule_of(rules, attribute)
+            .ok_or(NO_ATTRIBUTE)
+            .and_then(|_| get(object, call.instance, attribute, out));
         outcome.note(at, value, out)?;
     }
     outcome.finish(Effects::NONE)
@@ -153,7 +155,7 @@ pub fn set_attribute_list<O: Object>(
     call: &Call<'_>,
     out: &mut Writer<'_>,
 ) -> Result<Effects, Failure> {
-    let rules = rules(object, call.instance)?;
+    let rules = rules(object, call.instance).ok_or(NO_INSTANCE)?;
     let (count, settings) = counted(call.data)?;
     let entries = check_settings(rules, count, settings)?;
     // Before anything is set: a refusal must not follow it.
@@ -241,7 +243,7 @@ fn check_settings(rules: &[AttributeRule], count: usize, settings: &[u8]) -> Res
     let mut rest = settings;
     for index in 0..count {
         let (attribute, _, next) = split_setting(rules, rest)?;
-        if rule_of(rules, attribute).is_err() {
+        if rule_of(rules, attribute).is_none() {
             return Ok(index.saturating_add(1));
         }
         rest = next;
@@ -258,8 +260,8 @@ fn split_setting<'a>(
     let (id, rest) = settings.split_first_chunk::<2>().ok_or(too_short)?;
     let attribute = AttributeId(u16::from_le_bytes(*id));
     let size = match rule_of(rules, attribute) {
-        Ok(rule) => rule.size().of_value(rest)?,
-        Err(_) => 0,
+        Some(rule) => rule.size().of_value(rest)?,
+        None => 0,
     };
     let (value, rest) = rest.split_at_checked(size).ok_or(too_short)?;
     Ok((attribute, value, rest))
@@ -268,10 +270,10 @@ fn split_setting<'a>(
 fn set_one<O: Object>(
     object: &mut O,
     instance: InstanceId,
-    rule: Result<&AttributeRule, Failure>,
+    rule: Option<&AttributeRule>,
     value: &[u8],
 ) -> Result<Effects, Failure> {
-    let rule = rule?;
+    let rule = rule.ok_or(NO_ATTRIBUTE)?;
     if !rule.is_settable() {
         return Err(GeneralStatus::ATTRIBUTE_NOT_SETTABLE.into());
     }

@@ -128,9 +128,9 @@ impl Size {
     }
 }
 
-/// The rule of an attribute; 0x14 if the object does not have it.
-pub(super) fn rule_of(rules: &[AttributeRule], id: AttributeId) -> Result<&AttributeRule, Failure> {
-    rules.iter().find(|rule| rule.id == id).ok_or(Failure::new(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED))
+/// The rule of an attribute, if the object has it.
+pub(super) fn rule_of(rules: &[AttributeRule], id: AttributeId) -> Option<&AttributeRule> {
+    rules.iter().find(|rule| rule.id == id)
 }
 
 const SETTABLE: u16 = 0x8000;

@@ -40,21 +40,26 @@ pub fn serve<O: Object>(object: &mut O, call: &Call<'_>, out: &mut Writer<'_>) -
 /// What [`serve`] does with Get_Attribute_Single, which is what a device is asked most.
 #[inline]
 pub fn read<O: Object>(object: &O, call: &Call<'_>, out: &mut Writer<'_>) -> Result<(), Failure> {
-    let rules = rules(object, call.instance)?;
+    let Some(rules) = rules(object, call.instance) else { return Err(NO_INSTANCE) };
     get(object, call.instance, readable(call, rules)?, out)
 }
 
 /// What [`serve`] does with every other service.
 #[inline(never)]
 pub fn perform<O: Object>(object: &mut O, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
-    let rules = rules(object, call.instance)?;
+    let Some(rules) = rules(object, call.instance) else { return Err(NO_INSTANCE) };
     call.check_path()?;
-    if call.service != ServiceCode::SET_ATTRIBUTE_SINGLE || !object.has_set(call.instance) {
+    if call.service != ServiceCode::SET_ATTRIBUTE_SINGLE {
         return object.service(call, out);
     }
-    let (attribute, value) = settable(call, rules)?;
-    let effects = object.set(call.instance, attribute, value, out)?;
-    Ok(effects.then(Effect::ATTRIBUTE_SET.into()))
+    match settable(call, rules) {
+        Ok((attribute, value)) => {
+            let effects = object.set(call.instance, attribute, value, out)?;
+            Ok(effects.then(Effect::ATTRIBUTE_SET.into()))
+        }
+        Err(failure) if object.has_set(call.instance) => Err(failure),
+        Err(_) => object.service(call, out),
+    }
 }
 
 /// The attribute of a Get, if the object has it.
@@ -62,14 +67,16 @@ pub fn perform<O: Object>(object: &mut O, call: &Call<'_>, out: &mut Writer<'_>)
 fn readable(call: &Call<'_>, rules: &[AttributeRule]) -> Result<AttributeId, Failure> {
     call.check_path()?;
     let (attribute, rest) = call.attribute()?;
-    rule_of(rules, attribute)?;
+    if rule_of(rules, attribute).is_none() {
+        return Err(NO_ATTRIBUTE);
+    }
     if rest.is_empty() { Ok(attribute) } else { Err(GeneralStatus::TOO_MUCH_DATA.into()) }
 }
 
-/// The attribute of a Set and its value, if the object has the attribute and the value has its length.
+/// The attribute of a Set and its value, if the object lets the attribute be set and the value has its length.
 fn settable<'a>(call: &Call<'a>, rules: &[AttributeRule]) -> Result<(AttributeId, &'a [u8]), Failure> {
     let (attribute, value) = call.attribute()?;
-    let rule = rule_of(rules, attribute)?;
+    let Some(rule) = rule_of(rules, attribute) else { return Err(NO_ATTRIBUTE) };
     if !rule.is_settable() {
         return Err(GeneralStatus::ATTRIBUTE_NOT_SETTABLE.into());
     }
@@ -77,15 +84,12 @@ fn settable<'a>(call: &Call<'a>, rules: &[AttributeRule]) -> Result<(AttributeId
     Ok((attribute, value))
 }
 
-/// The attributes of an instance, or of the class; 0x16 if there is no such instance.
+/// The attributes of an instance, or of the class; `None` if there is no such instance.
 pub(super) fn rules<O: Object + ?Sized>(
     object: &O,
     instance: InstanceId,
-) -> Result<&'static [AttributeRule], Failure> {
-    if instance.is_class() {
-        return Ok(object.class_attributes());
-    }
-    object.attributes(instance).ok_or(Failure::new(GeneralStatus::OBJECT_DOES_NOT_EXIST))
+) -> Option<&'static [AttributeRule]> {
+    if instance.is_class() { Some(object.class_attributes()) } else { object.attributes(instance) }
 }
 
 /// Writes the value of an attribute that the object has.
@@ -101,5 +105,7 @@ pub(super) fn get<O: Object>(
     object.get(instance, attribute, out)
 }
 
+pub(super) const NO_INSTANCE: Failure = Failure::new(GeneralStatus::OBJECT_DOES_NOT_EXIST);
+pub(super) const NO_ATTRIBUTE: Failure = Failure::new(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED);
 /// Class attribute 1.
 const REVISION: AttributeId = AttributeId(1);

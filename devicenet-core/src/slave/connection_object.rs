@@ -7,7 +7,6 @@ use cip_core::connection::{
     WatchdogAction,
 };
 use cip_core::epath::Epath;
-use cip_core::message::AllocationChoice;
 use cip_core::object::{AttributeRule, Call, Effects, Failure, Object, Size, exact};
 
 use super::application::{Application, End, IoKind};
@@ -59,16 +58,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
 
     fn attributes(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
         match self.which(instance) {
-            Some(Which::Explicit | Which::Dynamic(_)) => Some(&EXPLICIT),
-            Some(Which::Io(kind)) => {
-                let configuring = self.server.node.io(kind).state() == IoState::Configuring;
-                Some(match (kind, A::SELECTS_ASSEMBLIES) {
-                    (IoKind::MulticastPoll, false) if configuring => &MULTICAST,
-                    (IoKind::MulticastPoll, true) if configuring => &MULTICAST_SELECTING,
-                    (_, false) => &IO,
-                    (_, true) => &IO_SELECTING,
-                })
-            }
+            Some(_) => Some(&RULES),
             None if self.server.node.options.contains(Options::READ_NON_EXISTENT_STATE)
                 && (1..=5).contains(&instance.0) =>
             {
@@ -97,9 +87,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
     ) -> Result<Effects, Failure> {
         let which = self.which(instance).ok_or(GONE)?;
         match attribute.0 {
-            5 if A::IO.contains(AllocationChoice::MULTICAST_POLL) => {
-                self.set_multicast_group(u16::from_le_bytes(exact(value)?))?
-            }
+            5 => self.set_multicast_group(which, value)?,
             9 => {
                 let requested = u16::from_le_bytes(exact(value)?);
                 let used = match which {
@@ -197,7 +185,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
     }
 
     /// Attribute 5 of instance 5: the group whose command is consumed, while the connection is being configured.
-    fn set_multicast_group(&mut self, id: u16) -> Result<(), Failure> {
+    fn set_multicast_group(&mut self, which: Which, value: &[u8]) -> Result<(), Failure> {
+        let Which::Io(kind @ IoKind::MulticastPoll) = which else { return Err(NOT_SETTABLE) };
+        if self.server.node.io(kind).state() != IoState::Configuring {
+            return Err(NOT_SETTABLE);
+        }
+        let id = u16::from_le_bytes(exact(value)?);
         let group = Identifier::new(id)
             .filter(|id| id.group() == MessageGroup::Group2 && id.message_id() == 1)
             .and_then(Identifier::mac_id)
@@ -269,36 +262,26 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
     }
 }
 
-const fn table(consumed_id: bool, paths: bool, inhibit: bool) -> [AttributeRule; 16] {
-    [
-        AttributeRule::get(1, 1),
-        AttributeRule::get(2, 1),
-        AttributeRule::get(3, 1),
-        AttributeRule::get(4, 2),
-        either(5, 2, consumed_id),
-        AttributeRule::get(6, 1),
-        AttributeRule::get(7, 2),
-        AttributeRule::get(8, 2),
-        AttributeRule::get_set(9, 2),
-        AttributeRule::get_set(12, 1),
-        AttributeRule::get(13, 2),
-        either(14, 0, paths).sized(Size::Any),
-        AttributeRule::get(15, 2),
-        either(16, 0, paths).sized(Size::Any),
-        either(17, 2, inhibit),
-        AttributeRule::get_set(18, 1),
-    ]
-}
-
-const fn either(id: u16, size: u16, settable: bool) -> AttributeRule {
-    if settable { AttributeRule::get_set(id, size) } else { AttributeRule::get(id, size) }
-}
-
-static EXPLICIT: [AttributeRule; 16] = table(false, false, false);
-static IO: [AttributeRule; 16] = table(false, false, true);
-static IO_SELECTING: [AttributeRule; 16] = table(false, true, true);
-static MULTICAST: [AttributeRule; 16] = table(true, false, true);
-static MULTICAST_SELECTING: [AttributeRule; 16] = table(true, true, true);
+/// What an instance of its kind and in its state does not let be set is refused by [`set`](ConnectionObject::set), before
+/// it looks at the length.
+static RULES: [AttributeRule; 16] = [
+    AttributeRule::get(1, 1),
+    AttributeRule::get(2, 1),
+    AttributeRule::get(3, 1),
+    AttributeRule::get(4, 2),
+    AttributeRule::get_set(5, 2).sized(Size::Any),
+    AttributeRule::get(6, 1),
+    AttributeRule::get(7, 2),
+    AttributeRule::get(8, 2),
+    AttributeRule::get_set(9, 2),
+    AttributeRule::get_set(12, 1),
+    AttributeRule::get(13, 2),
+    AttributeRule::get_set(14, 0).sized(Size::Any),
+    AttributeRule::get(15, 2),
+    AttributeRule::get_set(16, 0).sized(Size::Any),
+    AttributeRule::get_set(17, 2).sized(Size::Any),
+    AttributeRule::get_set(18, 1),
+];
 static NON_EXISTENT: [AttributeRule; 1] = [AttributeRule::get(1, 1)];
 
 const GONE: Failure = Failure::new(GeneralStatus::OBJECT_DOES_NOT_EXIST);

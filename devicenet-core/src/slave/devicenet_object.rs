@@ -2,7 +2,7 @@
 
 use cip_core::code::{AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode};
 use cip_core::codec::Writer;
-use cip_core::object::{AttributeRule, Call, Effects, Failure, Object, exact};
+use cip_core::object::{AttributeRule, Call, Effects, Failure, Object, Size, exact};
 use link_core::{BitRate, BusErrorKind, LinkEvent};
 
 use super::application::{Application, Parts};
@@ -83,18 +83,14 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
         if instance.0 != 1 {
             return None;
         }
-        let mac_from_switches = self.0.access.config().mac_id_source == MacIdSource::Switches;
-        let rules: &'static [AttributeRule] = match (mac_from_switches, self.0.port.rate_from_switches) {
-            (false, false) => &MAC_ID_SET,
-            (true, false) => &RATE_SET,
-            (true, true) => &NONE_SET,
-            (false, true) => &ONLY_MAC_ID_SET,
+        let count = if !A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) {
+            MANDATORY_ATTRIBUTES
+        } else if self.0.port.switches.is_none() {
+            ATTRIBUTES_WITHOUT_SWITCHES
+        } else {
+            RULES.len()
         };
-        if !A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) {
-            return rules.get(..MANDATORY_ATTRIBUTES);
-        }
-        let without_switches = rules.len().saturating_sub(SWITCH_ATTRIBUTES);
-        if self.0.port.switches.is_some() { Some(rules) } else { rules.get(..without_switches) }
+        RULES.get(..count)
     }
 
     fn get(&self, _: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
@@ -132,12 +128,14 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
     ) -> Result<Effects, Failure> {
         let invalid = Failure::new(GeneralStatus::INVALID_ATTRIBUTE_VALUE);
         match attribute.0 {
+            1 if self.0.access.config().mac_id_source == MacIdSource::Switches => return Err(NOT_SETTABLE),
             1 => {
                 let [mac] = exact(value)?;
                 let mac = MacId::new(mac).ok_or(invalid)?;
                 self.0.node.events.raise(SlaveEvent::StoreMacId(mac));
                 self.0.node.departure = Some(Departure::mac_id(mac, self.0.requester.door));
             }
+            2 if self.0.port.rate_from_switches => return Err(NOT_SETTABLE),
             2 => {
                 let [number] = exact(value)?;
                 let rate = *BIT_RATES.get(usize::from(number)).ok_or(invalid)?;
@@ -150,7 +148,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
                 self.0.access.set_bus_off_counter(count).map_err(|_| invalid)?;
             }
             _ if !A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) => {
-                return Err(GeneralStatus::ATTRIBUTE_NOT_SETTABLE.into());
+                return Err(NOT_SETTABLE);
             }
             10 => {
                 let enabled = boolean(value)?;
@@ -158,7 +156,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
                 self.0.node.events.raise(SlaveEvent::StoreQuickConnect(enabled));
             }
             12 => self.0.port.diagnostics = Diagnostics::default(),
-            _ => return Err(GeneralStatus::ATTRIBUTE_NOT_SETTABLE.into()),
+            _ => return Err(NOT_SETTABLE),
         }
         Ok(Effects::NONE)
     }
@@ -225,31 +223,26 @@ fn boolean(value: &[u8]) -> Result<bool, Failure> {
     }
 }
 
-const fn table(mac_id: AttributeRule, rate: AttributeRule) -> [AttributeRule; 11] {
-    [
-        mac_id,
-        rate,
-        AttributeRule::get_set(3, 1),
-        AttributeRule::get_set(4, 1),
-        AttributeRule::get(5, 2),
-        AttributeRule::get_set(10, 1),
-        AttributeRule::get_set(12, 34).sized(cip_core::object::Size::Any),
-        AttributeRule::get(6, 1),
-        AttributeRule::get(7, 1),
-        AttributeRule::get(8, 1),
-        AttributeRule::get(9, 1),
-    ]
-}
+/// What switches set is refused by [`set`](DeviceNetObject::set), before it looks at the length.
+static RULES: [AttributeRule; 11] = [
+    AttributeRule::get_set(1, 1).sized(Size::Any),
+    AttributeRule::get_set(2, 1).sized(Size::Any),
+    AttributeRule::get_set(3, 1),
+    AttributeRule::get_set(4, 1),
+    AttributeRule::get(5, 2),
+    AttributeRule::get_set(10, 1),
+    AttributeRule::get_set(12, 34).sized(Size::Any),
+    AttributeRule::get(6, 1),
+    AttributeRule::get(7, 1),
+    AttributeRule::get(8, 1),
+    AttributeRule::get(9, 1),
+];
 
-static MAC_ID_SET: [AttributeRule; 11] = table(AttributeRule::get_set(1, 1), AttributeRule::get_set(2, 1));
-static RATE_SET: [AttributeRule; 11] = table(AttributeRule::get(1, 1), AttributeRule::get_set(2, 1));
-static NONE_SET: [AttributeRule; 11] = table(AttributeRule::get(1, 1), AttributeRule::get(2, 1));
-static ONLY_MAC_ID_SET: [AttributeRule; 11] = table(AttributeRule::get_set(1, 1), AttributeRule::get(2, 1));
-
-/// The first ones of each table.
+/// The first ones of the table.
 const MANDATORY_ATTRIBUTES: usize = 5;
-/// The last ones.
-const SWITCH_ATTRIBUTES: usize = 4;
+/// Those before 6 to 9.
+const ATTRIBUTES_WITHOUT_SWITCHES: usize = 7;
+const NOT_SETTABLE: Failure = Failure::new(GeneralStatus::ATTRIBUTE_NOT_SETTABLE);
 /// The MAC ID of the master while there is none.
 const NOT_ALLOCATED: u8 = 255;
 /// Counters 2 to 10.
