@@ -3,7 +3,7 @@
 use super::{AttributeRule, Call, Effect, Effects, Failure, Object, Size, exact};
 use crate::code::{AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode};
 use crate::codec::{Wire, Writer};
-use crate::identity::{DeviceIdentity, DeviceState, IdentityStatus, OptionalAttributes};
+use crate::identity::{DeviceIdentity, DeviceState, IdentityStatus};
 use crate::message::ResetType;
 
 /// Instance 1 of the Identity object: what the device is, and how it is at the time of a request.
@@ -145,23 +145,15 @@ impl<'a> Identity<'a> {
         }
     }
 
+    /// Up to the last attribute that is there; one between that is not has the value that says so.
     fn attributes_all(&self, out: &mut Writer<'_>) -> Result<(), Failure> {
-        out.u16(self.device.vendor.0)?;
-        out.u16(self.device.device_type.0)?;
-        out.u16(self.device.product_code)?;
-        self.device.revision.emit(out)?;
-        out.u16(self.status.bits())?;
-        out.u32(self.device.serial)?;
-        self.device.name.emit(out)?;
-        let state = self.state.unwrap_or(DeviceState::NOT_IMPLEMENTED);
-        let consistency = self.configuration_consistency.unwrap_or(0);
-        let optional = match (self.state, self.configuration_consistency, self.heartbeat_interval) {
-            (_, _, Some(interval)) => OptionalAttributes::Heartbeat(state, consistency, interval),
-            (_, Some(_), None) => OptionalAttributes::Consistency(state, consistency),
-            (Some(_), None, None) => OptionalAttributes::State(state),
-            (None, None, None) => OptionalAttributes::None,
+        let last = match (self.state, self.configuration_consistency, self.heartbeat_interval) {
+            (_, _, Some(_)) => 10,
+            (_, Some(_), None) => 9,
+            (Some(_), None, None) => 8,
+            (None, None, None) => 7,
         };
-        Ok(optional.emit(out)?)
+        (1..=last).try_for_each(|number| self.get(InstanceId(1), AttributeId(number), out))
     }
 }
 

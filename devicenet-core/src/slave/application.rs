@@ -101,6 +101,9 @@ bitflags::bitflags! {
         /// The events of the indicators. What they show can be asked all the same:
         /// [`network_status`](super::Slave::network_status), [`module_status`](super::Slave::module_status).
         const INDICATOR_EVENTS = 1 << 6;
+        /// What a Connection object need not have: the services Delete, Apply_Attributes and Find_Next_Object_Instance, and
+        /// the Reset of all instances. With dynamic connections it has them all the same.
+        const OPTIONAL_SERVICES = 1 << 7;
     }
 }
 

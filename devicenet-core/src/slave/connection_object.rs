@@ -9,7 +9,7 @@ use cip_core::connection::{
 use cip_core::epath::Epath;
 use cip_core::object::{AttributeRule, Call, Effects, Failure, Object, Size, exact};
 
-use super::application::{Application, End, IoKind};
+use super::application::{Application, End, IoKind, Parts};
 use super::config::Options;
 use super::connection_view::Instance;
 use super::dynamic::FIRST_INSTANCE;
@@ -51,6 +51,9 @@ pub(super) enum Which {
 /// | 0x0D Apply_Attributes | | I/O |
 /// | 0x0E, 0x10 | Get of the revision, 1 | yes |
 /// | 0x11 Find_Next_Object_Instance | yes | yes |
+///
+/// Of these, a slave without [`Parts::OPTIONAL_SERVICES`] has Get, Set and the Reset of an instance, if it has no dynamic
+/// connections either.
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
     for ConnectionObject<'_, '_, A, MESSAGE, DYNAMIC>
 {
@@ -134,13 +137,14 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
 
     fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
         match call.service {
+            ServiceCode::RESET if !call.instance.is_class() => {
+                call.no_data()?;
+                self.reset(self.which(call.instance).ok_or(GONE)?)?;
+            }
+            _ if !A::PARTS.contains(Parts::OPTIONAL_SERVICES) && DYNAMIC == 0 => return Err(NOT_SUPPORTED),
             ServiceCode::RESET | ServiceCode::DELETE if call.instance.is_class() => {
                 call.no_data()?;
                 self.each(call.service);
-            }
-            ServiceCode::RESET => {
-                call.no_data()?;
-                self.reset(self.which(call.instance).ok_or(GONE)?)?;
             }
             ServiceCode::DELETE => {
                 call.no_data()?;

@@ -102,6 +102,29 @@ fn a_small_slave_answers_as_a_complete_one() {
     }
 }
 
+/// Delete, Apply_Attributes, Find_Next_Object_Instance, and the Reset of all instances.
+#[test]
+fn a_small_slave_has_the_services_that_a_connection_must_have() {
+    let mut complete = Bus::<Block, 0>::online(config(), block()).allocated(0x03);
+    let mut small = Bus::<Small, 0>::online(config(), Small(block())).allocated(0x03);
+    let same: [&[u8]; 3] =
+        [&[0x0E, 0x05, 0x02, 0x01], &[0x10, 0x05, 0x02, 0x09, 0x4B, 0x00], &[0x05, 0x05, 0x02]];
+    for body in same {
+        let request = [&[MASTER], body].concat();
+        complete.hears(REQUEST, &request);
+        small.hears(REQUEST, &request);
+        let answer = complete.response();
+        assert_eq!(answer[1], body[0] | 0x80);
+        assert_eq!(small.response(), answer);
+    }
+    for body in
+        [[0x05, 0x05, 0x00].as_slice(), &[0x0D, 0x05, 0x02], &[0x11, 0x05, 0x00, 9], &[0x09, 0x05, 0x02]]
+    {
+        small.hears(REQUEST, &[&[MASTER], body].concat());
+        assert_eq!(small.response(), [MASTER, 0x94, 0x08, 0xFF], "{body:02X?}");
+    }
+}
+
 #[test]
 fn what_indicators_show_can_be_asked_without_events() {
     let is_status = |event: &SlaveEvent| matches!(event, SlaveEvent::NetworkStatus(_));
