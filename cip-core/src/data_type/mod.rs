@@ -121,6 +121,21 @@ impl DataType {
         Self::StringI,
     ];
 
+    /// True for whole numbers and times that can be negative.
+    pub const fn is_signed(self) -> bool {
+        matches!(
+            self,
+            Self::Sint
+                | Self::Int
+                | Self::Dint
+                | Self::Lint
+                | Self::Itime
+                | Self::Time
+                | Self::Ftime
+                | Self::Ltime
+        )
+    }
+
     /// The type with this code, of either set of codes.
     pub fn from_code(code: DataTypeCode) -> Option<Self> {
         let canonical = code.canonical();

@@ -73,7 +73,11 @@ impl Param {
         if first_bit != 0 {
             return format!("bits {first_bit} and up: 0x{actual:X}");
         }
-        let signed = if self.is_signed() { sign_extended(actual, width) } else { actual.into() };
+        let signed = if self.data_type.is_some_and(DataType::is_signed) {
+            sign_extended(actual, width)
+        } else {
+            actual.into()
+        };
         match i64::try_from(signed) {
             Ok(value) => self.text(&Value::Lint(value), linked),
             Err(_) => format!("{signed}"),
@@ -131,22 +135,6 @@ impl Param {
             number.push_str(units);
         }
         number
-    }
-
-    const fn is_signed(&self) -> bool {
-        matches!(
-            self.data_type,
-            Some(
-                DataType::Sint
-                    | DataType::Int
-                    | DataType::Dint
-                    | DataType::Lint
-                    | DataType::Itime
-                    | DataType::Time
-                    | DataType::Ftime
-                    | DataType::Ltime
-            )
-        )
     }
 }
 

@@ -109,7 +109,7 @@ impl Assembly {
     /// Class, instance and attribute of the data; `None` if there is no path, or one that cannot be read.
     #[must_use]
     pub fn target(&self) -> Option<LogicalPath> {
-        if self.path.is_empty() { None } else { self.epath().logical().ok() }
+        super::target(&self.path)
     }
 }
 

@@ -19,6 +19,7 @@ use std::vec::Vec;
 
 use super::diagnostic::Findings;
 use super::document::{Document, Entry};
+use crate::epath::{Epath, LogicalPath};
 
 /// Everything that is known of a file.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -103,4 +104,9 @@ impl Spans {
     pub(super) fn field(&self, index: usize) -> super::Span {
         self.fields.get(index).copied().unwrap_or(self.end)
     }
+}
+
+/// Class, instance and attribute that a packed path names; `None` if it is empty, or cannot be read.
+fn target(path: &[u8]) -> Option<LogicalPath> {
+    if path.is_empty() { None } else { Epath::packed(path).logical().ok() }
 }

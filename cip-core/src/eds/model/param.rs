@@ -145,7 +145,7 @@ impl Param {
     /// Class, instance and attribute of its value; `None` if it has no path, or one that cannot be read.
     #[must_use]
     pub fn target(&self) -> Option<LogicalPath> {
-        if self.path.is_empty() { None } else { self.epath().logical().ok() }
+        super::target(&self.path)
     }
 
     /// True for BYTE, WORD, DWORD and LWORD, whose texts are for bits.

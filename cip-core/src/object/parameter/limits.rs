@@ -19,7 +19,7 @@ impl Number {
             DataType::Real => Some(Self::Real(f32::from_le_bytes(bytes.try_into().ok()?).into())),
             DataType::Lreal => Some(Self::Real(f64::from_le_bytes(bytes.try_into().ok()?))),
             _ => {
-                let sign = if is_signed(data_type) && last >= 0x80 { 0xFF } else { 0 };
+                let sign = if data_type.is_signed() && last >= 0x80 { 0xFF } else { 0 };
                 let mut wide = [sign; 16];
                 wide.get_mut(..bytes.len())?.copy_from_slice(bytes);
                 Some(Self::Integer(i128::from_le_bytes(wide)))
@@ -56,7 +56,7 @@ pub(super) const fn lowest(data_type: DataType) -> Pattern {
     match data_type {
         DataType::Real => [0xFF, 0x7F, 0xFF],
         DataType::Lreal => [0xFF, 0xEF, 0xFF],
-        _ if is_signed(data_type) => [0x80, 0, 0],
+        _ if data_type.is_signed() => [0x80, 0, 0],
         _ => ZERO,
     }
 }
@@ -67,23 +67,9 @@ pub(super) const fn highest(data_type: DataType) -> Pattern {
         DataType::Lreal => [0x7F, 0xEF, 0xFF],
         DataType::Bool => [1, 0, 0],
         DataType::ShortString => ZERO,
-        _ if is_signed(data_type) => [0x7F, 0xFF, 0xFF],
+        _ if data_type.is_signed() => [0x7F, 0xFF, 0xFF],
         _ => [0xFF; 3],
     }
-}
-
-const fn is_signed(data_type: DataType) -> bool {
-    matches!(
-        data_type,
-        DataType::Sint
-            | DataType::Int
-            | DataType::Dint
-            | DataType::Lint
-            | DataType::Itime
-            | DataType::Time
-            | DataType::Ftime
-            | DataType::Ltime
-    )
 }
 
 /// The default of a parameter that does not tell one.

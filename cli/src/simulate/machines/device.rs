@@ -154,11 +154,7 @@ impl Object for Assemblies<'_> {
             Some(index) => self.0.outputs[index].as_mut_slice(),
             None => &mut self.0.configuration,
         };
-        match value.len().cmp(&data.len()) {
-            core::cmp::Ordering::Less => return Err(GeneralStatus::NOT_ENOUGH_DATA.into()),
-            core::cmp::Ordering::Greater => return Err(GeneralStatus::TOO_MUCH_DATA.into()),
-            core::cmp::Ordering::Equal => {}
-        }
+        Size::Bytes(data.len() as u16).check(value)?;
         if output.is_some_and(|index| self.0.owned[index]) {
             return Err(GeneralStatus::OBJECT_STATE_CONFLICT.into());
         }
