@@ -85,11 +85,8 @@ pub struct IoConnection {
 
 impl IoConnection {
     /// Not allocated.
-    pub const NON_EXISTENT: Self = Self {
-        kind: PredefinedConnection::Poll,
-        state: IoState::NonExistent,
-        settings: Settings::new(0, WatchdogAction::TRANSITION_TO_TIMED_OUT),
-    };
+    pub const NON_EXISTENT: Self =
+        Self { kind: PredefinedConnection::Poll, state: IoState::NonExistent, settings: DEFAULTS };
 
     /// Which connection of the predefined set it is; without a meaning while it is non-existent.
     pub const fn kind(&self) -> PredefinedConnection {
@@ -113,15 +110,10 @@ impl IoConnection {
 
     /// Allocates it with its defaults; 0x0B if it is allocated already. A connection that timed out counts as free.
     pub fn allocate(&mut self, kind: PredefinedConnection) -> Result<(), GeneralStatus> {
-        let before = self.clone();
-        let defaults = kind.defaults();
+        let _ = self.handle(IoCause::Allocated)?;
         self.kind = kind;
-        self.settings = Settings::new(defaults.expected_packet_rate, defaults.watchdog_action);
-        let allocated = self.handle(IoCause::Allocated).map(|_| ());
-        if allocated.is_err() {
-            *self = before;
-        }
-        allocated
+        self.settings = DEFAULTS;
+        Ok(())
     }
 
     /// Another connection takes over the instance that is allocated already: poll is added where instance 2 was there for
@@ -399,5 +391,6 @@ const fn edge(from: IoState, cause: IoCause, to: IoState) -> IoEdge {
     IoEdge { from, cause, to }
 }
 
+const DEFAULTS: Settings = Settings::new(0, WatchdogAction::TRANSITION_TO_TIMED_OUT);
 const IO_ACTIONS: [WatchdogAction; 3] =
     [WatchdogAction::TRANSITION_TO_TIMED_OUT, WatchdogAction::AUTO_DELETE, WatchdogAction::AUTO_RESET];

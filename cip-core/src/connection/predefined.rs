@@ -67,6 +67,37 @@ impl PredefinedConnection {
         })
     }
 
+    /// Attribute 2.
+    pub const fn instance_type(self) -> InstanceType {
+        if matches!(self, Self::Explicit) { InstanceType::EXPLICIT } else { InstanceType::IO }
+    }
+
+    /// Attribute 3.
+    pub const fn transport_class_trigger(self) -> TransportClassTrigger {
+        TransportClassTrigger(match self {
+            Self::Explicit => 0x83,
+            Self::Poll | Self::BitStrobe | Self::MulticastPoll => 0x82,
+            Self::ConsumeOnly => 0x80,
+            Self::ChangeOfState { acknowledged: true } => 0x12,
+            Self::ChangeOfState { acknowledged: false } => 0x10,
+            Self::Cyclic { acknowledged: true } => 0x02,
+            Self::Cyclic { acknowledged: false } => 0x00,
+        })
+    }
+
+    /// Attribute 6.
+    pub const fn comm_characteristics(self) -> CommCharacteristics {
+        CommCharacteristics(match self {
+            Self::Explicit => 0x21,
+            Self::Poll | Self::ChangeOfState { acknowledged: true } | Self::Cyclic { acknowledged: true } => {
+                0x01
+            }
+            Self::BitStrobe | Self::MulticastPoll => 0x02,
+            Self::ConsumeOnly => 0xF1,
+            Self::ChangeOfState { acknowledged: false } | Self::Cyclic { acknowledged: false } => 0x0F,
+        })
+    }
+
     /// The defaults, as printed by most product manuals (Rockwell 1329I, 193-EDN and 855T, ICP DAS I-7242D, Omron E5AR,
     /// INFICON Composer Elite).
     ///
@@ -82,16 +113,6 @@ impl PredefinedConnection {
     /// | cyclic, not acknowledged | 1 | 1 | 0x00 | 0x0F | 0 | 0 | empty |
     /// | multicast poll | 1 | 1 | 0x82 | 0x02 | 0 | 0 | device |
     pub const fn defaults(self) -> ConnectionDefaults {
-        let (class_trigger, characteristics) = match self {
-            Self::Explicit => (0x83, 0x21),
-            Self::Poll => (0x82, 0x01),
-            Self::ConsumeOnly => (0x80, 0xF1),
-            Self::BitStrobe | Self::MulticastPoll => (0x82, 0x02),
-            Self::ChangeOfState { acknowledged: true } => (0x12, 0x01),
-            Self::ChangeOfState { acknowledged: false } => (0x10, 0x0F),
-            Self::Cyclic { acknowledged: true } => (0x02, 0x01),
-            Self::Cyclic { acknowledged: false } => (0x00, 0x0F),
-        };
         let consumed_path: &[u8] = match self {
             Self::ChangeOfState { acknowledged: true } | Self::Cyclic { acknowledged: true } => {
                 &ACK_HANDLER_PATH
@@ -107,9 +128,9 @@ impl PredefinedConnection {
         let explicit = matches!(self, Self::Explicit);
         ConnectionDefaults {
             state: if explicit { ConnectionState::ESTABLISHED } else { ConnectionState::CONFIGURING },
-            instance_type: if explicit { InstanceType::EXPLICIT } else { InstanceType::IO },
-            transport_class_trigger: TransportClassTrigger(class_trigger),
-            comm_characteristics: CommCharacteristics(characteristics),
+            instance_type: self.instance_type(),
+            transport_class_trigger: self.transport_class_trigger(),
+            comm_characteristics: self.comm_characteristics(),
             expected_packet_rate: if explicit { EXPLICIT_PACKET_RATE } else { 0 },
             watchdog_action: if explicit {
                 WatchdogAction::AUTO_DELETE

@@ -308,8 +308,8 @@ impl ConnectionView for IoConnection {
     fn consumed_size(&self) -> u16 {
         1
     }
-    fn settings(&self) -> Settings {
-        *self.settings()
+    fn settings(&self) -> &Settings {
+        self.settings()
     }
     fn produced_path(&self) -> ConnectionPath {
         ConnectionPath::Assembly(InstanceId(101))

@@ -66,7 +66,10 @@ impl TimerResolution {
     /// The rate that the device uses when it is asked for `requested` milliseconds: the next multiple, 0 for 0; `None` if
     /// that does not fit into 16 bits.
     pub const fn round_up(self, requested: u16) -> Option<u16> {
-        requested.checked_next_multiple_of(self.millis())
+        match remainder(requested, self.millis()) {
+            0 => Some(requested),
+            rest => requested.checked_add(self.millis().saturating_sub(rest)),
+        }
     }
 }
 
@@ -101,6 +104,22 @@ pub const fn first_time_out(expected_packet_rate: u16, multiplier: TimeoutMultip
 /// 10 s: the least time for the first message of an I/O connection ("pre-consumption").
 pub const FIRST_TIME_OUT_MILLIS: u32 = 10_000;
 
+/// By shifts, for a processor without a divider: it would be the only division of a small slave, and its routine larger
+/// than any function here.
+const fn remainder(number: u16, divisor: u16) -> u16 {
+    let mut rest = number;
+    let mut multiple = divisor.wrapping_shl(divisor.leading_zeros());
+    loop {
+        if rest >= multiple {
+            rest = rest.saturating_sub(multiple);
+        }
+        if multiple == divisor {
+            return rest;
+        }
+        multiple >>= 1;
+    }
+}
+
 const fn widening_mul(a: u16, b: u16) -> u32 {
     let ([a0, a1], [b0, b1]) = (a.to_le_bytes(), b.to_le_bytes());
     u32::from_le_bytes([a0, a1, 0, 0]).saturating_mul(u32::from_le_bytes([b0, b1, 0, 0]))
@@ -118,6 +137,14 @@ mod tests {
         assert_eq!([65_530, 65_531, 65_535].map(round), [Some(65_530), None, None]);
         assert_eq!(TimerResolution::new(1).and_then(|step| step.round_up(65_535)), Some(65_535));
         assert_eq!(TimerResolution::new(0), None);
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn remainders_are_those_of_a_division(number: u16, divisor in 1..=u16::MAX, small in 1..=200_u16) {
+            proptest::prop_assert_eq!(Some(remainder(number, divisor)), number.checked_rem(divisor));
+            proptest::prop_assert_eq!(Some(remainder(number, small)), number.checked_rem(small));
+        }
     }
 
     #[test]

@@ -54,7 +54,7 @@ pub trait ConnectionView {
 
     /// Attribute 6. By default that of its kind.
     fn comm_characteristics(&self) -> CommCharacteristics {
-        self.kind().defaults().comm_characteristics
+        self.kind().comm_characteristics()
     }
 
     /// Attribute 7.
@@ -64,7 +64,7 @@ pub trait ConnectionView {
     fn consumed_size(&self) -> u16;
 
     /// Attributes 9, 12, 17 and 18.
-    fn settings(&self) -> Settings;
+    fn settings(&self) -> &Settings;
 
     /// Attributes 13 and 14.
     fn produced_path(&self) -> ConnectionPath;
@@ -76,8 +76,8 @@ pub trait ConnectionView {
     fn get(&self, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), GeneralStatus> {
         let byte = match attribute.0 {
             1 => self.state().0,
-            2 => self.kind().defaults().instance_type.0,
-            3 => self.kind().defaults().transport_class_trigger.0,
+            2 => self.kind().instance_type().0,
+            3 => self.kind().transport_class_trigger().0,
             6 => self.comm_characteristics().0,
             12 => self.settings().watchdog_action.0,
             18 => self.settings().multiplier.0,

@@ -153,7 +153,10 @@ impl<'a> Identity<'a> {
             (Some(_), None, None) => 8,
             (None, None, None) => 7,
         };
-        (1..=last).try_for_each(|number| self.get(InstanceId(1), AttributeId(number), out))
+        for number in 1..=last {
+            self.get(InstanceId(1), AttributeId(number), out)?;
+        }
+        Ok(())
     }
 }
 
@@ -171,7 +174,7 @@ impl Object for Identity<'_> {
         rules.get(start..end)
     }
 
-    // Its only caller is `serve`: a fifth of the instructions of a Get are those of a call.
+    // What a device is asked most: a call would take a tenth of its instructions.
     #[inline]
     fn get(&self, _: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
         let word = match attribute.0 {

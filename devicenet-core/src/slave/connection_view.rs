@@ -104,7 +104,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> ConnectionView
             Which::Dynamic(index) => {
                 CommCharacteristics(self.dynamic(index).map_or(0, Dynamic::characteristics))
             }
-            Which::Explicit | Which::Io(_) => self.kind().defaults().comm_characteristics,
+            Which::Explicit | Which::Io(_) => self.kind().comm_characteristics(),
         }
     }
 
@@ -125,8 +125,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> ConnectionView
         })
     }
 
-    fn settings(&self) -> Settings {
-        *match self.which {
+    fn settings(&self) -> &Settings {
+        match self.which {
             Which::Explicit | Which::Dynamic(_) => self.explicit().settings(),
             Which::Io(kind) => self.node().io(kind).settings(),
         }
