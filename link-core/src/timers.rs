@@ -192,6 +192,62 @@ fn earliest(timers: &[Instant]) -> Option<(usize, Instant)> {
     first
 }
 
+/// [`Timers`] of any number, for a machine that is generic over which it has.
+#[expect(missing_docs, reason = "what the methods of `Timers` do")]
+pub trait TimerSet<K> {
+    fn advance(&mut self, now: Instant) -> Instant;
+    fn advance_inline(&mut self, now: Instant) -> Instant;
+    fn now(&self) -> Instant;
+    fn set_after_millis(&mut self, key: K, millis: u32);
+    fn set_after_millis_inline(&mut self, key: K, millis: u32);
+    fn clear(&mut self, key: K);
+    fn at(&self, key: K) -> Option<Instant>;
+    fn is_due(&mut self, now: Instant) -> bool;
+    fn take_expired(&mut self, now: Instant) -> Option<K>;
+    fn next(&self) -> Option<Deadline>;
+    fn shift(&mut self, span: Duration);
+}
+
+impl<K: TimerKey<N>, const N: usize> TimerSet<K> for Timers<K, N> {
+    fn advance(&mut self, now: Instant) -> Instant {
+        self.advance(now)
+    }
+    #[inline]
+    fn advance_inline(&mut self, now: Instant) -> Instant {
+        self.advance_inline(now)
+    }
+    fn now(&self) -> Instant {
+        self.now()
+    }
+    fn set_after_millis(&mut self, key: K, millis: u32) {
+        self.set_after_millis(key, millis);
+    }
+    #[inline]
+    fn set_after_millis_inline(&mut self, key: K, millis: u32) {
+        self.set_after_millis_inline(key, millis);
+    }
+    #[inline]
+    fn clear(&mut self, key: K) {
+        self.clear(key);
+    }
+    fn at(&self, key: K) -> Option<Instant> {
+        self.at(key)
+    }
+    #[inline]
+    fn is_due(&mut self, now: Instant) -> bool {
+        self.is_due(now)
+    }
+    fn take_expired(&mut self, now: Instant) -> Option<K> {
+        self.take_expired(now)
+    }
+    fn next(&self) -> Option<Deadline> {
+        self.next()
+    }
+    fn shift(&mut self, span: Duration) {
+        self.shift(span);
+    }
+}
+
 impl<K, const N: usize> PartialEq for Timers<K, N> {
     fn eq(&self, other: &Self) -> bool {
         (self.now, self.at) == (other.now, other.at)

@@ -33,8 +33,8 @@ pub trait Application: Clone + Eq + Hash + Debug {
         Self::IO
     }
 
-    /// The memory for I/O messages that do not fit into a frame: [`Fragmented`](super::Fragmented), or `()` if no
-    /// connection produces or consumes more than eight bytes.
+    /// The memory for I/O: [`Fragmented`](super::Fragmented), or `()` if no connection produces or consumes more than eight
+    /// bytes; of these, [`PollOnly`](super::PollOnly) if there is no other than poll.
     type Long: LongMessages;
 
     /// Who the device is and how it is: the Identity object. The slave adds whether it is owned, and the heartbeat

@@ -4,6 +4,7 @@ use cip_core::code::{ClassId, InstanceId};
 use cip_core::codec::Writer;
 use cip_core::identity::IdentityStatus;
 use heapless::Vec;
+use link_core::timers::TimerSet;
 use link_core::{Frame, Instant};
 
 use super::application::{Application, Parts};

@@ -19,7 +19,7 @@ use super::server::Server;
 use crate::id::{Identifier, MessageGroup};
 
 /// The object, put together for one request.
-pub(super) struct ConnectionObject<'s, 'a, A, const MESSAGE: usize, const DYNAMIC: usize> {
+pub(super) struct ConnectionObject<'s, 'a, A: Application, const MESSAGE: usize, const DYNAMIC: usize> {
     pub(super) server: &'s mut Server<'a, A, MESSAGE, DYNAMIC>,
     /// Attribute 8 of the instance that is asked, if it is for I/O.
     pub(super) consumed_size: usize,

@@ -14,7 +14,7 @@ use super::node::Node;
 use crate::id::{Identifier, MacId};
 
 /// An instance that is read.
-pub(super) struct Instance<'o, 's, 'a, A, const MESSAGE: usize, const DYNAMIC: usize> {
+pub(super) struct Instance<'o, 's, 'a, A: Application, const MESSAGE: usize, const DYNAMIC: usize> {
     pub(super) object: &'o ConnectionObject<'s, 'a, A, MESSAGE, DYNAMIC>,
     pub(super) which: Which,
 }

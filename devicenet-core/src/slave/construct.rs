@@ -11,7 +11,7 @@ use super::config::{Config, Options};
 use super::detection::Detection;
 use super::devicenet_object::Port;
 use super::indicator::ModuleStatus;
-use super::io::LongMessages;
+use super::io::{LongMessages, Slots};
 use super::machine::{DynamicTransfer, Slave};
 use super::node::{Node, bits_of};
 use super::transfer::Transfer;
@@ -66,6 +66,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// The same without checks, for a node whose sizes are known to be right.
     pub(crate) fn assembled(config: Config, application: A) -> Self {
+        const {
+            let room = <<A::Long as LongMessages>::Slots as Slots>::CHOICE;
+            assert!(room.contains(A::IO), "PollOnly has room for poll only: let Application::Long be ()");
+        }
         let device = application.identity().device;
         let (vendor, serial) = (device.vendor, device.serial);
         let identity = application.identity();

@@ -4,6 +4,7 @@
 //! each, and less where an error tells that the rate is wrong. The first frame that is received without an error tells
 //! the rate; then network access begins. If every node detects, none sends: one node, normally the master, must not.
 
+use link_core::timers::TimerSet;
 use link_core::{Input, Instant, LinkEvent, link::LinkCommandKind};
 
 use super::application::Application;

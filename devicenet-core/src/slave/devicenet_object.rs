@@ -55,7 +55,7 @@ pub(super) struct Port {
 }
 
 /// The object, put together for one request.
-pub(super) struct DeviceNetObject<'s, 'a, A, const MESSAGE: usize, const DYNAMIC: usize>(
+pub(super) struct DeviceNetObject<'s, 'a, A: Application, const MESSAGE: usize, const DYNAMIC: usize>(
     pub(super) &'s mut Server<'a, A, MESSAGE, DYNAMIC>,
 );
 

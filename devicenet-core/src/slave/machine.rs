@@ -1,7 +1,7 @@
 //! The machine: what it is made of, and where each input goes.
 
 use cip_core::message::{AllocationChoice, BodyFormat};
-use link_core::timers::TimerKey;
+use link_core::timers::{TimerKey, TimerSet};
 use link_core::{Action, Deadline, Frame, Input, Instant, LinkEvent, Machine, Queue, TxOutcome, TxToken};
 
 use super::application::{Application, IoKind, Parts};

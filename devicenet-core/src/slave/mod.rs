@@ -165,5 +165,5 @@ pub use construct::InvalidSlave;
 pub use devicenet_object::{Diagnostics, Switches};
 pub use event::{Counters, Event, Ignored, SlaveEvent};
 pub use indicator::{ModuleStatus, combined_status};
-pub use io::{Fragmented, LongMessages};
+pub use io::{Fragmented, LongMessages, PollOnly};
 pub use machine::{Group2OnlyServer, Slave};

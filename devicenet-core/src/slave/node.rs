@@ -9,6 +9,7 @@ use cip_core::connection::{
 };
 use cip_core::message::AllocationChoice;
 use cip_core::object::{AcknowledgeSettings, FailureOptions};
+use link_core::timers::TimerSet;
 use link_core::{Instant, Timers};
 
 use super::application::{Application, IoKind, IoMode, Parts};
@@ -16,6 +17,7 @@ use super::config::{Choices, Config, Options};
 use super::departure::Departure;
 use super::dynamic::{Dynamic, DynamicTimer};
 use super::event::{Events, SlaveEvent};
+use super::io::{LongMessages, Slots};
 use super::lines::Lines;
 use super::machine::changes;
 use super::timer::{Timer, apply};
@@ -24,15 +26,14 @@ use crate::id::MacId;
 
 /// Everything in a slave that its objects look at and change.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
-pub(super) struct Node<A, const DYNAMIC: usize> {
+pub(super) struct Node<A: Application, const DYNAMIC: usize> {
     pub(super) options: Choices<A>,
     failures: FailureOptions,
     pub(super) resolution: TimerResolution,
     /// Instance 1.
     pub(super) explicit: ExplicitConnection,
-    /// Instances 2 to 5.
-    pub(super) io: [IoConnection; 4],
-    pub(super) modes: [IoMode; 4],
+    /// Instances 2 to 5, as many as there is room for.
+    pub(super) slots: SlotsOf<A>,
     /// Instances 6 and up.
     pub(super) dynamic: [Dynamic; DYNAMIC],
     /// The connections of the predefined set that exist, those that timed out included.
@@ -50,12 +51,14 @@ pub(super) struct Node<A, const DYNAMIC: usize> {
     /// Something that others have to follow has changed.
     pub(super) changed: Changed,
     pub(super) lines: Lines,
-    pub(super) timers: Timers<Timer, 9>,
+    pub(super) timers: <SlotsOf<A> as Slots>::Timers,
     pub(super) dynamic_timers: Timers<DynamicTimer, DYNAMIC>,
     pub(super) events: Events,
     /// It decides what there can be at all.
     pub(super) application: PhantomData<A>,
 }
+
+type SlotsOf<A> = <<A as Application>::Long as LongMessages>::Slots;
 
 /// An explicit connection that others hang on.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -90,8 +93,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             failures: config.failures,
             resolution: config.resolution,
             explicit: ExplicitConnection::NON_EXISTENT,
-            io: [IoConnection::NON_EXISTENT; 4],
-            modes: [IoMode::Inactive; 4],
+            slots: Slots::EMPTY,
             dynamic: [Dynamic::CLOSED; DYNAMIC],
             held: AllocationChoice::empty(),
             master: None,
@@ -103,7 +105,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             departure: None,
             changed: Changed::empty(),
             lines: Lines::default(),
-            timers: Timers::new(),
+            timers: Default::default(),
             dynamic_timers: Timers::new(),
             events: Events::default(),
             application: PhantomData,
@@ -115,49 +117,26 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         if A::PARTS.contains(Parts::CHOICES) { self.failures } else { FailureOptions::default() }
     }
 
-    pub(super) const fn io(&self, kind: IoKind) -> &IoConnection {
-        let [poll, strobe, change_of_state, multicast] = &self.io;
-        match kind {
-            IoKind::Poll => poll,
-            IoKind::BitStrobe => strobe,
-            IoKind::ChangeOfState => change_of_state,
-            IoKind::MulticastPoll => multicast,
+    /// A connection; one that is not offered does not exist.
+    pub(super) fn io(&self, kind: IoKind) -> &IoConnection {
+        match kind.offered::<A>() {
+            Some(kind) => &self.slots.slot(kind).connection,
+            None => &IoConnection::NON_EXISTENT,
         }
     }
 
-    pub(super) const fn io_mut(&mut self, kind: IoKind) -> &mut IoConnection {
-        let [poll, strobe, change_of_state, multicast] = &mut self.io;
-        match kind {
-            IoKind::Poll => poll,
-            IoKind::BitStrobe => strobe,
-            IoKind::ChangeOfState => change_of_state,
-            IoKind::MulticastPoll => multicast,
-        }
+    /// A connection that is offered.
+    pub(super) fn io_mut(&mut self, kind: IoKind) -> &mut IoConnection {
+        &mut self.slots.slot_mut(kind).connection
     }
 
-    pub(super) const fn mode(&self, kind: IoKind) -> IoMode {
-        let [poll, strobe, change_of_state, multicast] = self.modes;
-        match kind {
-            IoKind::Poll => poll,
-            IoKind::BitStrobe => strobe,
-            IoKind::ChangeOfState => change_of_state,
-            IoKind::MulticastPoll => multicast,
-        }
+    pub(super) fn mode(&self, kind: IoKind) -> IoMode {
+        self.slots.slot(kind).mode
     }
 
     pub(super) fn set_mode(&mut self, kind: IoKind, mode: IoMode) {
-        if core::mem::replace(self.mode_mut(kind), mode) != mode {
+        if core::mem::replace(&mut self.slots.slot_mut(kind).mode, mode) != mode {
             self.changed.insert(mode_bit(kind));
-        }
-    }
-
-    const fn mode_mut(&mut self, kind: IoKind) -> &mut IoMode {
-        let [poll, strobe, change_of_state, multicast] = &mut self.modes;
-        match kind {
-            IoKind::Poll => poll,
-            IoKind::BitStrobe => strobe,
-            IoKind::ChangeOfState => change_of_state,
-            IoKind::MulticastPoll => multicast,
         }
     }
 
@@ -350,7 +329,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         }
         if to == IoState::Established {
             // Nothing is told: the outputs are as they were. The end of the connection is a change again.
-            *self.mode_mut(kind) = IoMode::Inactive;
+            self.slots.slot_mut(kind).mode = IoMode::Inactive;
             if changes::<A>() && kind == IoKind::ChangeOfState {
                 self.begin_production();
             }

@@ -25,7 +25,7 @@ use crate::counter::count;
 use cip_core::connection::IoState;
 
 /// All objects of a slave, put together for one request.
-pub(super) struct Server<'a, A, const MESSAGE: usize, const DYNAMIC: usize> {
+pub(super) struct Server<'a, A: Application, const MESSAGE: usize, const DYNAMIC: usize> {
     pub(super) access: &'a mut Access,
     pub(super) node: &'a mut Node<A, DYNAMIC>,
     pub(super) port: &'a mut Port,

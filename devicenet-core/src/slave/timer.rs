@@ -1,14 +1,13 @@
 //! The waits of a slave.
 
 use cip_core::connection::Watchdog;
-use link_core::Timers;
-use link_core::timers::TimerKey;
+use link_core::timers::{TimerKey, TimerSet};
 
 use super::application::IoKind;
 
 /// The waits of a slave, besides those of network access and of messages in fragments.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(super) enum Timer {
+pub enum Timer {
     /// Of instance 1.
     Explicit,
     /// Of instances 2 to 5.
@@ -23,6 +22,7 @@ pub(super) enum Timer {
     Heartbeat,
 }
 
+/// All of them.
 impl TimerKey<9> for Timer {
     const ALL: [Self; 9] = [
         Self::Explicit,
@@ -51,6 +51,30 @@ impl TimerKey<9> for Timer {
     }
 
     fn why(self) -> &'static str {
+        self.name()
+    }
+}
+
+/// Those of a device that has poll and no other I/O.
+impl TimerKey<3> for Timer {
+    const ALL: [Self; 3] = [Self::Explicit, Self::Io(IoKind::Poll), Self::Heartbeat];
+
+    fn index(self) -> usize {
+        match self {
+            Self::Explicit => 0,
+            Self::Io(_) => 1,
+            Self::Heartbeat => 2,
+            Self::Trigger | Self::Inhibit | Self::Acknowledge => usize::MAX,
+        }
+    }
+
+    fn why(self) -> &'static str {
+        self.name()
+    }
+}
+
+impl Timer {
+    const fn name(self) -> &'static str {
         match self {
             Self::Explicit => "time-out of the explicit connection",
             Self::Io(IoKind::Poll) => "time-out of poll",
@@ -66,7 +90,7 @@ impl TimerKey<9> for Timer {
 }
 
 /// Does with a timer what a connection says.
-pub(super) fn apply<K: TimerKey<N>, const N: usize>(timers: &mut Timers<K, N>, key: K, watchdog: Watchdog) {
+pub(super) fn apply<K>(timers: &mut impl TimerSet<K>, key: K, watchdog: Watchdog) {
     match watchdog {
         Watchdog::Keep => {}
         Watchdog::Stop => timers.clear(key),

@@ -7,7 +7,7 @@ use cip_core::identity::{DeviceIdentity, ProductName, Revision};
 use cip_core::message::AllocationChoice;
 use cip_core::object::Identity;
 use devicenet_core::MacId;
-use devicenet_core::slave::{Application, Config, Group2OnlyServer, IoKind, Parts};
+use devicenet_core::slave::{Application, Config, Group2OnlyServer, IoKind, Parts, PollOnly};
 
 use crate::drive;
 
@@ -25,7 +25,7 @@ pub struct Block<const PARTS: u8> {
 impl<const PARTS: u8> Application for Block<PARTS> {
     const IO: AllocationChoice = AllocationChoice::POLL;
     const PARTS: Parts = Parts::from_bits_truncate(PARTS);
-    type Long = ();
+    type Long = PollOnly;
 
     fn identity(&self) -> Identity<'_> {
         Identity::new(&self.device)

@@ -15,6 +15,7 @@
 
 use cip_core::connection::{IoState, PredefinedConnection};
 use link_core::Instant;
+use link_core::timers::TimerSet;
 
 use crate::id::Identifier;
 use crate::slave::application::{Application, IoKind};
@@ -101,7 +102,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         }
     }
 
-    pub(in crate::slave) const fn is_acknowledged(&self) -> bool {
+    pub(in crate::slave) fn is_acknowledged(&self) -> bool {
         matches!(
             self.io(IoKind::ChangeOfState).kind(),
             PredefinedConnection::ChangeOfState { acknowledged: true }

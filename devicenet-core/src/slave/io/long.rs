@@ -6,53 +6,55 @@ use core::hash::Hash;
 use cip_core::fragment::{EmptyMessage, IO_UNFRAGMENTED_LEN, IoFragments, IoOutcome, IoReassembly};
 use heapless::Vec;
 
+use super::slots::{EverySlot, PollSlot, Slots};
 use crate::slave::IoKind;
 
-/// Where I/O messages of more than eight bytes are put together and cut: [`Fragmented`], or `()` for none.
+/// The memory for I/O: [`PollOnly`], `()` or [`Fragmented`].
 pub trait LongMessages: Clone + Eq + Hash + Debug + Default {
     /// The longest message.
     const CAPACITY: usize;
 
+    /// The connections that there is room for.
+    type Slots: Slots;
+
     /// Takes the data field of a frame; `None` if the connection has no memory for it.
-    fn receive(&mut self, connection: IoKind, field: &[u8]) -> Option<IoOutcome<'_>>;
+    fn receive(&mut self, _connection: IoKind, _field: &[u8]) -> Option<IoOutcome<'_>> {
+        None
+    }
 
     /// Drops what arrived of a message.
-    fn discard(&mut self, connection: IoKind);
+    fn discard(&mut self, _connection: IoKind) {}
 
     /// Begins to send a message.
-    fn load(&mut self, connection: IoKind, message: &[u8], empty: EmptyMessage);
+    fn load(&mut self, _connection: IoKind, _message: &[u8], _empty: EmptyMessage) {}
 
     /// The data field of the present frame; `None` if there is none.
-    fn field(&self, connection: IoKind) -> Option<Vec<u8, 8>>;
+    fn field(&self, _connection: IoKind) -> Option<Vec<u8, 8>> {
+        None
+    }
 
     /// The present frame was sent; true if another follows.
-    fn advance(&mut self, connection: IoKind) -> bool;
+    fn advance(&mut self, _connection: IoKind) -> bool {
+        false
+    }
 
     /// What is being sent is given up.
-    fn unload(&mut self, connection: IoKind);
+    fn unload(&mut self, _connection: IoKind) {}
 }
 
 /// No message is longer than a frame.
 impl LongMessages for () {
     const CAPACITY: usize = IO_UNFRAGMENTED_LEN;
+    type Slots = EverySlot;
+}
 
-    fn receive(&mut self, _: IoKind, _: &[u8]) -> Option<IoOutcome<'_>> {
-        None
-    }
+/// The same, for a device whose only I/O connection is poll: it needs less memory for connections and their time-outs.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub struct PollOnly;
 
-    fn discard(&mut self, _: IoKind) {}
-
-    fn load(&mut self, _: IoKind, _: &[u8], _: EmptyMessage) {}
-
-    fn field(&self, _: IoKind) -> Option<Vec<u8, 8>> {
-        None
-    }
-
-    fn advance(&mut self, _: IoKind) -> bool {
-        false
-    }
-
-    fn unload(&mut self, _: IoKind) {}
+impl LongMessages for PollOnly {
+    const CAPACITY: usize = IO_UNFRAGMENTED_LEN;
+    type Slots = PollSlot;
 }
 
 /// Messages of up to `N` bytes, at most 448, on all connections but bit-strobe.
@@ -119,6 +121,7 @@ impl<const N: usize> Fragmented<N> {
 
 impl<const N: usize> LongMessages for Fragmented<N> {
     const CAPACITY: usize = if N > IO_UNFRAGMENTED_LEN { N } else { IO_UNFRAGMENTED_LEN };
+    type Slots = EverySlot;
 
     fn receive(&mut self, connection: IoKind, field: &[u8]) -> Option<IoOutcome<'_>> {
         Some(self.incoming(connection)?.frame(field))

@@ -13,8 +13,10 @@
 
 mod change_of_state;
 mod long;
+mod slots;
 
-pub use long::{Fragmented, LongMessages};
+pub use long::{Fragmented, LongMessages, PollOnly};
+pub(super) use slots::Slots;
 
 use cip_core::connection::{IoState, PredefinedConnection};
 use cip_core::fragment::{EmptyMessage, IO_UNFRAGMENTED_LEN, IoOutcome};

@@ -8,7 +8,9 @@ use link_core::{Action, FilterSet, Frame, Input, Instant, LinkEvent, Machine};
 use super::bus::*;
 use crate::MacId;
 use crate::access::{Fault, NetworkStatus};
-use crate::slave::{Application, Config, Group2OnlyServer, InvalidSlave, IoKind, Options, Parts, SlaveEvent};
+use crate::slave::{
+    Application, Config, Group2OnlyServer, InvalidSlave, IoKind, Options, Parts, PollOnly, SlaveEvent,
+};
 
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 struct Small(Block);
@@ -16,7 +18,7 @@ struct Small(Block);
 impl Application for Small {
     const IO: AllocationChoice = Block::IO;
     const PARTS: Parts = Parts::empty();
-    type Long = ();
+    type Long = PollOnly;
 
     fn identity(&self) -> Identity<'_> {
         self.0.identity()

@@ -116,12 +116,12 @@ fn the_last_two_connections_at_once() {
 #[test]
 fn own_frames_are_ignored() {
     let mut bus = Full::full().established(0x07, &[2, 3]);
-    let before = bus.slave.node.io.clone();
+    let before = bus.slave.node.slots.clone();
     for id in [POLL_RESPONSE, super::bus::STROBE_RESPONSE, super::bus::COS, RESPONSE, 0x77F, 0x33F] {
         bus.hears(id, &[MASTER, 0x0E, 1, 1, 1]);
     }
     bus.sends_nothing();
-    assert_eq!(bus.slave.node.io, before);
+    assert_eq!(bus.slave.node.slots, before);
     assert_eq!(bus.slave.counters().foreign, 6);
     assert_eq!(bus.events, []);
 }
@@ -274,7 +274,7 @@ fn noise() {
 #[cfg(target_pointer_width = "64")]
 fn the_size_of_the_machine() {
     let application = size_of::<super::bus::Block>();
-    assert_eq!(size_of::<crate::slave::Group2OnlyServer<super::bus::Block>>() - application, 688);
+    assert_eq!(size_of::<crate::slave::Group2OnlyServer<super::bus::Block>>() - application, 696);
 }
 
 /// Attribute 5 is told whenever it changes, also when a connection that timed out is reset.
