@@ -40,18 +40,26 @@ impl<const PARTS: u8> Application for Block<PARTS> {
     }
 }
 
+impl<const PARTS: u8> Block<PARTS> {
+    /// A fictitious device.
+    #[must_use]
+    pub fn new() -> Self {
+        let device = DeviceIdentity {
+            vendor: VendorId(black_box(0x1234)),
+            device_type: DeviceType::GENERAL_PURPOSE_DISCRETE_IO,
+            product_code: 1,
+            revision: Revision { major: 1, minor: 1 },
+            serial: black_box(0x0000_2345),
+            name: ProductName::from_bytes(b"Example").unwrap_or_default(),
+        };
+        Self { device, inputs: black_box([0; 2]), outputs: [0] }
+    }
+}
+
 /// Runs it for ever.
 pub fn run<const PARTS: u8>() -> ! {
-    let device = DeviceIdentity {
-        vendor: VendorId(black_box(0x1234)),
-        device_type: DeviceType::GENERAL_PURPOSE_DISCRETE_IO,
-        product_code: 1,
-        revision: Revision { major: 1, minor: 1 },
-        serial: black_box(0x0000_2345),
-        name: ProductName::from_bytes(b"Example").unwrap_or_default(),
-    };
-    let config = Config::new(&device, MacId::DEFAULT);
-    let block = Block { device, inputs: black_box([0; 2]), outputs: [0] };
+    let block = Block::new();
+    let config = Config::new(&block.device, MacId::DEFAULT);
     let Ok(mut slave) = Server::<PARTS>::new(config, block) else { loop {} };
     drive(&mut slave)
 }

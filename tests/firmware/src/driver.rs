@@ -14,17 +14,17 @@ pub fn drive<M: Machine>(machine: &mut M) -> ! {
         while let Some(action) = machine.poll(now) {
             match action {
                 Action::Transmit(token, frame) => {
-                    black_box(frame);
+                    black_box(&frame);
                     sent = Some(token);
                 }
                 Action::Withdraw(token) => {
                     black_box(token);
                 }
                 Action::Link(command) => {
-                    black_box(command);
+                    black_box(&command);
                 }
                 Action::Event(event) => {
-                    black_box(event);
+                    black_box(&event);
                 }
             }
         }
