@@ -33,7 +33,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     pub(super) fn is_broadcast_due(&self) -> bool {
-        self.heartbeat_due || self.is_shutdown_due()
+        (A::PARTS.contains(Parts::HEARTBEAT) && self.heartbeat_due) || self.is_shutdown_due()
     }
 
     pub(super) fn take_broadcast(&mut self) -> Option<(Sent, Vec<u8, { Frame::MAX_DATA }>)> {

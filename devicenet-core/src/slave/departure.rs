@@ -127,14 +127,16 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if kind != ResetType::OUT_OF_BOX && kind != ResetType::OUT_OF_BOX_KEEP_COMMUNICATION {
             return mac;
         }
-        if self.node.heartbeat_interval.is_some_and(|seconds| seconds != 0) {
+        if A::PARTS.contains(Parts::HEARTBEAT)
+            && self.node.heartbeat_interval.is_some_and(|seconds| seconds != 0)
+        {
             self.node.heartbeat_interval = Some(0);
             self.node.events.raise(SlaveEvent::StoreHeartbeatInterval(0));
         }
         if kind == ResetType::OUT_OF_BOX_KEEP_COMMUNICATION {
             return mac;
         }
-        if self.access.quick_connect() {
+        if A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) && self.access.quick_connect() {
             self.access.set_quick_connect(false);
             self.node.events.raise(SlaveEvent::StoreQuickConnect(false));
         }

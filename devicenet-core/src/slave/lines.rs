@@ -128,11 +128,12 @@ impl Lines {
         !self.unwanted.is_empty()
     }
 
-    /// The next frame to withdraw.
+    /// The next frame to withdraw: of the line of the highest priority, the lowest bit.
     pub(super) fn withdraw(&mut self) -> Option<TxToken> {
-        let line = self.unwanted.iter().next()?;
+        let others = self.unwanted.bits() & self.unwanted.bits().wrapping_sub(1);
+        let line = self.unwanted.difference(Line::from_bits_retain(others));
         self.unwanted.remove(line);
-        Some(token(line))
+        (!line.is_empty()).then(|| token(line))
     }
 
     /// A frame of the line is with the controller no longer; `None` if it was not. False if nobody waits for it any more.

@@ -232,8 +232,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
                 Timer::Trigger if changes::<A>() => self.node.triggered(),
                 Timer::Inhibit if changes::<A>() => self.node.inhibit_over(),
                 Timer::Acknowledge if changes::<A>() => self.not_acknowledged(),
-                Timer::Trigger | Timer::Inhibit | Timer::Acknowledge => {}
-                Timer::Heartbeat => self.heartbeat_over(now),
+                Timer::Heartbeat if A::PARTS.contains(Parts::HEARTBEAT) => self.heartbeat_over(now),
+                Timer::Trigger | Timer::Inhibit | Timer::Acknowledge | Timer::Heartbeat => {}
             }
         }
         while DYNAMIC > 0
