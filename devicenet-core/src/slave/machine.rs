@@ -12,7 +12,7 @@ use super::dynamic::DynamicTimer;
 use super::event::{Counters, Event, SlaveEvent};
 use super::indicator::ModuleStatus;
 use super::lines::{self, Line};
-use super::node::{Changed, Node};
+use super::node::Node;
 use super::timer::Timer;
 use super::transfer::{Piece, Rules, Transfer};
 use super::unconnected::Answer;
@@ -284,81 +284,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             || self.transfers.iter_mut().any(|dynamic| dynamic.transfer.is_over(now))
             || self.access.deadline_is_over(now);
         is_over && !(A::PARTS.contains(Parts::BIT_RATE_DETECTION) && self.detection.is_running())
-    }
-
-    /// What follows from the changes of an input before anything is sent.
-    #[inline]
-    pub(super) fn follow(&mut self, now: Instant) {
-        // Network access tells when it goes on line or off.
-        if self.access.has_news() || self.node.departure.is_some() || !self.node.changed.is_empty() {
-            self.follow_changes(now);
-        }
-    }
-
-    #[inline(never)]
-    fn follow_changes(&mut self, now: Instant) {
-        if self.online != self.access.is_online() {
-            self.online = self.access.is_online();
-            if self.online { self.go_online() } else { self.go_offline(now) }
-        }
-        if self.node.departure.is_some() {
-            self.follow_departure(now);
-            if self.online && !self.access.is_online() {
-                self.online = false;
-                self.go_offline(now);
-            }
-        }
-        if self.node.changed.is_empty() {
-            return;
-        }
-        if self.node.changed.contains(Changed::CONNECTIONS) {
-            self.node.settle();
-            self.close_transfers();
-        }
-        self.follow_modes();
-        if self.node.changed.contains(Changed::HEARTBEAT) {
-            self.node.changed.remove(Changed::HEARTBEAT);
-            self.start_heartbeat();
-        }
-        if self.node.changed.contains(Changed::ALLOCATION) {
-            self.node.changed.remove(Changed::ALLOCATION);
-            let (choice, master) = (self.node.choice(), self.node.master);
-            self.node.events.raise(SlaveEvent::Allocation { choice, master });
-        }
-    }
-
-    fn go_online(&mut self) {
-        self.node.changed.insert(Changed::FILTER);
-        self.start_heartbeat();
-    }
-
-    fn go_offline(&mut self, now: Instant) {
-        let dropped = self.access.is_off_the_bus();
-        self.node.lines.stop_all(dropped);
-        self.node.lose_network();
-        self.node.lines.stop_all(dropped);
-        self.explicit.clear();
-        for dynamic in &mut self.transfers {
-            dynamic.transfer.clear();
-            dynamic.unwanted = dynamic.in_flight && !dropped;
-        }
-        self.answers.clear();
-        self.heartbeat_due = false;
-        self.node.timers.clear(Timer::Heartbeat);
-        // Whoever wanted to leave has left by other means; what was accepted is carried out all the same.
-        self.leave(now);
-    }
-
-    fn close_transfers(&mut self) {
-        use cip_core::connection::ExplicitState;
-        if self.node.explicit.state() == ExplicitState::NonExistent {
-            self.explicit.close();
-        }
-        for (dynamic, transfer) in self.node.dynamic.iter().zip(&mut self.transfers) {
-            if !dynamic.is_open() {
-                transfer.transfer.close();
-            }
-        }
     }
 
     /// The body format of a connection that was opened dynamically.

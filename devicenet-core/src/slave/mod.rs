@@ -144,12 +144,14 @@ mod devicenet_object;
 mod dynamic;
 mod event;
 mod explicit;
+mod follow;
 mod indicator;
 mod io;
 mod lines;
 mod machine;
 mod node;
 mod output;
+mod ownership;
 mod server;
 #[cfg(test)]
 mod tests;
