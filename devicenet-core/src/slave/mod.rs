@@ -110,8 +110,8 @@
 //! # Cost
 //!
 //! Code for connections that [`Application::IO`] does not offer falls away, that for what [`Application::PARTS`] leaves out,
-//! the memory and the code for long I/O messages with `type Long = ()`, and everything about the UCMM in a
-//! [`Group2OnlyServer`].
+//! the memory and the code for long I/O messages with `type Long = ()`, the memory for other connections than poll with
+//! `type Long = PollOnly`, and everything about the UCMM in a [`Group2OnlyServer`].
 //!
 //! # Decisions where the literature is silent
 //!
