@@ -7,10 +7,12 @@ use cip_core::message::{AttributeRequest, Request, Response, Target};
 use heapless::Vec;
 use link_core::Instant;
 
+use super::board::NotAdded;
 use super::event::{Counters, SlaveCounters};
 use super::machine::Master;
 use super::scan_list::{IoInstance, ScanEntry, ScanListError};
 use super::slot::{Output, Sending, Slot, SlotTimer, TalkStage};
+
 use super::state::{Cause, SlaveState, Stage};
 use super::status::ScannerStatus;
 use super::writes::AttributeWrite;
@@ -66,16 +68,16 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             }
             _ => {}
         }
-        let Err(place) = self.slots.binary_search_by_key(&entry.mac_id, |slot| slot.entry.mac_id) else {
-            return Err(ScanListError::AlreadyListed(entry.mac_id));
-        };
         let mut slot = Slot::new(entry, self.access().mac_id());
         slot.timers.advance(now);
         if self.on_line {
             slot.enter(Stage::Waiting, Cause::MasterOnLine);
             slot.timers.set_after(SlotTimer::Retry, Duration::ZERO);
         }
-        self.slots.insert(place, slot).map_err(|_| ScanListError::Full(SLAVES))?;
+        self.board.add(&mut self.slots, slot).map_err(|why| match why {
+            NotAdded::Listed => ScanListError::AlreadyListed(entry.mac_id),
+            NotAdded::Full => ScanListError::Full(SLAVES),
+        })?;
         if let (Some(poll), None) = (entry.multicast_poll, group) {
             self.multicast_output = Output::zeroed(poll.consume.into());
         }
@@ -85,8 +87,9 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 
     /// Removes a slave. Its connections are not released: they time out, unless their expected packet rate is 0.
     pub fn remove_slave(&mut self, slave: MacId) -> Result<(), ScanListError> {
-        let place = self.place(slave).ok_or(ScanListError::NotListed(slave))?;
-        self.slots.remove(place);
+        if !self.board.remove(&mut self.slots, slave) {
+            return Err(ScanListError::NotListed(slave));
+        }
         self.cycle.forget(slave);
         self.filter_due = self.on_line;
         Ok(())
@@ -103,7 +106,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     /// Starts anew with another MAC ID.
     pub fn set_mac_id(&mut self, now: Instant, mac_id: MacId) -> Result<(), CommandError> {
         self.advance(now);
-        if self.place(mac_id).is_some() {
+        if self.board.listed().contains(mac_id) {
             return Err(ScanListError::AlreadyListed(mac_id).into());
         }
         self.node.set_mac_id(now, mac_id)?;
@@ -117,7 +120,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         slave: MacId,
         writes: &[AttributeWrite<'_>],
     ) -> Result<(), ScanListError> {
-        let slot = self.slot_mut(slave).ok_or(ScanListError::NotListed(slave))?;
+        let slot = self.board.get_mut(&mut self.slots, slave).ok_or(ScanListError::NotListed(slave))?;
         let mut buffer = [0; MESSAGE];
         let mut out = Writer::new(&mut buffer);
         for write in writes {
@@ -133,7 +136,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             return;
         }
         self.run = run;
-        for slot in &mut self.slots {
+        for slot in self.board.all_mut(&mut self.slots) {
             if slot.sends_output() && slot.is_running() {
                 slot.output_changed();
             }
@@ -142,7 +145,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 
     /// The output data of a slave: with its next poll, or at once if it is not polled.
     pub fn set_output(&mut self, slave: MacId, data: &[u8]) -> Result<(), CommandError> {
-        let slot = self.slot_mut(slave).ok_or(ScanListError::NotListed(slave))?;
+        let slot = self.board.get_mut(&mut self.slots, slave).ok_or(ScanListError::NotListed(slave))?;
         if !slot.output.set(data)? {
             return Ok(());
         }
@@ -154,7 +157,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 
     /// The output bit of a slave in the bit-strobe command.
     pub fn set_strobe_bit(&mut self, slave: MacId, bit: bool) -> Result<(), CommandError> {
-        let slot = self.slot_mut(slave).ok_or(ScanListError::NotListed(slave))?;
+        let slot = self.board.get_mut(&mut self.slots, slave).ok_or(ScanListError::NotListed(slave))?;
         slot.output.strobe_bit = bit;
         Ok(())
     }
@@ -167,7 +170,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     /// What a slave produced last over an instance; `None` if nothing yet, or not since it was lost.
     #[must_use]
     pub fn input_data(&self, slave: MacId, instance: IoInstance) -> Option<&[u8]> {
-        let input = self.slot(slave)?.input(instance)?;
+        let input = self.board.get(&self.slots, slave)?.input(instance)?;
         input.received.then_some(input.data.as_slice())
     }
 
@@ -222,8 +225,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     ) -> Result<(), CommandError> {
         self.advance(now);
         let own = self.access().mac_id();
-        let place = self.place(slave).ok_or(ScanListError::NotListed(slave))?;
-        let Some(slot) = self.slots.get_mut(place) else { return Err(CommandError::NotRunning) };
+        let slot = self.board.get_mut(&mut self.slots, slave).ok_or(ScanListError::NotListed(slave))?;
         if !slot.is_running() {
             return Err(CommandError::NotRunning);
         }
@@ -250,7 +252,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     /// The response that the last [`Response`](super::SlaveEvent::Response) event told of.
     #[must_use]
     pub fn response(&self, slave: MacId) -> Option<Response<'_>> {
-        let slot = self.slot(slave)?;
+        let slot = self.board.get(&self.slots, slave)?;
         match slot.talk.stage {
             TalkStage::Idle | TalkStage::Closing | TalkStage::Verifying => {
                 Response::parse(&slot.talk.data).ok()
@@ -262,7 +264,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     /// Brings a slave up anew, for example after its configuration was changed.
     pub fn restart_slave(&mut self, now: Instant, slave: MacId) -> Result<(), CommandError> {
         self.advance(now);
-        let slot = self.slot_mut(slave).ok_or(ScanListError::NotListed(slave))?;
+        let slot = self.board.get_mut(&mut self.slots, slave).ok_or(ScanListError::NotListed(slave))?;
         if slot.stage != Stage::Offline {
             slot.failures = 0;
             slot.abandon_talk();
@@ -297,13 +299,13 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     /// Where the master is with a slave.
     #[must_use]
     pub fn state(&self, slave: MacId) -> Option<SlaveState> {
-        self.slot(slave).map(|slot| slot.stage.state())
+        self.board.get(&self.slots, slave).map(|slot| slot.stage.state())
     }
 
     /// The scanner status of a slave.
     #[must_use]
     pub fn status(&self, slave: MacId) -> Option<ScannerStatus> {
-        self.slot(slave).map(|slot| slot.status)
+        self.board.get(&self.slots, slave).map(|slot| slot.status)
     }
 
     /// The scanner's own status.
@@ -325,8 +327,10 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             None if self.access().state().kind() == StateKind::NonExistent => ScannerStatus::NO_NETWORK_POWER,
             None if self.unacknowledged => ScannerStatus::TRANSMIT_FAILED,
             None if !self.on_line => ScannerStatus::INITIALISING,
-            None if self.slots.is_empty() && self.counters.unrelated == 0 => ScannerStatus::NO_TRAFFIC,
-            None if self.slots.is_empty() => ScannerStatus::NO_DIRECT_TRAFFIC,
+            None if self.board.listed().is_empty() && self.counters.unrelated == 0 => {
+                ScannerStatus::NO_TRAFFIC
+            }
+            None if self.board.listed().is_empty() => ScannerStatus::NO_DIRECT_TRAFFIC,
             None if !self.run => ScannerStatus::SCANNER_IDLE,
             None => ScannerStatus::NORMAL,
         }
@@ -335,7 +339,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     /// What is counted for a slave.
     #[must_use]
     pub fn slave_counters(&self, slave: MacId) -> Option<&SlaveCounters> {
-        self.slot(slave).map(|slot| &slot.counters)
+        self.board.get(&self.slots, slave).map(|slot| &slot.counters)
     }
 
     /// What is counted for the master.
@@ -348,23 +352,8 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     pub fn shift_time(&mut self, span: Duration) {
         self.node.shift_time(span);
         self.timers.shift(span);
-        for slot in &mut self.slots {
-            slot.timers.shift(span);
-        }
+        self.board.shift(&mut self.slots, span);
         self.candidate.timers.shift(span);
-    }
-
-    pub(super) fn place(&self, slave: MacId) -> Option<usize> {
-        self.slots.binary_search_by_key(&slave, |slot| slot.entry.mac_id).ok()
-    }
-
-    pub(super) fn slot(&self, slave: MacId) -> Option<&Slot<MESSAGE>> {
-        self.slots.get(self.place(slave)?)
-    }
-
-    pub(super) fn slot_mut(&mut self, slave: MacId) -> Option<&mut Slot<MESSAGE>> {
-        let place = self.place(slave)?;
-        self.slots.get_mut(place)
     }
 }
 

@@ -14,7 +14,9 @@
 //! are answered, but for no more frames than those that take their share of the scan, and one more. The master itself
 //! sends no more explicit messages in a scan than their share, unless the interscan delay leaves them time.
 
-use super::scan_list::{IoInstance, ScanRate};
+use super::board::{Known, View};
+use super::scan_list::IoInstance;
+use super::set::SlaveSet;
 use super::slot::Slot;
 use crate::id::MacId;
 
@@ -23,8 +25,8 @@ use crate::id::MacId;
 pub(super) struct Cycle {
     pub(super) position: Position,
     pub(super) number: u32,
-    /// The slaves whose responses are missing, by instance: bit n for MAC ID n.
-    awaited: [u64; 4],
+    /// The slaves whose responses are missing, by instance.
+    awaited: [SlaveSet; 4],
     /// The interscan delay is over.
     pub(super) delay_over: bool,
     /// So is the wait for missing responses.
@@ -63,7 +65,7 @@ impl Cycle {
         Self {
             position: Position::Stopped,
             number: 0,
-            awaited: [0; 4],
+            awaited: [SlaveSet::EMPTY; 4],
             delay_over: false,
             wait_over: false,
             explicit_given: 0,
@@ -80,16 +82,16 @@ impl Cycle {
     }
 
     /// Begins a scan.
-    pub(super) fn begin<const N: usize>(&mut self, slots: &[Slot<N>], ratio: u16) {
+    pub(super) fn begin<const S: usize, const N: usize>(&mut self, slots: View<'_, S, N>, ratio: u16) {
         self.number = self.number.wrapping_add(1);
-        self.awaited = [0; 4];
+        self.awaited = [SlaveSet::EMPTY; 4];
         self.delay_over = false;
         self.wait_over = false;
         self.explicit_given = 0;
         self.given_way = 0;
         self.unanswered = 0;
         self.quiet = false;
-        let polled = slots.iter().filter(|slot| takes_part(slot, IoInstance::Poll)).count();
+        let polled = slots.with(Known::IsPolled).len();
         self.share = u16::try_from(polled).unwrap_or(u16::MAX).wrapping_div(POLLS_PER_EXPLICIT).max(1);
         self.commanded = false;
         self.position = Position::BitStrobe;
@@ -97,76 +99,68 @@ impl Cycle {
     }
 
     /// Goes on to the next command that has somebody to go to.
-    pub(super) fn skip_idle<const N: usize>(&mut self, slots: &[Slot<N>], ratio: u16) {
-        let uses = |instance| slots.iter().any(|slot| takes_part(slot, instance));
-        let is_polled = |slave| {
-            slots
-                .binary_search_by_key(&slave, |slot| slot.entry.mac_id)
-                .is_ok_and(|place| slots.get(place).is_some_and(|slot| takes_part(slot, IoInstance::Poll)))
-        };
-        if self.position == Position::BitStrobe && !uses(IoInstance::BitStrobe) {
+    pub(super) fn skip_idle<const S: usize, const N: usize>(&mut self, slots: View<'_, S, N>, ratio: u16) {
+        if self.position == Position::BitStrobe && slots.with(Known::IsStrobed).is_empty() {
             self.position = Position::Multicast { fragment: 0 };
         }
-        if matches!(self.position, Position::Multicast { .. }) && !uses(IoInstance::MulticastPoll) {
+        if matches!(self.position, Position::Multicast { .. })
+            && slots.with(Known::IsPolledInGroup).is_empty()
+        {
             self.position = self.poll_after(slots, None, ratio);
         }
         if let Position::Poll { slave, .. } = self.position
-            && !is_polled(slave)
+            && !slots.with(Known::IsPolled).contains(slave)
         {
             self.position = self.poll_after(slots, Some(slave), ratio);
         }
     }
 
     /// The first poll command, or the one after that of a slave.
-    pub(super) fn poll_after<const N: usize>(
+    pub(super) fn poll_after<const S: usize, const N: usize>(
         &self,
-        slots: &[Slot<N>],
+        slots: View<'_, S, N>,
         after: Option<MacId>,
         ratio: u16,
     ) -> Position {
-        let mut rest = slots.iter().filter(|slot| after.is_none_or(|after| slot.entry.mac_id > after));
-        rest.find(|slot| self.polls(slot, ratio))
-            .map_or(Position::Pause, |slot| Position::Poll { slave: slot.entry.mac_id, fragment: 0 })
+        let mut polled = slots.with(Known::IsPolled);
+        if self.number.checked_rem(ratio.into()).unwrap_or(0) != 0 {
+            polled = polled.difference(slots.with(Known::IsBackground));
+        }
+        let next = after.map_or(polled, |after| polled.after(after)).first();
+        next.map_or(Position::Pause, |slave| Position::Poll { slave, fragment: 0 })
     }
 
     /// Whether anybody would be scanned.
-    pub(super) fn is_needed<const N: usize>(slots: &[Slot<N>]) -> bool {
-        let scanned = [IoInstance::BitStrobe, IoInstance::MulticastPoll, IoInstance::Poll];
-        slots.iter().any(|slot| scanned.into_iter().any(|instance| takes_part(slot, instance)))
-    }
-
-    fn polls<const N: usize>(&self, slot: &Slot<N>, ratio: u16) -> bool {
-        let due = match slot.entry.rate {
-            ScanRate::Foreground => true,
-            ScanRate::Background => self.number.checked_rem(ratio.into()).unwrap_or(0) == 0,
-        };
-        due && takes_part(slot, IoInstance::Poll)
+    pub(super) fn is_needed<const S: usize, const N: usize>(slots: View<'_, S, N>) -> bool {
+        let scanned = [Known::IsStrobed, Known::IsPolledInGroup, Known::IsPolled];
+        scanned.into_iter().any(|what| !slots.with(what).is_empty())
     }
 
     /// A response is expected from now on.
     pub(super) fn expect(&mut self, instance: IoInstance, slave: MacId) {
         self.commanded = true;
         if let Some(awaited) = self.awaited.get_mut(instance.index()) {
-            *awaited |= bit(slave);
+            awaited.insert(slave);
         }
     }
 
     /// It is there, or will never be.
     pub(super) fn satisfy(&mut self, instance: IoInstance, slave: MacId) {
         if let Some(awaited) = self.awaited.get_mut(instance.index()) {
-            *awaited &= !bit(slave);
+            awaited.remove(slave);
         }
     }
 
     /// Nothing of that slave is expected any more.
     pub(super) fn forget(&mut self, slave: MacId) {
         for awaited in &mut self.awaited {
-            *awaited &= !bit(slave);
+            awaited.remove(slave);
         }
     }
 
-    pub(super) fn is_awaited(&self, slave: MacId) -> bool {
-        self.awaited.iter().any(|awaited| awaited & bit(slave) != 0)
+    /// The slaves of which a response is missing.
+    pub(super) fn missing(&self) -> SlaveSet {
+        self.awaited.iter().fold(SlaveSet::EMPTY, |missing, awaited| missing.union(*awaited))
     }
 
     /// Whether a command was sent since the scan began.
@@ -193,7 +187,7 @@ impl Cycle {
 
     /// Whether the next scan may begin.
     pub(super) fn is_over(&self) -> bool {
-        let complete = self.awaited.iter().all(|&awaited| awaited == 0);
+        let complete = self.missing().is_empty();
         let gave_way = self.quiet || self.given_way > self.share.saturating_mul(2);
         self.position == Position::Pause && self.delay_over && (complete || self.wait_over) && gave_way
     }
@@ -208,10 +202,6 @@ pub(super) fn takes_part<const N: usize>(slot: &Slot<N>, instance: IoInstance) -
             IoInstance::MulticastPoll => slot.entry.multicast_poll.is_some(),
             IoInstance::StateChange => false,
         }
-}
-
-fn bit(slave: MacId) -> u64 {
-    1_u64.checked_shl(slave.number().into()).unwrap_or(0)
 }
 
 /// A scan of so many slaves has room for one explicit message of the master, and for its response.

@@ -8,6 +8,7 @@ use link_core::{
     Action, BusErrorKind, Deadline, FilterSet, Input, Instant, LinkCommand, LinkEvent, Machine, Timers,
 };
 
+use super::board::{Board, Known, View};
 use super::config::Config;
 use super::cycle::Cycle;
 use super::event::{Counters, MasterEvent, count32};
@@ -15,6 +16,7 @@ use super::node::{OwnNode, Scanner};
 use super::output::Lanes;
 use super::replacement::{Candidate, ReplacementMode};
 use super::slot::{Output, Slot, SlotTimer};
+
 use super::state::{Cause, Stage};
 use super::status::ScannerStatus;
 use crate::access::NetworkStatus;
@@ -33,8 +35,9 @@ pub struct Master<const SLAVES: usize, const MESSAGE: usize> {
     /// What its network access said the last time that it was looked at.
     pub(super) on_line: bool,
     pub(super) run: bool,
-    /// In the order of their MAC IDs.
+    /// In the order of their MAC IDs; `board` leads to them.
     pub(super) slots: Vec<Slot<MESSAGE>, SLAVES>,
+    pub(super) board: Board<SLAVES>,
     pub(super) multicast_output: Output<MESSAGE>,
     pub(super) candidate: Candidate<MESSAGE>,
     pub(super) cycle: Cycle,
@@ -116,26 +119,29 @@ impl<const SLAVES: usize, const MESSAGE: usize> Machine for Master<SLAVES, MESSA
         self.follow_access();
         self.follow_missing();
         self.scan();
+        self.board.settle(&self.slots);
     }
 
     fn poll(&mut self, now: Instant) -> Option<Action<MasterEvent>> {
         self.advance(now);
         self.scan();
-        self.lanes
+        let action = self
+            .lanes
             .withdraw()
             .or_else(|| self.poll_node(now))
             .or_else(|| self.set_filter())
             .or_else(|| self.event().map(Action::Event))
-            .or_else(|| self.transmit())
+            .or_else(|| self.transmit());
+        self.board.settle(&self.slots);
+        action
     }
 
     fn deadline(&self) -> Option<Deadline> {
         if self.has_output() {
             return Some(Deadline::now(self.timers.now()));
         }
-        let slots = self.slots.iter().filter_map(|slot| slot.timers.next());
-        let slots = slots.chain(self.candidate.timers.next());
-        slots.chain(self.timers.next()).chain(self.node.deadline()).min_by_key(|deadline| deadline.at)
+        let waits = [self.board.deadline(&self.slots), self.candidate.timers.next(), self.timers.next()];
+        waits.into_iter().flatten().chain(self.node.deadline()).min_by_key(|deadline| deadline.at)
     }
 
     fn max_in_flight(&self) -> usize {
@@ -157,6 +163,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             on_line: false,
             run: false,
             slots: Vec::new(),
+            board: Board::new(),
             multicast_output: Output::zeroed(0),
             candidate: Candidate::new(config.node.access.mac_id),
             cycle: Cycle::new(),
@@ -187,9 +194,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     /// Every clock of the machine, set to the latest moment.
     pub(super) fn advance(&mut self, now: Instant) -> Instant {
         let now = self.timers.advance(now);
-        for slot in &mut self.slots {
-            slot.timers.advance(now);
-        }
+        self.board.advance(now);
         self.candidate.timers.advance(now);
         now
     }
@@ -205,7 +210,8 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             }
         }
         let own = self.access().mac_id();
-        for slot in &mut self.slots {
+        for slave in self.board.due(&self.slots, until) {
+            let Some(slot) = self.board.get_mut(&mut self.slots, slave) else { continue };
             while let Some(timer) = slot.timers.take_expired(until) {
                 match timer {
                     SlotTimer::Conversation => slot.conversation_expired(&self.config, own),
@@ -233,11 +239,11 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         if on_line {
             self.filter_due = true;
             let own = self.access().mac_id();
-            for slot in &mut self.slots {
+            for slot in self.board.all_mut(&mut self.slots) {
                 slot.master_on_line(own);
             }
         } else {
-            for slot in &mut self.slots {
+            for slot in self.board.all_mut(&mut self.slots) {
                 slot.master_off_line();
             }
             self.candidate.stop();
@@ -290,11 +296,10 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     /// What the network status indicator shows: the slaves count as connections.
     #[must_use]
     pub fn network_status(&self) -> NetworkStatus {
-        let lost = |slot: &Slot<MESSAGE>| slot.status == ScannerStatus::STOPPED_COMMUNICATING;
         match self.node.network_status() {
             status if !self.on_line => status,
-            _ if self.slots.iter().any(lost) => NetworkStatus::FlashingRed,
-            _ if self.slots.iter().any(Slot::is_running) => NetworkStatus::SolidGreen,
+            _ if !self.board.with(&self.slots, Known::IsLost).is_empty() => NetworkStatus::FlashingRed,
+            _ if !self.board.with(&self.slots, Known::IsRunning).is_empty() => NetworkStatus::SolidGreen,
             status => status,
         }
     }
@@ -321,18 +326,14 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         if let Some(missing) = self.scan_done.take() {
             return Some(MasterEvent::ScanDone { missing });
         }
-        for slot in &mut self.slots {
-            let mac_id = slot.entry.mac_id;
-            if !slot.events.is_empty() {
-                return Some(MasterEvent::Slave { mac_id, event: slot.events.remove(0) });
-            }
-            if slot.events_lost != 0 {
-                let count = core::mem::take(&mut slot.events_lost);
-                self.counters.events_lost = self.counters.events_lost.saturating_add(count);
-                return Some(MasterEvent::EventsLost { count });
-            }
+        let mac_id = self.board.with(&self.slots, Known::HasEvents).first()?;
+        let slot = self.board.get_mut(&mut self.slots, mac_id)?;
+        if !slot.events.is_empty() {
+            return Some(MasterEvent::Slave { mac_id, event: slot.events.remove(0) });
         }
-        None
+        let count = core::mem::take(&mut slot.events_lost);
+        self.counters.events_lost = self.counters.events_lost.saturating_add(count);
+        Some(MasterEvent::EventsLost { count })
     }
 
     /// Moves the scan on where it waits for nothing.
@@ -347,16 +348,16 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         }
         let ratio = self.config.background_ratio;
         if self.cycle.position == Position::Stopped {
-            if !Cycle::is_needed(&self.slots) {
+            if !Cycle::is_needed(View::new(&self.board, &self.slots)) {
                 return;
             }
-            self.cycle.begin(&self.slots, ratio);
+            self.cycle.begin(View::new(&self.board, &self.slots), ratio);
         } else if self.cycle.is_over() {
             self.end_scan();
-            if !Cycle::is_needed(&self.slots) {
+            if !Cycle::is_needed(View::new(&self.board, &self.slots)) {
                 return self.cycle.stop();
             }
-            self.cycle.begin(&self.slots, ratio);
+            self.cycle.begin(View::new(&self.board, &self.slots), ratio);
         } else {
             return;
         }
@@ -399,8 +400,8 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             self.timers.clear(timer);
         }
         let mut missing = 0_u8;
-        for slot in &mut self.slots {
-            if self.cycle.is_awaited(slot.entry.mac_id) {
+        for slave in self.cycle.missing() {
+            if let Some(slot) = self.board.get_mut(&mut self.slots, slave) {
                 count32(&mut slot.counters.missed);
                 missing = missing.saturating_add(1);
             }

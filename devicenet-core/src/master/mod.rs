@@ -120,6 +120,7 @@
 //! | a request of the application is not answered | the connection is made anew; the request is repeated if the connection was gone, or if it may be tried more than once |
 //! | a tool gives the master the MAC ID of one of its slaves | that slave stays off line, with status 71 |
 
+mod board;
 mod bring_up;
 mod command;
 mod config;
@@ -134,6 +135,7 @@ mod output;
 mod receive;
 mod replacement;
 mod scan_list;
+mod set;
 mod slot;
 mod state;
 mod status;

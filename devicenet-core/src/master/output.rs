@@ -13,11 +13,14 @@ use core::time::Duration;
 use cip_core::fragment::{FragmentByte, FragmentKind, IO_FRAGMENT_LEN, IO_UNFRAGMENTED_LEN};
 use link_core::{Action, Frame, TxOutcome, TxToken};
 
-use super::cycle::{Position, takes_part};
+use super::board::{Known, View};
+use super::cycle::Position;
 use super::event::{MasterEvent, count, count32};
 use super::machine::{Master, Timer};
 use super::scan_list::IoInstance;
+use super::set::SlaveSet;
 use super::slot::{Output, Sending, Slot, SlotTimer};
+
 use crate::client::Conversation;
 use crate::id::{Identifier, MacId, Purpose};
 use crate::message::{self, BitStrobeCommand, Wire};
@@ -32,9 +35,9 @@ pub(super) struct Lanes {
     contested: bool,
     /// It was taken back after a collision, and is wanted again.
     taken_back: bool,
-    /// The place in the scan list whose turn it is in the explicit lane, and among the answers.
-    turn: usize,
-    answer_turn: usize,
+    /// The MAC ID whose turn it is in the explicit lane, and among the answers; or the next one that has something to send.
+    turn: u8,
+    answer_turn: u8,
 }
 
 #[derive(Clone, PartialEq, Eq, Hash, Debug, Default)]
@@ -50,6 +53,14 @@ enum Withdrawal {
     Due,
     /// Its `TxDone` tells what came of it.
     Told,
+}
+
+/// Who may send the next explicit message.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Turn {
+    Slave(MacId),
+    /// The device at MAC ID 63 that may replace a slave.
+    Candidate,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -147,7 +158,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             || self.filter_due
             || self.scan_done.is_some()
             || self.candidate.event.is_some()
-            || self.slots.iter().any(|slot| !slot.events.is_empty() || slot.events_lost != 0)
+            || !self.board.with(&self.slots, Known::HasEvents).is_empty()
             || (self.on_line
                 && (self.answer_due().is_some() || self.command_due() || self.explicit_due().is_some()))
     }
@@ -159,24 +170,19 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         self.answer().or_else(|| self.command()).or_else(|| self.explicit())
     }
 
-    fn answer_due(&self) -> Option<usize> {
+    fn answer_due(&self) -> Option<MacId> {
         if self.lanes.answers.carries.is_some() {
             return None;
         }
-        let due = |&(_, slot): &(usize, &Slot<MESSAGE>)| {
-            slot.acknowledge_due || matches!(slot.output.sending, Sending::Due(_))
-        };
-        let mut slots = self.slots.iter().enumerate();
-        let after = slots.clone().skip(self.lanes.answer_turn).find(due);
-        after.or_else(|| slots.find(due)).map(|(place, _)| place)
+        let due = self.board.with(&self.slots, Known::HasAnswer);
+        due.from(self.lanes.answer_turn).first().or_else(|| due.first())
     }
 
     fn answer(&mut self) -> Option<Action<MasterEvent>> {
-        let place = self.answer_due()?;
+        let slave = self.answer_due()?;
         let run = self.run;
-        let slot = self.slots.get_mut(place)?;
-        let slave = slot.entry.mac_id;
-        self.lanes.answer_turn = place.saturating_add(1);
+        let slot = self.board.get_mut(&mut self.slots, slave)?;
+        self.lanes.answer_turn = slave.number().saturating_add(1);
         let (carried, frame) = if core::mem::take(&mut slot.acknowledge_due) {
             let frame = Identifier::change_of_state_acknowledge(slave).frame(&[])?;
             (Carried::Acknowledge, frame)
@@ -216,7 +222,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             }
             Position::Poll { slave, fragment } => {
                 let run = self.run;
-                let slot = self.slot_mut(slave)?;
+                let slot = self.board.get_mut(&mut self.slots, slave)?;
                 let fragmented = slot.output.is_fragmented();
                 let data = slot.output.message(run, fragment);
                 let frame = io_frame(Identifier::poll_command(slave), data, fragmented, fragment)?;
@@ -232,50 +238,57 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         if !self.run {
             return id.frame(&[]);
         }
-        let strobe = self.slots.iter().fold(BitStrobeCommand::default(), |strobe, slot| {
-            strobe.with(slot.entry.mac_id, slot.output.strobe_bit && takes_part(slot, IoInstance::BitStrobe))
-        });
+        let strobe = self.board.with(&self.slots, Known::IsStrobed).fold(
+            BitStrobeCommand::default(),
+            |strobe, slave| {
+                strobe.with(
+                    slave,
+                    self.board.get(&self.slots, slave).is_some_and(|slot| slot.output.strobe_bit),
+                )
+            },
+        );
         let mut bytes = [0; Frame::MAX_DATA];
         let mut out = cip_core::codec::Writer::new(&mut bytes);
         strobe.emit(&mut out).ok()?;
         id.frame(out.written())
     }
 
-    /// The slave whose turn it is.
-    fn explicit_due(&self) -> Option<usize> {
-        if self.lanes.explicit.carries.is_some() {
+    /// Whose turn it is. The device at MAC ID 63 comes after the last slave.
+    fn explicit_due(&self) -> Option<Turn> {
+        if self.lanes.explicit.carries.is_some() || !self.cycle.explicit_may_pass() {
             return None;
         }
-        if !self.cycle.explicit_may_pass() {
-            return None;
-        }
-        let turn = self.lanes.turn;
         let backs_off = self.timers.at(Timer::BackOff).is_some();
         let may_pass = |conversation: &Conversation<MESSAGE>| {
             conversation.has_output() && !(backs_off && is_contested(conversation.route().request()))
         };
-        let due = |&(_, slot): &(usize, &Slot<MESSAGE>)| may_pass(&slot.conversation);
-        // The place after the last slave is that of the device at MAC ID 63.
-        if turn >= self.slots.len() && may_pass(&self.candidate.conversation) {
-            return Some(self.slots.len());
+        let mut due = self.board.with(&self.slots, Known::HasRequest);
+        if backs_off {
+            for slave in due {
+                if !self.board.get(&self.slots, slave).is_some_and(|slot| may_pass(&slot.conversation)) {
+                    due.remove(slave);
+                }
+            }
         }
-        let mut slots = self.slots.iter().enumerate();
-        let after = slots.clone().skip(turn).find(due);
-        let candidate = || may_pass(&self.candidate.conversation).then_some(self.slots.len());
-        after.or_else(|| slots.find(due)).map(|(place, _)| place).or_else(candidate)
+        let candidate = || may_pass(&self.candidate.conversation).then_some(Turn::Candidate);
+        let after = due.from(self.lanes.turn).first().map(Turn::Slave);
+        after.or_else(candidate).or_else(|| due.first().map(Turn::Slave))
     }
 
     fn explicit(&mut self) -> Option<Action<MasterEvent>> {
-        let place = self.explicit_due()?;
-        let (carried, conversation) = match self.slots.get_mut(place) {
-            Some(slot) => (Carried::Explicit { slave: slot.entry.mac_id }, &mut slot.conversation),
-            None => (Carried::Candidate, &mut self.candidate.conversation),
+        let turn = self.explicit_due()?;
+        let (carried, next, conversation) = match turn {
+            Turn::Slave(slave) => {
+                let conversation = &mut self.board.get_mut(&mut self.slots, slave)?.conversation;
+                (Carried::Explicit { slave }, slave.number().saturating_add(1), conversation)
+            }
+            Turn::Candidate => (Carried::Candidate, 0, &mut self.candidate.conversation),
         };
         let frame = conversation.poll()?;
         self.lanes.explicit.carries = Some(carried);
         self.lanes.contested = Identifier::of_frame(&frame).is_some_and(is_contested);
         self.lanes.taken_back = false;
-        self.lanes.turn = if place < self.slots.len() { place.saturating_add(1) } else { 0 };
+        self.lanes.turn = next;
         self.cycle.explicit_given = self.cycle.explicit_given.saturating_add(1);
         self.give_way();
         Some(Action::Transmit(EXPLICIT, frame))
@@ -303,20 +316,20 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         match carried {
             Carried::Acknowledge | Carried::Abandoned => {}
             Carried::Output { slave, fragment } => {
-                if let Some(slot) = self.slot_mut(slave) {
+                if let Some(slot) = self.board.get_mut(&mut self.slots, slave) {
                     slot.output_sent(fragment, sent);
                 }
             }
             Carried::BitStrobe => {
                 if sent {
-                    self.expect_all(IoInstance::BitStrobe);
+                    self.expect_all(IoInstance::BitStrobe, self.board.with(&self.slots, Known::IsStrobed));
                 }
                 self.next_command(Position::Multicast { fragment: 0 });
             }
             Carried::Multicast { fragment } => self.multicast_sent(fragment, sent),
             Carried::Poll { slave, fragment } => self.poll_sent(slave, fragment, sent),
             Carried::Explicit { slave } => {
-                if let Some(slot) = self.slot_mut(slave) {
+                if let Some(slot) = self.board.get_mut(&mut self.slots, slave) {
                     told(&mut slot.conversation, outcome, again);
                     slot.keep_time();
                     let asks = slot.conversation.is_busy() && sent;
@@ -337,9 +350,16 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             Some(fragment) => self.next_command(Position::Multicast { fragment }),
             None => {
                 if sent {
-                    self.expect_all(IoInstance::MulticastPoll);
+                    self.expect_all(
+                        IoInstance::MulticastPoll,
+                        self.board.with(&self.slots, Known::IsPolledInGroup),
+                    );
                 }
-                let first = self.cycle.poll_after(&self.slots, None, self.config.background_ratio);
+                let first = self.cycle.poll_after(
+                    View::new(&self.board, &self.slots),
+                    None,
+                    self.config.background_ratio,
+                );
                 self.next_command(first);
             }
         }
@@ -347,8 +367,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 
     /// The same for a poll.
     fn poll_sent(&mut self, slave: MacId, fragment: usize, sent: bool) {
-        let place = self.place(slave);
-        let slot = place.and_then(|place| self.slots.get_mut(place)).filter(|slot| sent && slot.is_running());
+        let slot = self.board.get_mut(&mut self.slots, slave).filter(|slot| sent && slot.is_running());
         if let Some(slot) = slot {
             if let Some(fragment) = slot.output.next_fragment(fragment) {
                 return self.next_command(Position::Poll { slave, fragment });
@@ -356,13 +375,17 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             count32(&mut slot.counters.commands);
             self.cycle.expect(IoInstance::Poll, slave);
         }
-        let next = self.cycle.poll_after(&self.slots, Some(slave), self.config.background_ratio);
+        let next = self.cycle.poll_after(
+            View::new(&self.board, &self.slots),
+            Some(slave),
+            self.config.background_ratio,
+        );
         self.next_command(next);
     }
 
     fn next_command(&mut self, position: Position) {
         self.cycle.position = position;
-        self.cycle.skip_idle(&self.slots, self.config.background_ratio);
+        self.cycle.skip_idle(View::new(&self.board, &self.slots), self.config.background_ratio);
         if self.cycle.position == Position::Pause {
             self.pause();
         }
@@ -371,7 +394,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     /// Passes over slaves that were lost or removed before their turn came.
     pub(super) fn skip_idle(&mut self) {
         let before = self.cycle.position;
-        self.cycle.skip_idle(&self.slots, self.config.background_ratio);
+        self.cycle.skip_idle(View::new(&self.board, &self.slots), self.config.background_ratio);
         if self.cycle.position == Position::Pause && before != Position::Pause {
             self.pause();
         }
@@ -379,8 +402,10 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 
     /// Takes back what is in flight to a slave that was lost or removed: no outputs for who does not run.
     pub(super) fn follow_slaves(&mut self) {
-        let runs = |slave: &MacId| self.slot(*slave).is_some_and(Slot::is_running);
-        let speaks = |slave: &MacId| self.slot(*slave).is_some_and(|slot| !slot.conversation.is_cancelled());
+        let runs = |slave: &MacId| self.board.get(&self.slots, *slave).is_some_and(Slot::is_running);
+        let speaks = |slave: &MacId| {
+            self.board.get(&self.slots, *slave).is_some_and(|slot| !slot.conversation.is_cancelled())
+        };
         let answer =
             matches!(&self.lanes.answers.carries, Some(Carried::Output { slave, .. }) if !runs(slave));
         let poll = matches!(&self.lanes.scan.carries, Some(Carried::Poll { slave, .. }) if !runs(slave));
@@ -398,11 +423,11 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         }
     }
 
-    fn expect_all(&mut self, instance: IoInstance) {
-        for slot in &mut self.slots {
-            if takes_part(slot, instance) {
+    fn expect_all(&mut self, instance: IoInstance, slaves: SlaveSet) {
+        for slave in slaves {
+            if let Some(slot) = self.board.get_mut(&mut self.slots, slave) {
                 count32(&mut slot.counters.commands);
-                self.cycle.expect(instance, slot.entry.mac_id);
+                self.cycle.expect(instance, slave);
             }
         }
     }

@@ -22,7 +22,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     pub(super) fn frame(&mut self, frame: &Frame) {
         let Some(id) = Identifier::of_frame(frame) else { return count32(&mut self.counters.unrelated) };
         let Some(slave) = id.mac_id() else { return count32(&mut self.counters.unrelated) };
-        if self.place(slave).is_none() {
+        if !self.board.listed().contains(slave) {
             return self.frame_of_stranger(id, slave, frame);
         }
         match id.purpose() {
@@ -57,7 +57,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 
     /// A slave that checks its MAC ID is on line one second after its second request.
     fn check_heard(&mut self, slave: MacId, data: &[u8]) {
-        let Some(slot) = self.slot_mut(slave) else { return };
+        let Some(slot) = self.board.get_mut(&mut self.slots, slave) else { return };
         let direction = data.first().map_or(Direction::Request, |&byte| Direction::of(byte));
         match slot.stage {
             Stage::Offline => slot.timers.set_after(SlotTimer::Retry, AFTER_CHECK),
@@ -87,7 +87,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         if data.first() != Some(&slave.number()) {
             return false;
         }
-        let Some(slot) = self.slot_mut(slave) else { return false };
+        let Some(slot) = self.board.get_mut(&mut self.slots, slave) else { return false };
         if let Ok(heartbeat) = Heartbeat::parse(data) {
             count32(&mut slot.counters.heartbeats);
             slot.raise(SlaveEvent::Heartbeat(heartbeat));
@@ -112,15 +112,13 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 
     fn with_slot(&mut self, slave: MacId, act: impl FnOnce(&mut Slot<MESSAGE>, &Config, MacId)) {
         let own = self.access().mac_id();
-        let Some(place) = self.place(slave) else { return };
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.board.get_mut(&mut self.slots, slave) else { return };
         act(slot, &self.config, own);
     }
 
     fn explicit_frame(&mut self, slave: MacId, frame: &Frame) {
         let own = self.access().mac_id();
-        let Some(place) = self.place(slave) else { return };
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.board.get_mut(&mut self.slots, slave) else { return };
         let failure = match slot.conversation.frame(frame) {
             Progress::NotMine => return count32(&mut self.counters.unrelated),
             Progress::Ignored(_) => return count(&mut slot.counters.explicit_ignored),
@@ -158,8 +156,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 
     fn io(&mut self, slave: MacId, instance: IoInstance, data: &[u8]) {
         let run = self.run;
-        let Some(place) = self.place(slave) else { return };
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.board.get_mut(&mut self.slots, slave) else { return };
         let agreed = slot.entry.agreed(instance);
         let Some(agreed) = agreed.filter(|_| slot.is_running()) else {
             return count32(&mut self.counters.unexpected);

@@ -200,7 +200,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     fn looks(&self) -> bool {
         self.on_line
             && self.config.replacement != ReplacementMode::Off
-            && self.place(MacId::MAX).is_none()
+            && !self.board.listed().contains(MacId::MAX)
             && self.access().mac_id() != MacId::MAX
             && self.slots.iter().any(is_missing)
     }
@@ -344,7 +344,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     fn conclude(&mut self, verdict: Replacement) {
         let own = self.access().mac_id();
         self.candidate.event = Some(verdict);
-        for slot in self.slots.iter_mut().filter(|slot| is_missing(slot)) {
+        for slot in self.board.all_mut(&mut self.slots).filter(|slot| is_missing(slot)) {
             if !matches!(verdict, Replacement::WouldAssign(_)) {
                 slot.set_status(ScannerStatus::REPLACEMENT_FAILED);
             }

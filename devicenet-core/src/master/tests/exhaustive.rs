@@ -127,7 +127,7 @@ impl World {
         let runs = self.master.state(mac(63)) == Some(SlaveState::Running);
         assert!(runs || self.master.input_data(mac(63), IoInstance::Poll).is_none(), "data of nobody");
         // What nobody waits for any more is not answered.
-        if !self.master.slots[0].conversation.is_busy() {
+        if !self.master.board.get(&self.master.slots, mac(63)).unwrap().conversation.is_busy() {
             self.asked = None;
         }
         self.master.shift_time(now.saturating_since(Instant::ZERO));
@@ -137,7 +137,7 @@ impl World {
         // Of interest only without an interscan delay.
         (self.master.cycle.given_way, self.master.cycle.unanswered) = (0, 0);
         self.master.cycle.explicit_given = self.master.cycle.explicit_given.min(1);
-        for slot in &mut self.master.slots {
+        for slot in self.master.board.all_mut(&mut self.master.slots) {
             slot.counters = SlaveCounters::default();
             slot.failures = 0;
             slot.status = ScannerStatus::NORMAL;
