@@ -14,6 +14,7 @@ use super::cycle::takes_part;
 use super::scan_list::{IoInstance, ScanRate};
 use super::set::SlaveSet;
 use super::slot::{Sending, Slot};
+use super::state::Stage;
 use super::status::ScannerStatus;
 use crate::id::MacId;
 
@@ -41,6 +42,8 @@ pub(super) enum Known {
     HasAnswer,
     /// Its conversation has a frame.
     HasRequest,
+    /// It answers, and is brought up.
+    IsConfigured,
     IsRunning,
     /// It stopped communicating.
     IsLost,
@@ -235,10 +238,11 @@ impl<const SLAVES: usize> Board<SLAVES> {
 }
 
 impl Known {
-    const ALL: [Self; 9] = [
+    const ALL: [Self; 10] = [
         Self::HasEvents,
         Self::HasAnswer,
         Self::HasRequest,
+        Self::IsConfigured,
         Self::IsRunning,
         Self::IsLost,
         Self::IsStrobed,
@@ -253,12 +257,13 @@ impl Known {
             Self::HasEvents => 0,
             Self::HasAnswer => 1,
             Self::HasRequest => 2,
-            Self::IsRunning => 3,
-            Self::IsLost => 4,
-            Self::IsStrobed => 5,
-            Self::IsPolledInGroup => 6,
-            Self::IsPolled => 7,
-            Self::IsBackground => 8,
+            Self::IsConfigured => 3,
+            Self::IsRunning => 4,
+            Self::IsLost => 5,
+            Self::IsStrobed => 6,
+            Self::IsPolledInGroup => 7,
+            Self::IsPolled => 8,
+            Self::IsBackground => 9,
         }
     }
 
@@ -267,6 +272,7 @@ impl Known {
             Self::HasEvents => !slot.events.is_empty() || slot.events_lost != 0,
             Self::HasAnswer => slot.acknowledge_due || matches!(slot.output.sending, Sending::Due(_)),
             Self::HasRequest => slot.conversation.has_output(),
+            Self::IsConfigured => matches!(slot.stage, Stage::Configuring(_)),
             Self::IsRunning => slot.is_running(),
             Self::IsLost => slot.status == ScannerStatus::STOPPED_COMMUNICATING,
             Self::IsStrobed => takes_part(slot, IoInstance::BitStrobe),

@@ -21,7 +21,8 @@ pub struct Config {
     /// Interscan delay: from the end of one poll scan to the start of the next; explicit messages have their time then.
     /// Default 10 ms. With 0 the next scan starts when all responses of the last are there, and frames with higher
     /// identifiers had a moment to begin; it waits for answers to explicit messages for up to 2 ms, and for no more than
-    /// every eighth slave's and one more.
+    /// every eighth slave's, or those of slaves that are brought up, and one more. After an error on the bus it
+    /// gives way until nothing was heard for 2 ms.
     pub interscan_delay: Duration,
     /// How long a scan waits for responses that are still missing, counted from its last command. Default 10 ms.
     pub response_wait: Duration,

@@ -12,7 +12,14 @@
 //! (explicit messages, heartbeats and duplicate MAC ID checks of most nodes) would lose every arbitration. So a scan
 //! gives way before the next begins: until nobody has begun to send for a moment and the master's own explicit messages
 //! are answered, but for no more frames than those that take their share of the scan, and one more. The master itself
-//! sends no more explicit messages in a scan than their share, unless the interscan delay leaves them time.
+//! sends no more explicit messages in a scan than their share, unless the interscan delay leaves them time. The share is
+//! one for every eighth slave that is polled, or for each slave that is brought up, whichever is more: a slave that is not
+//! polled yet may take the time of its poll.
+//!
+//! After an error on the bus it gives way for longer in this scan and in the next, 2 ms, the time of a frame and some more. Two nodes fresh from the
+//! factory that check MAC ID 63 in the same bit destroy each other's frames until both are error-passive; then one gets
+//! through, and the other needs some idle bits to end its error flag and delimiter. In a scan that goes on three bits after
+//! that frame it counts eight errors for every frame instead, and is soon bus-off.
 
 use super::board::{Known, View};
 use super::scan_list::IoInstance;
@@ -39,6 +46,8 @@ pub(super) struct Cycle {
     pub(super) unanswered: u16,
     /// Nobody has sent for a moment.
     pub(super) quiet: bool,
+    /// There was an error on the bus in this scan or in the one before: the scans in which it counts.
+    pub(super) disturbed: u8,
     /// How many explicit messages the master may send in this scan.
     share: u16,
     commanded: bool,
@@ -72,6 +81,7 @@ impl Cycle {
             given_way: 0,
             unanswered: 0,
             quiet: false,
+            disturbed: 0,
             share: 1,
             commanded: false,
         }
@@ -91,8 +101,11 @@ impl Cycle {
         self.given_way = 0;
         self.unanswered = 0;
         self.quiet = false;
+        self.disturbed = self.disturbed.saturating_sub(1);
         let polled = slots.with(Known::IsPolled).len();
-        self.share = u16::try_from(polled).unwrap_or(u16::MAX).wrapping_div(POLLS_PER_EXPLICIT).max(1);
+        let configured = slots.with(Known::IsConfigured).len();
+        let share = polled.wrapping_div(POLLS_PER_EXPLICIT).max(configured).max(1);
+        self.share = u16::try_from(share).unwrap_or(u16::MAX);
         self.commanded = false;
         self.position = Position::BitStrobe;
         self.skip_idle(slots, ratio);
@@ -168,6 +181,12 @@ impl Cycle {
         self.commanded
     }
 
+    /// There was an error on the bus: this scan and the next give way for longer.
+    pub(super) fn was_disturbed(&mut self) {
+        self.disturbed = 2;
+        self.gave_way();
+    }
+
     /// A frame outside of the scan was on the bus.
     pub(super) fn gave_way(&mut self) {
         if self.position == Position::Pause {
@@ -205,4 +224,4 @@ pub(super) fn takes_part<const N: usize>(slot: &Slot<N>, instance: IoInstance) -
 }
 
 /// A scan of so many slaves has room for one explicit message of the master, and for its response.
-const POLLS_PER_EXPLICIT: u16 = 8;
+const POLLS_PER_EXPLICIT: u32 = 8;

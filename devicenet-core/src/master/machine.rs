@@ -254,6 +254,10 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     }
 
     fn link(&mut self, event: LinkEvent) {
+        if collision::is_collision(event) {
+            self.cycle.was_disturbed();
+            self.give_way();
+        }
         if collision::is_collision(event) && self.lanes.take_back() {
             let pause = collision::pause(self.access().mac_id(), self.counters.collisions);
             self.timers.set_after(Timer::BackOff, pause);
@@ -379,8 +383,8 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         self.give_way();
     }
 
-    /// A frame was on the bus, or is handed out: another one may follow. An interscan delay that is long enough for
-    /// several is enough.
+    /// A frame was on the bus, or is handed out, or was destroyed: another one may follow. An interscan delay that is long
+    /// enough for several is enough.
     pub(super) fn give_way(&mut self) {
         if self.cycle.position != super::cycle::Position::Pause {
             return;
@@ -391,7 +395,8 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         }
         self.cycle.quiet = false;
         let is_talking = self.cycle.unanswered != 0 || self.lanes.carries_explicit();
-        self.timers.set_after(Timer::Quiet, if is_talking { ANSWERED } else { QUIET });
+        let waits = is_talking || self.cycle.disturbed != 0;
+        self.timers.set_after(Timer::Quiet, if waits { ANSWERED } else { QUIET });
     }
 
     fn end_scan(&mut self) {

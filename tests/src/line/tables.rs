@@ -47,14 +47,18 @@ pub fn scan_table(cycles: &[(Plan, Vec<Scan>)]) -> String {
     table
 }
 
-/// From power-up to I/O of 63 slaves, by bit rate and interscan delay.
+/// From power-up to I/O of 63 slaves, by bit rate, interscan delay and reaction time.
 ///
 /// # Panics
 /// When a line does not come up.
 #[must_use]
 pub fn bring_ups() -> Vec<(Plan, BringUp)> {
     let plans = RATES.into_iter().flat_map(|bit_rate| {
-        [0, 10].map(|delay| Plan { interscan_delay: Duration::from_millis(delay), ..Plan::new(bit_rate) })
+        [(0, 0), (0, 300), (10, 0)].map(|(delay, reaction)| Plan {
+            interscan_delay: Duration::from_millis(delay),
+            reaction: Duration::from_micros(reaction),
+            ..Plan::new(bit_rate)
+        })
     });
     plans.map(|plan| (plan.clone(), BringUp::of(&plan))).collect()
 }
@@ -63,15 +67,16 @@ pub fn bring_ups() -> Vec<(Plan, BringUp)> {
 #[must_use]
 pub fn bring_up_table(found: &[(Plan, BringUp)]) -> String {
     let mut table = String::from(
-        "| Bit rate | Interscan delay | Access and explicit frames | Polls meanwhile | All 63 run after | \
-         / (2 s + frames) |\n|---|---|---|---|---|---|\n",
+        "| Bit rate | Interscan delay | Slaves react in | Access and explicit frames | Polls meanwhile | \
+         All 63 run after | / (2 s + frames) |\n|---|---|---|---|---|---|---|\n",
     );
     for (plan, found) in found {
         let _ = writeln!(
             table,
-            "| {} | {} ms | {} | {} | {} | {} |",
+            "| {} | {} ms | {} µs | {} | {} | {} | {} |",
             plan.bit_rate,
             plan.interscan_delay.as_millis(),
+            plan.reaction.as_micros(),
             millis(found.traffic.access + found.traffic.explicit),
             millis(found.traffic.io),
             millis(found.time),
