@@ -114,9 +114,6 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
     /// Stops and returns the timer that expired first by `now`; of several at the same moment, the first in
     /// [`TimerKey::ALL`].
     pub fn take_expired(&mut self, now: Instant) -> Option<K> {
-        if now < self.bound {
-            return None;
-        }
         K::ALL.get(take_expired(&mut self.at, &mut self.bound, now)?).copied()
     }
 
@@ -171,6 +168,9 @@ fn is_due_after_all(timers: &[Instant], bound: &mut Instant, now: Instant) -> bo
 /// Stops the first of the timers that are over at `now`.
 #[inline(never)]
 fn take_expired(timers: &mut [Instant], bound: &mut Instant, now: Instant) -> Option<usize> {
+    if now < *bound {
+        return None;
+    }
     let first = earliest(timers);
     *bound = first.map_or(Instant::MAX, |(_, at)| at);
     let (index, _) = first.filter(|(_, at)| *at <= now)?;

@@ -216,11 +216,8 @@ fn bit_of(field: &[u8], node: MacId) -> bool {
     field.get(usize::from(number / 8)).is_some_and(|byte| byte & (1 << (number % 8)) != 0)
 }
 
-/// The data, as far as both are long. Mostly they are equally long, and the compiler knows how long the outputs are.
+/// The data, as far as both are long.
 fn copy(to: &mut [u8], from: &[u8]) {
-    if to.len() == from.len() {
-        return to.copy_from_slice(from);
-    }
     for (to, from) in to.iter_mut().zip(from) {
         *to = *from;
     }
