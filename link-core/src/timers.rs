@@ -193,18 +193,28 @@ fn earliest(timers: &[Instant]) -> Option<(usize, Instant)> {
 }
 
 /// [`Timers`] of any number, for a machine that is generic over which it has.
-#[expect(missing_docs, reason = "what the methods of `Timers` do")]
 pub trait TimerSet<K> {
+    /// [`Timers::advance`]
     fn advance(&mut self, now: Instant) -> Instant;
+    /// [`Timers::advance_inline`]
     fn advance_inline(&mut self, now: Instant) -> Instant;
+    /// [`Timers::now`]
     fn now(&self) -> Instant;
+    /// [`Timers::set_after_millis`]
     fn set_after_millis(&mut self, key: K, millis: u32);
+    /// [`Timers::set_after_millis_inline`]
     fn set_after_millis_inline(&mut self, key: K, millis: u32);
+    /// [`Timers::clear`]
     fn clear(&mut self, key: K);
+    /// [`Timers::at`]
     fn at(&self, key: K) -> Option<Instant>;
+    /// [`Timers::is_due`]
     fn is_due(&mut self, now: Instant) -> bool;
+    /// [`Timers::take_expired`]
     fn take_expired(&mut self, now: Instant) -> Option<K>;
+    /// [`Timers::next`]
     fn next(&self) -> Option<Deadline>;
+    /// [`Timers::shift`]
     fn shift(&mut self, span: Duration);
 }
 

@@ -1,5 +1,7 @@
 //! A slave without the parts that one may do without.
 
+use std::vec::Vec;
+
 use cip_core::message::AllocationChoice;
 use cip_core::object::Identity;
 use link_core::frame::standard_id;
@@ -9,7 +11,7 @@ use super::bus::*;
 use crate::MacId;
 use crate::access::{Fault, NetworkStatus};
 use crate::slave::{
-    Application, Config, Group2OnlyServer, InvalidSlave, IoKind, Options, Parts, PollOnly, SlaveEvent,
+    Application, Config, Group2OnlyServer, InvalidSlave, IoKind, IoMode, Options, Parts, PollOnly, SlaveEvent,
 };
 
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
@@ -139,6 +141,27 @@ fn what_indicators_show_can_be_asked_without_events() {
     assert!(!small.events.iter().any(is_status));
     assert_eq!(small.slave.network_status(), NetworkStatus::SolidGreen);
     assert_eq!(small.slave.module_status(), complete.slave.module_status());
+}
+
+/// Poll that has memory for itself alone runs, times out and comes back as any other.
+#[test]
+fn poll_alone_is_poll() {
+    fn told<A: Application>(application: A) -> Vec<SlaveEvent> {
+        let mut bus = Bus::<A, 0>::online(config(), application).established(0x03, &[2]);
+        bus.hears(POLL, &[0x01]);
+        bus.sends(POLL_RESPONSE, &[0x34, 0x12]);
+        bus.wait(1000);
+        bus.is_state(2, 4);
+        bus.asks(&[0x05, 5, 2], &[0x85]);
+        bus.hears(POLL, &[]);
+        bus.sends(POLL_RESPONSE, &[0x34, 0x12]);
+        bus.wait(20_000);
+        let is_shown = |event: &SlaveEvent| matches!(event, SlaveEvent::NetworkStatus(_));
+        bus.events.into_iter().filter(|event| !is_shown(event)).collect()
+    }
+    let (complete, small) = (told(block()), told(Small(block())));
+    assert!(complete.contains(&SlaveEvent::Mode(IoKind::Poll, IoMode::Fault)));
+    assert_eq!(complete, small);
 }
 
 /// Attribute not supported.
