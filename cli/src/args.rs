@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use devicenet_core::monitor::Kind;
 
 use crate::eds::EdsArgs;
-use crate::live::{GetArgs, RecoverArgs, RunArgs, ScanArgs, SetArgs};
+use crate::live::{GetArgs, RecordArgs, RecoverArgs, RunArgs, ScanArgs, SetArgs};
 use crate::scenario::Time;
 use crate::simulate::SimulateArgs;
 use crate::standard::is_standard;
@@ -52,6 +52,8 @@ pub enum Command {
     Get(GetArgs),
     /// Be a master on a live bus
     Master(RunArgs),
+    /// Record a live bus when something happens, with what came before
+    Record(RecordArgs),
     /// Give nodes that are silent for a duplicate MAC ID another one
     Recover(RecoverArgs),
     /// List the nodes on a live bus

@@ -7,6 +7,7 @@ use clap::Args;
 use super::attribute::AttributePath;
 use super::endpoint::Endpoint;
 use super::recover::{Assignment, Device};
+use super::trigger::Trigger;
 use crate::args::parse_mac_id;
 use crate::scenario::Time;
 
@@ -33,6 +34,56 @@ pub struct NodeArgs {
     /// The MAC ID that the command itself takes while it works (0 to 63); it must be free
     #[arg(long, value_name = "N", default_value = "62", value_parser = parse_mac_id)]
     pub own_mac: u8,
+}
+
+/// `devicenet record`.
+#[derive(Args, Clone, Debug)]
+#[command(after_long_help = "\
+Listens, and sends nothing. The last seconds are kept in memory; when something happens they are written, and so is what follows. \
+TRIGGER is one of
+
+  timeout, timeout=MAC   a node leaves polls unanswered for four times its expected packet rate, or a connection times out
+  duplicate              a second device wants a MAC ID, or answers for it
+  error, bus-off         an error on the bus; the interface is bus-off
+  problem                a frame is wrong or suspicious, as `devicenet decode` says it
+  silence=TIME           nothing was heard for so long
+  kind=KIND,mac=N,id=N,data=HEX
+                         a frame to which all apply; KIND as in `decode`, ?? in HEX is any byte
+
+Without a trigger: timeout, duplicate, error, bus-off.
+
+Exit codes:
+  0  nothing happened until --for or Ctrl-C
+  1  something was recorded
+  2  wrong usage, or the file exists already
+  3  the interface failed
+
+Examples:
+  devicenet record can0
+  devicenet record can0 --trigger timeout=10 --before 5s --after 5s -o drop.pcapng
+  devicenet record can0 --trigger kind=explicit_response,data=??94 --count 3
+  devicenet record sim:line.toml --trigger silence=2s")]
+pub struct RecordArgs {
+    /// A CAN interface such as can0, sim:FILE for a scenario, log:FILE for a recording
+    pub endpoint: Endpoint,
+    /// What starts a recording; may be given more than once
+    #[arg(long, value_name = "TRIGGER")]
+    pub trigger: Vec<Trigger>,
+    /// How much is written of what came before
+    #[arg(long, value_name = "TIME", default_value = "5s")]
+    pub before: Time,
+    /// How long recording goes on
+    #[arg(long, value_name = "TIME", default_value = "5s")]
+    pub after: Time,
+    /// How many recordings to make; with several the files are numbered
+    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub count: u32,
+    /// Where to: pcapng for a name that ends so, else a candump log
+    #[arg(long, short = 'o', value_name = "FILE", default_value = "record.log")]
+    pub output: PathBuf,
+    /// How long to listen; without, until all is recorded or Ctrl-C
+    #[arg(long = "for", value_name = "TIME")]
+    pub span: Option<Time>,
 }
 
 /// `devicenet recover`.

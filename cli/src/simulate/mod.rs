@@ -47,6 +47,7 @@ use json::JsonView;
 use link_core::Machine;
 use machines::{MasterMachine, SlaveMachine};
 use record::RecordView;
+pub(crate) use record::error_frame;
 use run::Run;
 use selection::{Selected, Selection};
 use shared::{FirstError, SharedBuffer};

@@ -6,7 +6,6 @@ use std::path::Path;
 
 use link_core::BusErrorKind;
 use link_core::wire::Field;
-use transport_mock::bus::BusError;
 use transport_mock::record::Outcome;
 
 use super::shared::FirstError;
@@ -32,7 +31,7 @@ impl View for RecordView {
         let (Sight::Frame { record, .. }, Some(writer)) = (sight, &mut self.writer) else { return };
         let content = match record.outcome {
             Outcome::Ok => Content::Classic(*record.frame),
-            Outcome::Error(error) => Content::Error(error_frame(&error)),
+            Outcome::Error(error) => Content::Error(error_frame(error.kind, error.place)),
             Outcome::Abandoned => return,
         };
         // While the bus is cut in two, each part is an interface of its own.
@@ -51,9 +50,9 @@ impl Drop for RecordView {
 
 /// What SocketCAN reports of an error on the bus (`linux/can/error.h`): the class, in data byte 2 what was violated, in
 /// byte 3 where.
-pub(super) fn error_frame(error: &BusError) -> ErrorFrame {
+pub(crate) fn error_frame(kind: BusErrorKind, place: Option<(u32, Field)>) -> ErrorFrame {
     let mut data = [0; 8];
-    let class = match error.kind {
+    let class = match kind {
         BusErrorKind::Ack => CLASS_ACK | CLASS_BUS_ERROR,
         BusErrorKind::Bit
         | BusErrorKind::Stuff
@@ -61,14 +60,14 @@ pub(super) fn error_frame(error: &BusError) -> ErrorFrame {
         | BusErrorKind::Form
         | BusErrorKind::Other => CLASS_PROTOCOL | CLASS_BUS_ERROR,
     };
-    data[2] = match error.kind {
+    data[2] = match kind {
         BusErrorKind::Bit => 0x01,
         BusErrorKind::Form => 0x02,
         BusErrorKind::Stuff => 0x04,
         // A CRC error has no bit of its own; its place tells it.
         BusErrorKind::Crc | BusErrorKind::Ack | BusErrorKind::Other => 0x00,
     };
-    data[3] = match (error.kind, error.place) {
+    data[3] = match (kind, place) {
         (BusErrorKind::Crc, _) => 0x08,
         (_, Some((_, field))) => location(field),
         (_, None) => 0x00,

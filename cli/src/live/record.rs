@@ -1,0 +1,218 @@
+//! `devicenet record`: the last seconds are kept, and written when something happens.
+
+use core::time::Duration;
+use std::collections::VecDeque;
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use link_core::machine::Deadline;
+use link_core::{Input, Instant, LinkEvent, Port as _};
+
+use super::args::RecordArgs;
+use super::endpoint::Endpoint;
+use super::port::{LivePort, NONE_IN_FLIGHT, PortError};
+use super::trigger::{Cause, LOOK_EVERY, Trigger, Watch};
+use crate::exit::{Exit, Failure};
+use crate::output;
+use crate::recording::{Content, ErrorFrame, WriteFormat, Writer};
+use crate::simulate;
+use crate::text::count;
+
+/// Records what leads to an event and what follows from it.
+///
+/// # Errors
+/// [`Failure`] when the endpoint cannot be used, or a file cannot be written.
+pub fn record(args: &RecordArgs) -> Result<Exit, Failure> {
+    if let Some(path) = (1..=args.count).map(|n| args.file_name(n)).find(|path| path.exists()) {
+        return Err(Failure::Usage(format!(
+            "{} exists already: name another file with --output",
+            path.display()
+        )));
+    }
+    let mut port = LivePort::open(&args.endpoint, NONE_IN_FLIGHT)?;
+    port.set_interruption(simulate::interruption()?);
+    let now = port.now();
+    if let Some(span) = args.span {
+        port.set_end(now + span.0);
+    }
+    let triggers = if args.trigger.is_empty() { DEFAULT.to_vec() } else { args.trigger.clone() };
+    let mut recorder = Recorder {
+        args,
+        watch: Watch::new(triggers),
+        ring: VecDeque::new(),
+        zero: zero(&args.endpoint, now),
+        capture: None,
+        captured: 0,
+    };
+    let ended = recorder.run(&mut port);
+    let finished = recorder.finish();
+    match ended {
+        Ok(()) | Err(PortError::Over) => finished?,
+        Err(PortError::Failed(failure)) => return Err(failure),
+    }
+    match recorder.captured {
+        0 => output::note(format_args!("{}: nothing happened that starts a recording", args.endpoint)),
+        captured => output::note(format_args!("{}", count(captured.into(), "recording"))),
+    }
+    Ok(if recorder.captured > 0 { Exit::Findings } else { Exit::Done })
+}
+
+impl RecordArgs {
+    /// The file of the n-th recording, from 1: with its number if there may be several.
+    fn file_name(&self, n: u32) -> PathBuf {
+        if self.count == 1 {
+            return self.output.clone();
+        }
+        let stem = self.output.file_stem().unwrap_or_default().to_string_lossy();
+        let name = match self.output.extension() {
+            Some(extension) => format!("{stem}-{n}.{}", extension.to_string_lossy()),
+            None => format!("{stem}-{n}"),
+        };
+        self.output.with_file_name(name)
+    }
+}
+
+struct Recorder<'a> {
+    args: &'a RecordArgs,
+    watch: Watch,
+    /// What came last, for as long as it may be wanted.
+    ring: VecDeque<(Instant, Content)>,
+    /// What to add to a moment of the port for the time of day.
+    zero: Duration,
+    capture: Option<Capture>,
+    captured: u32,
+}
+
+struct Capture {
+    path: PathBuf,
+    writer: Writer<BufWriter<File>>,
+    until: Instant,
+    frames: u64,
+}
+
+impl Recorder<'_> {
+    fn run(&mut self, port: &mut LivePort) -> Result<(), PortError> {
+        let mut look_at = port.now();
+        loop {
+            look_at += LOOK_EVERY;
+            let (at, input) = port.wait(Some(Deadline { at: look_at, why: "a look at the connections" }))?;
+            look_at = look_at.max(at);
+            self.see(at, input).map_err(PortError::Failed)?;
+            if self.captured == self.args.count && self.capture.is_none() {
+                return Ok(());
+            }
+        }
+    }
+
+    fn see(&mut self, at: Instant, input: Input) -> Result<(), Failure> {
+        if self.capture.as_ref().is_some_and(|capture| capture.until < at) {
+            self.finish()?;
+        }
+        if let Some(content) = content(input) {
+            self.keep(at, content)?;
+        }
+        match self.watch.see(at, input) {
+            // What happens while it is recorded is recorded.
+            Some(cause) if self.capture.is_none() && self.captured < self.args.count => {
+                self.begin(at, &cause)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn keep(&mut self, at: Instant, content: Content) -> Result<(), Failure> {
+        if let Some(capture) = &mut self.capture {
+            return capture.write(self.zero, at, &content, &self.args.endpoint);
+        }
+        let oldest = at.saturating_sub(self.args.before.0);
+        while self.ring.front().is_some_and(|(at, _)| *at < oldest) || self.ring.len() >= MOST_FRAMES {
+            self.ring.pop_front();
+        }
+        self.ring.push_back((at, content));
+        Ok(())
+    }
+
+    fn begin(&mut self, at: Instant, cause: &Cause) -> Result<(), Failure> {
+        self.captured += 1;
+        let path = self.args.file_name(self.captured);
+        output::note(format_args!("{at:.3} s: {cause}; recording to {}", path.display()));
+        let writer = create(&path).map_err(|error| unwritable(&path, &error))?;
+        let mut capture = Capture { path, writer, until: at + self.args.after.0, frames: 0 };
+        let oldest = at.saturating_sub(self.args.before.0);
+        for (at, content) in self.ring.drain(..).filter(|(at, _)| *at >= oldest) {
+            capture.write(self.zero, at, &content, &self.args.endpoint)?;
+        }
+        self.capture = Some(capture);
+        Ok(())
+    }
+
+    /// Ends the recording that is under way.
+    fn finish(&mut self) -> Result<(), Failure> {
+        let Some(Capture { path, writer, frames, .. }) = self.capture.take() else { return Ok(()) };
+        writer.finish().map_err(|error| unwritable(&path, &error))?;
+        output::note(format_args!("{}: {}", path.display(), count(frames, "frame")));
+        Ok(())
+    }
+}
+
+impl Capture {
+    fn write(
+        &mut self,
+        zero: Duration,
+        at: Instant,
+        content: &Content,
+        endpoint: &Endpoint,
+    ) -> Result<(), Failure> {
+        let channel = match endpoint {
+            Endpoint::Interface(name) => name.as_str(),
+            Endpoint::Scenario(_) => "sim0",
+            Endpoint::Recording(_) => "log0",
+        };
+        self.frames += 1;
+        self.writer.write(at + zero, DIGITS, channel, content).map_err(|error| unwritable(&self.path, &error))
+    }
+}
+
+/// An interface is recorded in the time of day, as candump does.
+fn zero(endpoint: &Endpoint, now: Instant) -> Duration {
+    match endpoint {
+        Endpoint::Interface(_) => {
+            let wall = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+            wall.saturating_sub(now.saturating_since(Instant::ZERO))
+        }
+        Endpoint::Scenario(_) | Endpoint::Recording(_) => Duration::ZERO,
+    }
+}
+
+/// What a recording holds of it.
+fn content(input: Input) -> Option<Content> {
+    match input {
+        Input::Frame(frame) => Some(Content::Classic(frame)),
+        Input::Link(LinkEvent::BusError(kind)) => Some(Content::Error(simulate::error_frame(kind, None))),
+        Input::Link(LinkEvent::BusOff) => {
+            Some(Content::Error(ErrorFrame { class: CLASS_BUS_OFF, data: [0; 8] }))
+        }
+        Input::Link(_) | Input::TxDone(..) | Input::Tick => None,
+    }
+}
+
+fn create(path: &Path) -> io::Result<Writer<BufWriter<File>>> {
+    let format = WriteFormat::of_name(&path.to_string_lossy());
+    Writer::new(BufWriter::new(File::create_new(path)?), format)
+}
+
+fn unwritable(path: &Path, error: &io::Error) -> Failure {
+    Failure::Usage(format!("{}: {error}", path.display()))
+}
+
+/// Without `--trigger`: what an engineer is called for.
+const DEFAULT: [Trigger; 4] =
+    [Trigger::TimeOut(None), Trigger::Duplicate, Trigger::BusOff, Trigger::BusError];
+/// `CAN_ERR_BUSOFF` of linux/can/error.h.
+const CLASS_BUS_OFF: u32 = 0x40;
+/// Two minutes of a full bus at 1 Mbit/s, in 50 megabytes.
+const MOST_FRAMES: usize = 1_000_000;
+/// Nanoseconds.
+const DIGITS: u8 = 9;

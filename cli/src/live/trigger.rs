@@ -1,0 +1,323 @@
+//! What starts a recording.
+
+use core::fmt;
+use core::str::FromStr;
+use core::time::Duration;
+use std::collections::BTreeMap;
+
+use devicenet_core::MacId;
+use devicenet_core::monitor::{
+    ConnectionName, ConnectionState, Kind, Monitor, MonitorConfig, Problem, Reading,
+};
+use link_core::{Input, Instant, LinkEvent};
+
+use crate::scenario::Time;
+
+/// A condition, as it is written on the command line.
+///
+/// | Text | When |
+/// |---|---|
+/// | `timeout`, `timeout=10` | a node (that node) leaves polls unanswered for four times its expected packet rate, or a connection of it times out |
+/// | `duplicate` | a second device wants a MAC ID, or answers for it |
+/// | `error` | an error on the bus |
+/// | `bus-off` | the interface is bus-off |
+/// | `problem` | a frame is wrong or suspicious |
+/// | `silence=2s` | nothing was heard for so long |
+/// | `kind=..`, `mac=..`, `id=..`, `data=..`, joined with commas | a frame to which all of them apply; `data` is hexadecimal, `??` is any byte, and what follows is not looked at |
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Trigger {
+    /// `timeout`
+    TimeOut(Option<MacId>),
+    /// `duplicate`
+    Duplicate,
+    /// `error`
+    BusError,
+    /// `bus-off`
+    BusOff,
+    /// `problem`
+    Problem,
+    /// `silence`
+    Silence(Duration),
+    /// A filter expression.
+    Frame(FrameFilter),
+}
+
+/// What a frame must be; parts that are `None` are not looked at.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct FrameFilter {
+    kind: Option<Kind>,
+    mac: Option<u8>,
+    id: Option<u32>,
+    data: Option<Vec<Option<u8>>>,
+}
+
+impl FrameFilter {
+    fn accepts(&self, reading: &Reading<'_>) -> bool {
+        let is_node = |mac: MacId, wanted: u8| mac.number() == wanted;
+        let begins = |data: &Vec<Option<u8>>| {
+            let found = reading.frame.data();
+            data.len() <= found.len()
+                && data.iter().zip(found).all(|(wanted, byte)| wanted.is_none_or(|wanted| wanted == *byte))
+        };
+        self.kind.is_none_or(|kind| kind == reading.kind)
+            && self.mac.is_none_or(|mac| {
+                [reading.src, reading.dst].into_iter().flatten().any(|node| is_node(node, mac))
+            })
+            && self.id.is_none_or(|id| id == reading.frame.raw_id())
+            && self.data.as_ref().is_none_or(begins)
+    }
+}
+
+impl FromStr for Trigger {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Ok(match text.split_once('=') {
+            None => match text {
+                "timeout" => Self::TimeOut(None),
+                "duplicate" => Self::Duplicate,
+                "error" => Self::BusError,
+                "bus-off" => Self::BusOff,
+                "problem" => Self::Problem,
+                _ => return Err(format!("expected {EXPECTED}")),
+            },
+            Some(("timeout", mac)) => {
+                let mac = crate::args::parse_mac_id(mac)?;
+                Self::TimeOut(MacId::new(mac))
+            }
+            Some(("silence", span)) => {
+                Self::Silence(span.parse::<Time>().map_err(|error| error.to_string())?.0)
+            }
+            Some(_) => Self::Frame(filter(text)?),
+        })
+    }
+}
+
+fn filter(text: &str) -> Result<FrameFilter, String> {
+    let mut filter = FrameFilter::default();
+    for part in text.split(',') {
+        match part.split_once('=') {
+            Some(("kind", name)) => {
+                let kind = Kind::ALL.into_iter().find(|kind| kind.name() == name);
+                filter.kind = Some(kind.ok_or_else(|| {
+                    format!("`{name}` is no kind of frame; `devicenet decode --help` lists them")
+                })?);
+            }
+            Some(("mac", mac)) => filter.mac = Some(crate::args::parse_mac_id(mac)?),
+            Some(("id", id)) => {
+                let digits = id.strip_prefix("0x").or_else(|| id.strip_prefix("0X"));
+                let id = digits.map_or_else(|| id.parse(), |digits| u32::from_str_radix(digits, 16));
+                filter.id = Some(id.map_err(|_| "an identifier such as 0x3FF expected")?);
+            }
+            Some(("data", bytes)) => {
+                filter.data = Some(pattern(bytes).ok_or("bytes such as 01??FF expected")?)
+            }
+            _ => return Err(format!("expected {EXPECTED}")),
+        }
+    }
+    Ok(filter)
+}
+
+fn pattern(text: &str) -> Option<Vec<Option<u8>>> {
+    let is_pattern = |byte: u8| byte.is_ascii_hexdigit() || byte == b'?';
+    if text.is_empty() || !text.len().is_multiple_of(2) || !text.bytes().all(is_pattern) {
+        return None;
+    }
+    let pairs = text.as_bytes().chunks_exact(2);
+    pairs
+        .map(|pair| match pair {
+            b"??" => Some(None),
+            pair => u8::from_str_radix(core::str::from_utf8(pair).ok()?, 16).ok().map(Some),
+        })
+        .collect()
+}
+
+/// Watches a bus for what starts a recording.
+pub(super) struct Watch {
+    triggers: Vec<Trigger>,
+    monitor: Box<Monitor>,
+    frames: u64,
+    last_frame: Option<Instant>,
+    is_silent: bool,
+    /// Since when a node does not answer polls, and whether that was told.
+    unanswered: BTreeMap<MacId, (Instant, bool)>,
+    timed_out: Vec<(MacId, ConnectionName)>,
+    look_at: Instant,
+}
+
+impl Watch {
+    pub(super) fn new(triggers: Vec<Trigger>) -> Self {
+        Self {
+            triggers,
+            monitor: Box::new(Monitor::new(MonitorConfig::default())),
+            frames: 0,
+            last_frame: None,
+            is_silent: false,
+            unanswered: BTreeMap::new(),
+            timed_out: Vec::new(),
+            look_at: Instant::ZERO,
+        }
+    }
+
+    /// Why a recording is to start, if it is.
+    pub(super) fn see(&mut self, at: Instant, input: Input) -> Option<Cause> {
+        let by_itself = match input {
+            Input::Frame(frame) => {
+                self.frames += 1;
+                (self.last_frame, self.is_silent) = (Some(at), false);
+                let reading = self.monitor.observe(at, self.frames, &frame);
+                match (reading.kind, reading.src, reading.dst) {
+                    (Kind::PollCommand, _, Some(slave)) => {
+                        _ = self.unanswered.entry(slave).or_insert((at, false))
+                    }
+                    (Kind::PollResponse, Some(slave), _) => _ = self.unanswered.remove(&slave),
+                    _ => {}
+                }
+                self.triggers.iter().find_map(|trigger| of_frame(trigger, &reading))
+            }
+            Input::Link(event) => self.triggers.iter().find_map(|trigger| of_link(trigger, event)),
+            Input::Tick | Input::TxDone(..) => None,
+        };
+        by_itself.or_else(|| self.by_time(at))
+    }
+
+    /// What comes of time alone.
+    fn by_time(&mut self, now: Instant) -> Option<Cause> {
+        if now < self.look_at {
+            return None;
+        }
+        self.look_at = now + LOOK_EVERY;
+        let timed_out = self.timed_out();
+        for trigger in &self.triggers {
+            match trigger {
+                Trigger::TimeOut(wanted) => {
+                    let is_wanted = |mac: &MacId| wanted.is_none_or(|wanted| wanted == *mac);
+                    let connection = timed_out.iter().find(|(mac, _)| is_wanted(mac));
+                    if let Some((mac, name)) = connection {
+                        return Some(Cause(format!("the {name} connection of node {mac} timed out")));
+                    }
+                    let monitor = &self.monitor;
+                    let silent = self.unanswered.iter_mut().find(|(mac, (since, is_told))| {
+                        !*is_told
+                            && is_wanted(mac)
+                            && now.saturating_since(*since) >= patience(monitor, **mac)
+                    });
+                    if let Some((mac, (since, is_told))) = silent {
+                        *is_told = true;
+                        let span = now.saturating_since(*since);
+                        return Some(Cause(format!(
+                            "node {mac} has not answered polls for {} ms",
+                            span.as_millis()
+                        )));
+                    }
+                }
+                Trigger::Silence(span) => {
+                    let silence = self.last_frame.map(|last| now.saturating_since(last));
+                    if !self.is_silent && silence.is_some_and(|silence| silence >= *span) {
+                        self.is_silent = true;
+                        return Some(Cause(format!("nothing was heard for {}", Time(*span))));
+                    }
+                }
+                _ => {}
+            }
+        }
+        None
+    }
+
+    /// Connections that have timed out since the last look.
+    fn timed_out(&mut self) -> Vec<(MacId, ConnectionName)> {
+        let now: Vec<(MacId, ConnectionName)> = (self.monitor.connections())
+            .filter(|connection| connection.state == ConnectionState::TimedOut)
+            .map(|connection| (connection.server, connection.name))
+            .collect();
+        let new = now.iter().filter(|connection| !self.timed_out.contains(connection)).copied().collect();
+        self.timed_out = now;
+        new
+    }
+}
+
+/// Four times the expected packet rate, as far as it is known.
+fn patience(monitor: &Monitor, slave: MacId) -> Duration {
+    let rates =
+        monitor.connections().filter(|connection| connection.server == slave).filter_map(|connection| {
+            let is_poll = matches!(
+                connection.name,
+                ConnectionName::Predefined(devicenet_core::monitor::Predefined::Poll)
+            );
+            connection.epr.filter(|rate| is_poll && *rate > 0)
+        });
+    rates.min().map_or(UNKNOWN_RATE, |rate| Duration::from_millis(u64::from(rate) * 4))
+}
+
+fn of_frame(trigger: &Trigger, reading: &Reading<'_>) -> Option<Cause> {
+    match trigger {
+        Trigger::Problem => Some(Cause(reading.problem.as_ref()?.to_string())),
+        Trigger::Duplicate => matches!(reading.kind, Kind::DupMacResponse)
+            .then(|| Cause(format!("duplicate MAC ID: {reading}")))
+            .or_else(|| is_duplicate(reading.problem.as_ref()?).then(|| Cause(reading.to_string()))),
+        Trigger::Frame(filter) => filter.accepts(reading).then(|| Cause(reading.to_string())),
+        Trigger::TimeOut(_) | Trigger::BusError | Trigger::BusOff | Trigger::Silence(_) => None,
+    }
+}
+
+const fn is_duplicate(problem: &Problem) -> bool {
+    matches!(problem, Problem::DuplicateMacId { .. } | Problem::TwoIdentities { .. })
+}
+
+fn of_link(trigger: &Trigger, event: LinkEvent) -> Option<Cause> {
+    match (trigger, event) {
+        (Trigger::BusError, LinkEvent::BusError(kind)) => Some(Cause(kind.to_string())),
+        (Trigger::BusOff, LinkEvent::BusOff) => Some(Cause("bus-off".into())),
+        _ => None,
+    }
+}
+
+/// Why a recording was started.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct Cause(String);
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// How often the connections are looked at.
+pub(super) const LOOK_EVERY: Duration = Duration::from_millis(10);
+/// For a node whose expected packet rate was not heard.
+const UNKNOWN_RATE: Duration = Duration::from_secs(1);
+const EXPECTED: &str = "timeout, timeout=MAC, duplicate, error, bus-off, problem, silence=TIME, or kind=KIND, mac=N, id=N, \
+                        data=HEX joined with commas";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triggers_as_they_are_written() {
+        assert_eq!("timeout".parse(), Ok(Trigger::TimeOut(None)));
+        assert_eq!("timeout=0x0A".parse(), Ok(Trigger::TimeOut(MacId::new(10))));
+        assert_eq!("silence=2s".parse(), Ok(Trigger::Silence(Duration::from_secs(2))));
+        let filter = FrameFilter {
+            kind: Some(Kind::PollResponse),
+            mac: Some(10),
+            id: Some(0x3CA),
+            data: Some(vec![Some(1), None, Some(0xFF)]),
+        };
+        assert_eq!("kind=poll_response,mac=10,id=0x3ca,data=01??fF".parse(), Ok(Trigger::Frame(filter)));
+        for text in [
+            "",
+            "time",
+            "timeout=64",
+            "silence=2",
+            "kind=poll",
+            "data=0",
+            "data=0?",
+            "data=",
+            "id=x",
+            "mac=10,error",
+        ] {
+            assert!(text.parse::<Trigger>().is_err(), "{text}");
+        }
+    }
+}

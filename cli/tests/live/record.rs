@@ -1,0 +1,89 @@
+//! `record`: what led to an event, and what followed.
+
+use std::path::PathBuf;
+
+use crate::{Run, devicenet};
+
+/// A file of a test's own that is not there yet.
+fn file(name: &str) -> PathBuf {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_file(&path);
+    path
+}
+
+fn record(file: &std::path::Path, more: &[&str]) -> Run {
+    devicenet(&[&["record", "sim:drop.toml", "--output", file.to_str().unwrap()], more].concat())
+}
+
+/// The times of the frames in a recording.
+fn times(file: &std::path::Path) -> Vec<f64> {
+    let run = devicenet(&["decode", "--json", file.to_str().unwrap()]);
+    run.json().iter().map(|frame| frame["t"].as_f64().unwrap()).collect()
+}
+
+/// The slave is cut off at 12 s, and missed four times its packet rate of 80 ms later.
+#[test]
+fn a_slave_that_drops_out_is_caught_with_five_seconds_before_and_after() {
+    for name in ["drop.pcapng", "drop.log"] {
+        let path = file(name);
+        let run = record(&path, &["--trigger", "timeout"]);
+        assert_eq!((run.code(), run.out()), (1, String::new()), "{}", run.err());
+        assert!(
+            run.err().contains("12.326 s: node 10 has not answered polls for 322 ms; recording to"),
+            "{}",
+            run.err()
+        );
+        let times = times(&path);
+        let (first, last) = (times[0], times[times.len() - 1]);
+        assert!((7.325..7.345).contains(&first), "{first}");
+        assert!((17.306..17.327).contains(&last), "{last}");
+        assert!(times.len() > 2000 && times.is_sorted());
+    }
+}
+
+#[test]
+fn another_slave_is_none_of_its_business() {
+    let path = file("other.log");
+    let run = record(&path, &["--trigger", "timeout=11", "--for", "25s"]);
+    assert_eq!((run.code(), path.exists()), (0, false), "{}", run.err());
+    assert!(run.err().contains("nothing happened that starts a recording"));
+}
+
+#[test]
+fn several_recordings_are_numbered() {
+    let path = file("checks.log");
+    let numbered = ["checks-1.log", "checks-2.log"].map(file);
+    let trigger = "kind=dup_mac_request,mac=10,data=00??12";
+    let run = record(&path, &["--trigger", trigger, "--count", "2", "--before", "100ms", "--after", "500ms"]);
+    assert_eq!((run.code(), path.exists()), (1, false), "{}", run.err());
+    assert_eq!(numbered.map(|path| times(&path).len()), [3, 3], "the checks of three nodes");
+}
+
+#[test]
+fn a_bus_that_falls_silent_is_noticed() {
+    let path = file("silence.log");
+    let capture = "../../../tests/captures/slave-01-startup-poll.log";
+    let run = devicenet(&[
+        "record",
+        &format!("log:{capture}"),
+        "--trigger",
+        "silence=2s",
+        "-o",
+        path.to_str().unwrap(),
+    ]);
+    assert_eq!(run.code(), 1, "{}", run.err());
+    assert!(run.err().contains("nothing was heard for 2s"), "{}", run.err());
+}
+
+#[test]
+fn nothing_is_overwritten() {
+    let path = file("kept.log");
+    std::fs::write(&path, "what was there\n").unwrap();
+    let run = record(&path, &[]);
+    assert_eq!(run.code(), 2);
+    assert!(run.error().contains("exists already"), "{}", run.err());
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "what was there\n");
+    let run = record(&file("x.log"), &["--trigger", "never"]);
+    assert_eq!(run.code(), 2);
+    assert!(run.err().contains("expected timeout, timeout=MAC, duplicate"), "{}", run.err());
+}
