@@ -15,6 +15,8 @@ pub(crate) struct Stamps {
     clock: Clock,
     /// What the wall clock, since 1970, is ahead of ours.
     ahead: Duration,
+    /// When that was measured.
+    measured: Instant,
     /// The latest moment that was told or asked for.
     last: Instant,
 }
@@ -22,7 +24,7 @@ pub(crate) struct Stamps {
 impl Stamps {
     pub(crate) fn start() -> Self {
         let clock = Clock::start();
-        Self { clock, ahead: wall(), last: Instant::ZERO }
+        Self { clock, ahead: wall(), measured: Instant::ZERO, last: Instant::ZERO }
     }
 
     /// The latest moment that is known: the present, but for the work since.
@@ -38,18 +40,24 @@ impl Stamps {
 
     /// The moment of a stamp, since 1970.
     pub(crate) fn moment(&mut self, stamp: Duration) -> Instant {
-        let at = self.on_our_clock(stamp);
-        if at.is_some_and(|at| at >= self.last && at.saturating_since(self.last) <= TRUSTED) {
-            self.last = at.unwrap_or(self.last);
-            return self.last;
+        if let Some(at) = self.on_our_clock(stamp).filter(|at| self.is_trusted(*at)) {
+            self.last = at;
+            return at;
         }
         let earliest = self.last;
         let now = self.now();
+        self.measured = now;
         self.ahead = wall().saturating_sub(now.saturating_since(Instant::ZERO));
         let at = self.on_our_clock(stamp).unwrap_or(now);
         // The present was asked for only to hold the stamp to it: frames behind this one are earlier.
         self.last = at.clamp(earliest, now);
         self.last
+    }
+
+    fn is_trusted(&self, at: Instant) -> bool {
+        at >= self.last
+            && at.saturating_since(self.last) <= TRUSTED
+            && at.saturating_since(self.measured) <= MEASURE_AFTER
     }
 
     fn on_our_clock(&self, stamp: Duration) -> Option<Instant> {
@@ -63,8 +71,10 @@ fn wall() -> Duration {
 }
 
 /// A stamp within this of the last known moment is taken without asking for the present. A wall clock that was set by less
-/// goes unnoticed, and is no more than that ahead.
+/// goes unnoticed, until the next measurement.
 const TRUSTED: Duration = Duration::from_millis(10);
+/// How long a measurement holds: so far ahead does a wall clock get that is set again and again.
+const MEASURE_AFTER: Duration = Duration::from_millis(100);
 
 #[cfg(test)]
 mod tests {
@@ -88,5 +98,16 @@ mod tests {
             let after = stamps.now();
             assert!(before <= early && early <= late && late <= after, "{before} {early} {late} {after}");
         }
+    }
+
+    #[test]
+    fn nor_does_one_that_is_set_by_little_again_and_again() {
+        let mut stamps = Stamps::start();
+        let begin = std::time::Instant::now();
+        for step in 0..500 {
+            stamps.moment(wall() + Duration::from_millis(9) * step);
+        }
+        let ahead = stamps.last().saturating_since(Instant::ZERO).saturating_sub(begin.elapsed());
+        assert!(ahead <= MEASURE_AFTER + TRUSTED, "{ahead:?}");
     }
 }
