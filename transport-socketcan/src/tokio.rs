@@ -55,7 +55,9 @@ impl TokioPort {
             }
             let now = self.port.link.now();
             if deadline.is_some_and(|at| at <= now) {
-                return Ok((now, Input::Tick));
+                // What came before this moment comes first.
+                self.port.link.readable();
+                return Ok(self.port.link.next()?.unwrap_or((now, Input::Tick)));
             }
             let until = [deadline, self.port.link.wake_at()].into_iter().flatten().min();
             self.sleep(now, until).await?;

@@ -109,3 +109,22 @@ fn many_machines_in_one_thread() {
     let heard = [heard.0, heard.1, heard.2];
     assert!(heard.iter().all(|heard| *heard >= 10), "{heard:?}");
 }
+
+/// The runtime may come back to a port late.
+#[cfg(feature = "tokio")]
+#[test]
+#[ignore = "needs vcan"]
+fn a_frame_that_waits_in_the_socket_comes_before_the_deadline() {
+    use link_core::Port as _;
+    let bus = Interface::new("vcan52");
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    runtime.block_on(async {
+        let mut port = transport_socketcan::TokioPort::new(bus.port()).unwrap();
+        let mut other = bus.port();
+        let deadline = Some(Deadline { at: port.port().now() + Duration::from_millis(10), why: "the test" });
+        assert_eq!(port.wait(deadline).await.unwrap().1, Input::Tick);
+        other.transmit(TxToken(0), frame(0x100, &[])).unwrap();
+        assert_eq!(port.wait(deadline).await.unwrap().1, Input::Frame(frame(0x100, &[])));
+        assert_eq!(port.wait(deadline).await.unwrap().1, Input::Tick);
+    });
+}
