@@ -25,7 +25,17 @@ pub(crate) fn from_kernel(raw: &libc::can_frame) -> Option<Frame> {
     }
 }
 
-/// The frame for the kernel. It is sent with a data length code of at most 8.
+/// A frame as it will be on the bus, and in the echo: with a data length code of at most 8.
+pub(crate) fn as_sent(frame: &Frame) -> Frame {
+    let shorter = match frame.is_remote() {
+        true if frame.dlc() > 8 => Frame::remote(frame.id(), 8),
+        false if frame.dlc() > 8 => Frame::new(frame.id(), frame.data()),
+        _ => None,
+    };
+    shorter.unwrap_or(*frame)
+}
+
+/// The frame for the kernel.
 pub(crate) fn to_kernel(frame: &Frame) -> Option<CanFrame> {
     frame.to_can()
 }
@@ -57,6 +67,16 @@ mod tests {
         assert_eq!(from_kernel(&raw(0x52F, 8, 15)).unwrap().dlc(), 15);
         assert_eq!(from_kernel(&raw(0x52F, 7, 15)).unwrap().dlc(), 7, "it counts for eight bytes only");
         assert_eq!(from_kernel(&raw(0x52F, 8, 16)), None);
+    }
+
+    #[test]
+    fn a_length_code_above_eight_is_sent_as_eight() {
+        let long = Frame::with_dlc(StandardId::new(0x52F).unwrap(), 15, [1, 2, 3, 4, 5, 6, 7, 8]).unwrap();
+        assert_eq!(as_sent(&long).to_string(), "52F [8] 01 02 03 04 05 06 07 08");
+        let remote = Frame::remote(StandardId::new(0x52F).unwrap(), 15).unwrap();
+        assert_eq!(as_sent(&remote).to_string(), "52F [8] remote");
+        let short = Frame::remote(StandardId::new(0x52F).unwrap(), 3).unwrap();
+        assert_eq!(as_sent(&short), short);
     }
 
     proptest! {

@@ -89,6 +89,11 @@ impl Interface {
         })
     }
 
+    /// Whether its controller is off the bus. One that does not tell is not.
+    pub(crate) fn is_bus_off(&self) -> bool {
+        self.netlink().is_ok_and(|netlink| matches!(netlink.state(), Ok(Some(CanState::BusOff))))
+    }
+
     /// Sets bit rate and mode, for which it goes down and up again. `false`: they were in force already.
     pub(crate) fn set_mode(&self, mode: Mode) -> io::Result<bool> {
         match self.kind()? {

@@ -24,7 +24,7 @@
 //! | the echo of an own frame, marked `MSG_CONFIRM` | [`TxDone(_, Sent)`](link_core::TxOutcome::Sent): it was on the bus and acknowledged |
 //! | the same frame from a twin, unmarked | `Input::Frame`: an echo is never recognised by its content |
 //! | error frame, class bus-off | [`LinkEvent::BusOff`](link_core::LinkEvent::BusOff); frames in flight are `Dropped` |
-//! | error frame, restarted | `Up` |
+//! | error frame, restarted | `Up`; before it `BusOff`, if the news of that was lost |
 //! | error frame, controller | `ErrorWarning`, `ErrorPassive`, `ErrorActive`, `Overrun` |
 //! | error frame, protocol violation, no acknowledge | `BusError` with its kind |
 //! | error frame with counters | `Counters`, before the change of state |

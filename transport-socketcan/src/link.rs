@@ -39,6 +39,8 @@ pub(crate) struct Link {
     lost: u32,
     /// The kernel has lost frames since it was given the one that it has: the echo may be among them.
     echo_lost: Option<Instant>,
+    /// A restart that the machine has heard of already, and of which the kernel has still to tell.
+    restart_is_told: bool,
     retry_at: Option<Instant>,
     refusal: Option<Refusal>,
 }
@@ -70,12 +72,12 @@ impl Link {
             sent: Vec::new(),
             lost: 0,
             echo_lost: None,
+            restart_is_told: false,
             retry_at: None,
             refusal: None,
         };
         if link.interface.is_up() {
-            link.state = State::Up;
-            link.tell(LinkEvent::Up);
+            link.begin();
         }
         Ok(link)
     }
@@ -112,7 +114,7 @@ impl Link {
     }
 
     pub(crate) fn transmit(&mut self, token: TxToken, frame: Frame) -> Result<(), Error> {
-        self.outbox.put(token, frame);
+        self.outbox.put(token, frame::as_sent(&frame));
         self.hand_over()
     }
 
@@ -124,7 +126,9 @@ impl Link {
         match command {
             LinkCommand::SetMode(mode) => self.set_mode(mode),
             LinkCommand::SetFilter(filters) => {
-                self.sent.clear();
+                // An interface with a controller has still to echo the frame that it has.
+                self.sent =
+                    self.outbox.with_kernel().map(|frame| Filter::exact(frame.id())).into_iter().collect();
                 self.filters = Some(filters);
                 self.set_filters()
             }
@@ -160,6 +164,7 @@ impl Link {
             Ok(()) => {
                 if self.state == State::BusOff {
                     self.state = State::Up;
+                    self.restart_is_told = true;
                 }
                 if self.state == State::Up {
                     self.tell(LinkEvent::Up);
@@ -275,18 +280,15 @@ impl Link {
         if let Some(lost) = message.lost.map(|lost| lost.wrapping_sub(self.lost)).filter(|lost| *lost > 0) {
             self.lost = self.lost.wrapping_add(lost);
             self.inputs.push_back((at, Input::Link(LinkEvent::Overrun { lost })));
-            if self.outbox.is_with_kernel() {
-                self.echo_lost = Some(at.saturating_add(ECHO_PATIENCE));
+            if self.outbox.with_kernel().is_some() {
+                self.echo_lost.get_or_insert(at.saturating_add(ECHO_PATIENCE));
             }
         }
         match frame::from_kernel(&message.raw) {
             // An echo that nobody waits for is of a frame that was given up.
             Some(frame) if message.is_own => {
                 if self.outbox.confirm(&frame) {
-                    self.echo_lost = None;
-                    while let Some((token, outcome)) = self.outbox.answer() {
-                        self.inputs.push_back((at, Input::TxDone(token, outcome)));
-                    }
+                    self.answer(at);
                 }
             }
             Some(frame) => self.inputs.push_back((at, Input::Frame(frame))),
@@ -296,16 +298,36 @@ impl Link {
 
     fn link_event(&mut self, at: Instant, event: LinkEvent) {
         match event {
-            LinkEvent::BusOff => {
-                self.state = State::BusOff;
-                self.outbox.drop_all();
+            LinkEvent::BusOff => self.bus_off(at),
+            LinkEvent::Up => {
+                if self.state == State::Up && core::mem::take(&mut self.restart_is_told) {
+                    return;
+                }
+                // A controller restarts from bus-off only: where nothing was heard of that, the news of it was lost.
+                if self.state == State::Up {
+                    self.bus_off(at);
+                }
+                self.state = State::Up;
+                self.inputs.push_back((at, Input::Link(event)));
             }
-            LinkEvent::Up if self.state == State::BusOff => self.state = State::Up,
-            // Of a restart that was ours, and is told.
-            LinkEvent::Up => return,
-            _ => {}
+            _ => self.inputs.push_back((at, Input::Link(event))),
         }
-        self.inputs.push_back((at, Input::Link(event)));
+    }
+
+    fn bus_off(&mut self, at: Instant) {
+        self.state = State::BusOff;
+        self.restart_is_told = false;
+        self.inputs.push_back((at, Input::Link(LinkEvent::BusOff)));
+        self.outbox.drop_all();
+        // Before the restart, which may be told next.
+        self.answer(at);
+    }
+
+    /// Tells what became of frames behind the inputs that there are.
+    fn answer(&mut self, at: Instant) {
+        while let Some((token, outcome)) = self.outbox.answer() {
+            self.inputs.push_back((at, Input::TxDone(token, outcome)));
+        }
     }
 
     fn hand_over(&mut self) -> Result<(), Error> {
@@ -317,6 +339,7 @@ impl Link {
             match self.socket.send(&frame) {
                 Ok(true) => {
                     self.outbox.hand_over();
+                    self.echo_lost = None;
                     // On a virtual interface the echo is there at once.
                     self.more = true;
                 }
@@ -338,7 +361,7 @@ impl Link {
     fn let_the_echo_pass(&mut self, frame: &Frame) -> Result<(), Error> {
         let Some(filters) = &self.filters else { return Ok(()) };
         let exact = Filter::exact(frame.id());
-        if filters.accepts(frame) || self.sent.contains(&exact) {
+        if filters.accepts(frame) || self.sent.iter().any(|filter| filter.accepts(frame.id())) {
             return Ok(());
         }
         if self.sent.len() < MOST_EXACT {
@@ -352,10 +375,33 @@ impl Link {
     }
 
     fn go_down(&mut self) {
+        self.take_the_rest();
         self.state = State::Down(self.now().saturating_add(LOOK_AGAIN_AFTER));
         (self.retry_at, self.echo_lost) = (None, None);
         self.outbox.drop_all();
         self.tell(LinkEvent::Down);
+    }
+
+    /// What the socket of an interface that has gone still holds: it came before that.
+    fn take_the_rest(&mut self) {
+        let mut messages = core::mem::take(&mut self.messages);
+        for _ in 0..MOST_BATCHES {
+            messages.clear();
+            // The error comes first, and once.
+            if self.socket.receive(Patience::None, &mut messages).is_ok() && messages.is_empty() {
+                break;
+            }
+            messages.iter().for_each(|message| self.take(message));
+        }
+        self.messages = messages;
+    }
+
+    /// Takes up work on an interface that is up.
+    fn begin(&mut self) {
+        self.restart_is_told = false;
+        let is_off = self.interface.is_bus_off();
+        self.state = if is_off { State::BusOff } else { State::Up };
+        self.tell(if is_off { LinkEvent::BusOff } else { LinkEvent::Up });
     }
 
     /// Whether the interface is there and up, so that the port works again.
@@ -365,8 +411,7 @@ impl Link {
         if !self.interface.is_up() || self.renew().is_err() {
             return Ok(false);
         }
-        self.state = State::Up;
-        self.tell(LinkEvent::Up);
+        self.begin();
         Ok(true)
     }
 
@@ -426,5 +471,7 @@ const RETRY_AFTER: Duration = Duration::from_millis(1);
 const LOOK_AGAIN_AFTER: Duration = Duration::from_millis(100);
 /// How long the echo of a frame is waited for after the kernel has lost frames, of which it may have been one.
 const ECHO_PATIENCE: Duration = Duration::from_secs(1);
+/// More than the receive buffer holds.
+const MOST_BATCHES: usize = 256;
 /// How many identifiers of own frames are let pass one by one. The kernel takes 512 filters.
 const MOST_EXACT: usize = 256;

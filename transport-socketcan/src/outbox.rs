@@ -55,9 +55,9 @@ impl Outbox {
         }
     }
 
-    /// Whether the kernel has a frame.
-    pub(crate) const fn is_with_kernel(&self) -> bool {
-        self.handed_over.is_some()
+    /// The frame that the kernel has.
+    pub(crate) fn with_kernel(&self) -> Option<&Frame> {
+        self.handed_over.as_ref().map(|pending| &pending.frame)
     }
 
     /// Takes a frame back, if the kernel has it not yet.

@@ -1,6 +1,6 @@
 //! Error frames. A virtual interface makes none of its own, but delivers those that are written to it.
 
-use link_core::{BusErrorKind, Input, LinkCommand, LinkEvent, Port, TxToken};
+use link_core::{BitRate, BusErrorKind, Input, LinkCommand, LinkEvent, Mode, Port, TxToken};
 use transport_socketcan::SocketCanPort;
 
 use crate::rig::{Interface, dropped, frame, input, run, sent, silent};
@@ -48,6 +48,23 @@ fn a_controller_that_restarts_by_itself_is_up() {
     inject(&mut port, "20000040#0000000000000000");
     assert_eq!(input(&mut port), Input::Link(LinkEvent::BusOff));
     inject(&mut port, "20000100#0000000000000000");
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::Up));
+}
+
+/// Told in one go: the frame in flight was dropped by the bus-off, not by the restart.
+#[test]
+#[ignore = "needs vcan"]
+fn what_bus_off_drops_is_told_before_the_restart() {
+    let bus = Interface::new("vcan24");
+    let mut port = bus.port();
+    let mode = Mode { bit_rate: BitRate::K125, listen_only: true };
+    port.command(LinkCommand::SetMode(mode)).unwrap();
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::ModeSet(mode)));
+    port.transmit(TxToken(1), frame(0x100, &[])).unwrap();
+    inject(&mut port, "20000040#0000000000000000");
+    inject(&mut port, "20000100#0000000000000000");
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::BusOff));
+    assert_eq!(input(&mut port), dropped(1));
     assert_eq!(input(&mut port), Input::Link(LinkEvent::Up));
 }
 

@@ -56,6 +56,20 @@ fn long_identifiers_and_remote_frames() {
     }
 }
 
+#[test]
+#[ignore = "needs vcan"]
+fn a_length_code_above_eight_is_sent_as_eight() {
+    let bus = Interface::new("vcan17");
+    let (mut one, mut other) = (bus.port(), bus.port());
+    let long = Frame::with_dlc(StandardId::new(0x100).unwrap(), 15, [1; 8]).unwrap();
+    let remote = Frame::remote(StandardId::new(0x100).unwrap(), 9).unwrap();
+    for long in [long, remote] {
+        one.transmit(TxToken(0), long).unwrap();
+        assert_eq!(input(&mut one), sent(0));
+        assert!(matches!(input(&mut other), Input::Frame(frame) if frame.dlc() == 8));
+    }
+}
+
 /// The first of three is with the kernel before the others come; of these, the more urgent goes first.
 #[test]
 #[ignore = "needs vcan"]

@@ -1,0 +1,125 @@
+//! Interfaces that echo a frame when it was sent, as those with a controller do. A slow queue takes the place of a busy bus.
+
+use std::time::Duration;
+
+use link_core::{Filter, FilterSet, Input, LinkCommand, LinkEvent, Port, StandardId, TxToken};
+use transport_socketcan::SocketCanPort;
+
+use crate::rig::{Interface, dropped, frame, input, run, sent, silent, wait};
+
+/// An interface on which a frame takes its time.
+fn slow(name: &'static str, time: &str) -> (Interface, SocketCanPort) {
+    let bus = Interface::new(name);
+    run("tc", &["qdisc", "add", "dev", name, "root", "netem", "delay", time]);
+    let port = bus.port();
+    (bus, port)
+}
+
+fn inject(port: &SocketCanPort, error_frame: &str) {
+    // Past the queue, as a controller does.
+    run("tc", &["qdisc", "del", "dev", port.interface().name(), "root"]);
+    run("cansend", &[port.interface().name(), error_frame]);
+}
+
+#[test]
+#[ignore = "needs vcan"]
+fn a_frame_is_sent_when_it_has_left_the_queue() {
+    let (_bus, mut port) = slow("vcan60", "100ms");
+    let before = port.now();
+    port.transmit(TxToken(1), frame(0x100, &[])).unwrap();
+    silent(&mut port);
+    let (at, done) = wait(&mut port, Duration::from_secs(5));
+    assert_eq!(done, sent(1));
+    assert!(at >= before + Duration::from_millis(100), "{before} {at}");
+}
+
+/// A node changes its filter when it goes on line, or when a connection comes; a frame may be on its way then.
+#[test]
+#[ignore = "needs vcan"]
+fn a_new_filter_lets_the_echo_of_the_frame_in_flight_pass() {
+    let (_bus, mut port) = slow("vcan61", "100ms");
+    let only: FilterSet = [Filter::exact(StandardId::new(0x100).unwrap())].into_iter().collect();
+    port.command(LinkCommand::SetFilter(only.clone())).unwrap();
+    port.transmit(TxToken(1), frame(0x200, &[])).unwrap();
+    port.command(LinkCommand::SetFilter(only)).unwrap();
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::FilterSet));
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::FilterSet));
+    assert_eq!(input(&mut port), sent(1));
+}
+
+/// The news of bus-off may be lost, or older than the port. What the controller had is gone, and would be waited for without end.
+#[test]
+#[ignore = "needs vcan"]
+fn a_restart_out_of_the_blue_was_from_bus_off() {
+    let (_bus, mut port) = slow("vcan62", "10s");
+    port.transmit(TxToken(1), frame(0x100, &[])).unwrap();
+    silent(&mut port);
+    inject(&port, "20000100#0000000000000000");
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::BusOff));
+    assert_eq!(input(&mut port), dropped(1));
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::Up));
+    port.transmit(TxToken(2), frame(0x100, &[])).unwrap();
+    assert_eq!(input(&mut port), sent(2));
+}
+
+#[test]
+#[ignore = "needs vcan"]
+fn the_news_of_an_own_restart_is_no_second_one() {
+    let (_bus, mut port) = slow("vcan63", "300ms");
+    inject(&port, "20000040#0000000000000000");
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::BusOff));
+    port.command(LinkCommand::Reset).unwrap();
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::Up));
+    inject_restarted(&mut port);
+    port.transmit(TxToken(1), frame(0x100, &[])).unwrap();
+    assert_eq!(input(&mut port), sent(1));
+}
+
+fn inject_restarted(port: &mut SocketCanPort) {
+    run("cansend", &[port.interface().name(), "20000100#0000000000000000"]);
+    silent(port);
+}
+
+/// One frame of a burst is not told from another: the echo may have been among those that were lost. But only of the frame that
+/// was in flight then.
+#[test]
+#[ignore = "needs vcan"]
+fn a_loss_says_nothing_of_later_frames() {
+    let bus = Interface::new("vcan64");
+    let (mut port, mut other) = (bus.port(), bus.port());
+    port.command(LinkCommand::SetFilter(
+        [Filter::exact(StandardId::new(0x200).unwrap())].into_iter().collect(),
+    ))
+    .unwrap();
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::FilterSet));
+    let mut burst = |count: u32| {
+        for _ in 0..count {
+            other.transmit(TxToken(0), frame(0x200, &[])).unwrap();
+            while input(&mut other) != sent(0) {}
+        }
+    };
+    burst(4000);
+    port.transmit(TxToken(1), frame(0x100, &[])).unwrap();
+    let mut inputs = Vec::new();
+    loop {
+        match wait(&mut port, Duration::from_millis(50)).1 {
+            Input::Tick if inputs.is_empty() => burst(1),
+            Input::Tick => break,
+            Input::Frame(_) => {}
+            other => inputs.push(other),
+        }
+    }
+    assert!(matches!(inputs[..], [Input::Link(LinkEvent::Overrun { .. })]), "{inputs:?}");
+    inject_bus_off_and_restart(&mut port);
+    run("tc", &["qdisc", "add", "dev", "vcan64", "root", "netem", "delay", "1500ms"]);
+    port.transmit(TxToken(2), frame(0x100, &[])).unwrap();
+    assert_eq!(input(&mut port), sent(2), "more than the patience for a lost echo");
+}
+
+fn inject_bus_off_and_restart(port: &mut SocketCanPort) {
+    run("cansend", &[port.interface().name(), "20000040#0000000000000000"]);
+    assert_eq!(input(port), Input::Link(LinkEvent::BusOff));
+    assert_eq!(input(port), dropped(1));
+    run("cansend", &[port.interface().name(), "20000100#0000000000000000"]);
+    assert_eq!(input(port), Input::Link(LinkEvent::Up));
+}
