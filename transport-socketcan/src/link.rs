@@ -1,5 +1,7 @@
 //! The port without the waiting: what the blocking and the asynchronous one have in common.
 
+mod incoming;
+
 use core::time::Duration;
 use std::collections::VecDeque;
 use std::io;
@@ -9,7 +11,6 @@ use link_core::machine::TxToken;
 use link_core::{Filter, FilterSet, Frame, Input, Instant, LinkCommand, LinkEvent, Mode};
 
 use crate::error::{Error, Refusal};
-use crate::error_frame;
 use crate::frame;
 use crate::interface::Interface;
 use crate::outbox::Outbox;
@@ -253,83 +254,6 @@ impl Link {
         self.receive(Patience::Short)
     }
 
-    fn receive(&mut self, patience: Patience) -> Result<(), Error> {
-        let mut messages = core::mem::take(&mut self.messages);
-        messages.clear();
-        let result = self.socket.receive(patience, &mut messages);
-        // A full batch may not have been all.
-        self.more = messages.len() >= BATCH;
-        messages.iter().for_each(|message| self.take(message));
-        self.messages = messages;
-        match result {
-            Ok(()) => self.hand_over(),
-            Err(error) if is_gone(&error) => {
-                self.more = false;
-                self.go_down();
-                Ok(())
-            }
-            Err(source) => Err(self.failed("cannot receive", source)),
-        }
-    }
-
-    fn take(&mut self, message: &Message) {
-        let at = match message.stamp {
-            Some(stamp) => self.stamps.moment(stamp),
-            None => self.stamps.now(),
-        };
-        if let Some(lost) = message.lost.map(|lost| lost.wrapping_sub(self.lost)).filter(|lost| *lost > 0) {
-            self.lost = self.lost.wrapping_add(lost);
-            self.inputs.push_back((at, Input::Link(LinkEvent::Overrun { lost })));
-            if self.outbox.with_kernel().is_some() {
-                self.echo_lost.get_or_insert(at.saturating_add(ECHO_PATIENCE));
-            }
-        }
-        match frame::from_kernel(&message.raw) {
-            // An echo that nobody waits for is of a frame that was given up.
-            Some(frame) if message.is_own => {
-                if self.outbox.confirm(&frame) {
-                    self.answer(at);
-                }
-            }
-            Some(frame) => self.inputs.push_back((at, Input::Frame(frame))),
-            None => error_frame::events(message.raw).for_each(|event| self.link_event(at, event)),
-        }
-    }
-
-    fn link_event(&mut self, at: Instant, event: LinkEvent) {
-        match event {
-            LinkEvent::BusOff => self.bus_off(at),
-            LinkEvent::Up => {
-                if self.state == State::Up && core::mem::take(&mut self.restart_is_told) {
-                    return;
-                }
-                // A controller restarts from bus-off only: where nothing was heard of that, the news of it was lost.
-                if self.state == State::Up {
-                    self.bus_off(at);
-                }
-                self.state = State::Up;
-                self.inputs.push_back((at, Input::Link(event)));
-            }
-            _ => self.inputs.push_back((at, Input::Link(event))),
-        }
-    }
-
-    fn bus_off(&mut self, at: Instant) {
-        self.state = State::BusOff;
-        self.restart_is_told = false;
-        self.inputs.push_back((at, Input::Link(LinkEvent::BusOff)));
-        self.outbox.drop_all();
-        // Before the restart, which may be told next.
-        self.answer(at);
-    }
-
-    /// Tells what became of frames behind the inputs that there are.
-    fn answer(&mut self, at: Instant) {
-        while let Some((token, outcome)) = self.outbox.answer() {
-            self.inputs.push_back((at, Input::TxDone(token, outcome)));
-        }
-    }
-
     fn hand_over(&mut self) -> Result<(), Error> {
         if self.state != State::Up || self.listen_only || self.never_send || self.retry_at.is_some() {
             return Ok(());
@@ -380,20 +304,6 @@ impl Link {
         (self.retry_at, self.echo_lost) = (None, None);
         self.outbox.drop_all();
         self.tell(LinkEvent::Down);
-    }
-
-    /// What the socket of an interface that has gone still holds: it came before that.
-    fn take_the_rest(&mut self) {
-        let mut messages = core::mem::take(&mut self.messages);
-        for _ in 0..MOST_BATCHES {
-            messages.clear();
-            // The error comes first, and once.
-            if self.socket.receive(Patience::None, &mut messages).is_ok() && messages.is_empty() {
-                break;
-            }
-            messages.iter().for_each(|message| self.take(message));
-        }
-        self.messages = messages;
     }
 
     /// Takes up work on an interface that is up.
@@ -469,9 +379,5 @@ fn is_gone(error: &io::Error) -> bool {
 const RETRY_AFTER: Duration = Duration::from_millis(1);
 /// How often an interface that is down is looked at.
 const LOOK_AGAIN_AFTER: Duration = Duration::from_millis(100);
-/// How long the echo of a frame is waited for after the kernel has lost frames, of which it may have been one.
-const ECHO_PATIENCE: Duration = Duration::from_secs(1);
-/// More than the receive buffer holds.
-const MOST_BATCHES: usize = 256;
 /// How many identifiers of own frames are let pass one by one. The kernel takes 512 filters.
 const MOST_EXACT: usize = 256;

@@ -1,0 +1,109 @@
+//! What the kernel tells, on its way to the machine.
+
+use core::time::Duration;
+
+use link_core::{Input, Instant, LinkEvent};
+
+use super::{Link, State, is_gone};
+use crate::error::Error;
+use crate::error_frame;
+use crate::frame;
+use crate::receive::{BATCH, Message, Patience};
+
+impl Link {
+    pub(super) fn receive(&mut self, patience: Patience) -> Result<(), Error> {
+        let mut messages = core::mem::take(&mut self.messages);
+        messages.clear();
+        let result = self.socket.receive(patience, &mut messages);
+        // A full batch may not have been all.
+        self.more = messages.len() >= BATCH;
+        messages.iter().for_each(|message| self.take(message));
+        self.messages = messages;
+        match result {
+            Ok(()) => self.hand_over(),
+            Err(error) if is_gone(&error) => {
+                self.more = false;
+                self.go_down();
+                Ok(())
+            }
+            Err(source) => Err(self.failed("cannot receive", source)),
+        }
+    }
+
+    fn take(&mut self, message: &Message) {
+        let at = match message.stamp {
+            Some(stamp) => self.stamps.moment(stamp),
+            None => self.stamps.now(),
+        };
+        if let Some(lost) = message.lost.map(|lost| lost.wrapping_sub(self.lost)).filter(|lost| *lost > 0) {
+            self.lost = self.lost.wrapping_add(lost);
+            self.inputs.push_back((at, Input::Link(LinkEvent::Overrun { lost })));
+            if self.outbox.with_kernel().is_some() {
+                self.echo_lost.get_or_insert(at.saturating_add(ECHO_PATIENCE));
+            }
+        }
+        match frame::from_kernel(&message.raw) {
+            // An echo that nobody waits for is of a frame that was given up.
+            Some(frame) if message.is_own => {
+                if self.outbox.confirm(&frame) {
+                    self.answer(at);
+                }
+            }
+            Some(frame) => self.inputs.push_back((at, Input::Frame(frame))),
+            None => error_frame::events(message.raw).for_each(|event| self.link_event(at, event)),
+        }
+    }
+
+    fn link_event(&mut self, at: Instant, event: LinkEvent) {
+        match event {
+            LinkEvent::BusOff => self.bus_off(at),
+            LinkEvent::Up => {
+                if self.state == State::Up && core::mem::take(&mut self.restart_is_told) {
+                    return;
+                }
+                // A controller restarts from bus-off only: where nothing was heard of that, the news of it was lost.
+                if self.state == State::Up {
+                    self.bus_off(at);
+                }
+                self.state = State::Up;
+                self.inputs.push_back((at, Input::Link(event)));
+            }
+            _ => self.inputs.push_back((at, Input::Link(event))),
+        }
+    }
+
+    fn bus_off(&mut self, at: Instant) {
+        self.state = State::BusOff;
+        self.restart_is_told = false;
+        self.inputs.push_back((at, Input::Link(LinkEvent::BusOff)));
+        self.outbox.drop_all();
+        // Before the restart, which may be told next.
+        self.answer(at);
+    }
+
+    /// Tells what became of frames behind the inputs that there are.
+    fn answer(&mut self, at: Instant) {
+        while let Some((token, outcome)) = self.outbox.answer() {
+            self.inputs.push_back((at, Input::TxDone(token, outcome)));
+        }
+    }
+
+    /// What the socket of an interface that has gone still holds: it came before that.
+    pub(super) fn take_the_rest(&mut self) {
+        let mut messages = core::mem::take(&mut self.messages);
+        for _ in 0..MOST_BATCHES {
+            messages.clear();
+            // The error comes first, and once.
+            if self.socket.receive(Patience::None, &mut messages).is_ok() && messages.is_empty() {
+                break;
+            }
+            messages.iter().for_each(|message| self.take(message));
+        }
+        self.messages = messages;
+    }
+}
+
+/// How long the echo of a frame is waited for after the kernel has lost frames, of which it may have been one.
+const ECHO_PATIENCE: Duration = Duration::from_secs(1);
+/// More than the receive buffer holds.
+const MOST_BATCHES: usize = 256;
