@@ -67,6 +67,7 @@
 
 mod conversation;
 mod outcome;
+mod receive;
 mod route;
 #[cfg(test)]
 mod tests;

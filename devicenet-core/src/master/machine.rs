@@ -8,17 +8,15 @@ use link_core::{
     Action, BusErrorKind, Deadline, FilterSet, Input, Instant, LinkCommand, LinkEvent, Machine, Timers,
 };
 
-use super::board::{Board, Known, View};
+use super::board::{Board, Known};
 use super::config::Config;
 use super::cycle::Cycle;
-use super::event::{Counters, MasterEvent, count32};
+use super::event::{Counters, MasterEvent, count};
+use super::lanes::Lanes;
 use super::node::{OwnNode, Scanner};
-use super::output::Lanes;
 use super::replacement::{Candidate, ReplacementMode};
 use super::slot::{Output, Slot, SlotTimer};
-
 use super::state::{Cause, Stage};
-use super::status::ScannerStatus;
 use crate::access::NetworkStatus;
 use crate::collision;
 use crate::id::{self, MacId};
@@ -261,14 +259,14 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         if collision::is_collision(event) && self.lanes.take_back() {
             let pause = collision::pause(self.access().mac_id(), self.counters.collisions);
             self.timers.set_after(Timer::BackOff, pause);
-            super::event::count(&mut self.counters.collisions);
+            count(&mut self.counters.collisions);
         }
         match event {
             // A port that is up has no filter yet.
             LinkEvent::Up => self.filter_due = true,
             LinkEvent::BusError(BusErrorKind::Ack) => self.unacknowledged = true,
             LinkEvent::Down | LinkEvent::BusOff => self.unacknowledged = false,
-            LinkEvent::Refused(_) => super::event::count(&mut self.counters.refused),
+            LinkEvent::Refused(_) => count(&mut self.counters.refused),
             LinkEvent::ErrorWarning
             | LinkEvent::ErrorPassive
             | LinkEvent::ErrorActive
@@ -339,141 +337,4 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         self.counters.events_lost = self.counters.events_lost.saturating_add(count);
         Some(MasterEvent::EventsLost { count })
     }
-
-    /// Moves the scan on where it waits for nothing.
-    pub(super) fn scan(&mut self) {
-        use super::cycle::Position;
-        self.follow_slaves();
-        if !self.on_line {
-            return;
-        }
-        if !self.lanes.carries_command() {
-            self.skip_idle();
-        }
-        let ratio = self.config.background_ratio;
-        if self.cycle.position == Position::Stopped {
-            if !Cycle::is_needed(View::new(&self.board, &self.slots)) {
-                return;
-            }
-            self.cycle.begin(View::new(&self.board, &self.slots), ratio);
-        } else if self.cycle.is_over() {
-            self.end_scan();
-            if !Cycle::is_needed(View::new(&self.board, &self.slots)) {
-                return self.cycle.stop();
-            }
-            self.cycle.begin(View::new(&self.board, &self.slots), ratio);
-        } else {
-            return;
-        }
-        if self.cycle.position == Position::Pause {
-            // Nobody is due in this scan.
-            self.pause();
-        }
-    }
-
-    /// All commands are out.
-    pub(super) fn pause(&mut self) {
-        let delay = self.config.interscan_delay;
-        if delay.is_zero() && self.cycle.sent_commands() {
-            self.cycle.delay_over = true;
-        } else {
-            self.timers.set_after(Timer::Interscan, delay.max(SHORTEST_EMPTY_SCAN));
-        }
-        self.timers.set_after(Timer::ResponseWait, self.config.response_wait);
-        self.give_way();
-    }
-
-    /// A frame was on the bus, or is handed out, or was destroyed: another one may follow. An interscan delay that is long
-    /// enough for several is enough.
-    pub(super) fn give_way(&mut self) {
-        if self.cycle.position != super::cycle::Position::Pause {
-            return;
-        }
-        if self.config.interscan_delay >= ANSWERED {
-            self.cycle.quiet = true;
-            return;
-        }
-        self.cycle.quiet = false;
-        let is_talking = self.cycle.unanswered != 0 || self.lanes.carries_explicit();
-        let waits = is_talking || self.cycle.disturbed != 0;
-        self.timers.set_after(Timer::Quiet, if waits { ANSWERED } else { QUIET });
-    }
-
-    fn end_scan(&mut self) {
-        count32(&mut self.counters.scans);
-        for timer in [Timer::Interscan, Timer::ResponseWait, Timer::Quiet] {
-            self.timers.clear(timer);
-        }
-        let mut missing = 0_u8;
-        for slave in self.cycle.missing() {
-            if let Some(slot) = self.board.get_mut(&mut self.slots, slave) {
-                count32(&mut slot.counters.missed);
-                missing = missing.saturating_add(1);
-            }
-        }
-        self.scan_done = Some(missing);
-    }
 }
-
-impl<const N: usize> Slot<N> {
-    fn master_on_line(&mut self, own: MacId) {
-        // A tool gave the master the MAC ID of one of its slaves.
-        if self.entry.mac_id == own {
-            return self.set_status(ScannerStatus::ILLEGAL_SCAN_LIST);
-        }
-        self.enter(Stage::Waiting, Cause::MasterOnLine);
-        self.set_status(ScannerStatus::INITIALISING);
-        // Unless its own check was heard a moment ago.
-        if self.timers.at(SlotTimer::Retry).is_none() {
-            self.timers.set_after(SlotTimer::Retry, Duration::ZERO);
-        }
-    }
-
-    fn master_off_line(&mut self) {
-        self.abandon_talk();
-        self.conversation.cancel();
-        self.timers.clear_all();
-        self.failures = 0;
-        self.absent = false;
-        if self.stage != Stage::Offline {
-            self.enter(Stage::Offline, Cause::MasterOffLine);
-        }
-    }
-
-    fn conversation_expired(&mut self, config: &Config, own: MacId) {
-        let failure = self.conversation.timer_expired();
-        self.keep_time();
-        let Some(failure) = failure else { return };
-        if self.is_running() {
-            self.talk_failed(config, own, failure);
-        } else {
-            self.went_unanswered(config, own, failure);
-        }
-    }
-
-    /// Nothing came over an instance of a slave that runs for too long, or it has started anew.
-    fn lost(&mut self, cause: Cause) {
-        super::event::count(&mut self.counters.timeouts);
-        self.abandon_talk();
-        self.wait(cause, ScannerStatus::STOPPED_COMMUNICATING, Duration::ZERO);
-    }
-
-    /// It has started anew, and is on line again.
-    fn restarted(&mut self) {
-        match self.stage {
-            Stage::Offline | Stage::Waiting | Stage::Contacting(_) => {}
-            Stage::Configuring(_) => {
-                self.failures = 0;
-                self.wait(Cause::CheckHeard, ScannerStatus::INITIALISING, Duration::ZERO);
-            }
-            Stage::Running => self.lost(Cause::CheckHeard),
-        }
-    }
-}
-
-/// Between two scans in which nobody is polled.
-const SHORTEST_EMPTY_SCAN: Duration = Duration::from_millis(1);
-/// The bus is quiet when nobody has begun to send for so long: four bits at 125 kbit/s, one more than the intermission.
-const QUIET: Duration = Duration::from_micros(32);
-/// The longest frame at 125 kbit/s, and some time for the reaction of the one who answers.
-const ANSWERED: Duration = Duration::from_millis(2);

@@ -92,7 +92,9 @@
 //! | File | Subject |
 //! |---|---|
 //! | `door`, `contact`, `bring_up` | from the first contact to established connections |
-//! | `cycle`, `output` | the scan, and the order in which frames leave |
+//! | `board`, `slot`, `presence` | what is kept of each slave, and known of all |
+//! | `cycle`, `scan` | the scan: which command comes next, and when |
+//! | `lanes`, `output`, `sent` | the order in which frames leave, and what became of them |
 //! | `receive` | I/O data, responses, heartbeats |
 //! | `replacement` | automatic device replacement |
 //! | `node` | the master as a node of its own |
@@ -129,12 +131,16 @@ mod cycle;
 mod device;
 mod door;
 mod event;
+mod lanes;
 mod machine;
 mod node;
 mod output;
+mod presence;
 mod receive;
 mod replacement;
+mod scan;
 mod scan_list;
+mod sent;
 mod set;
 mod slot;
 mod state;

@@ -71,7 +71,9 @@
 mod command;
 mod config;
 mod event;
+mod input;
 mod machine;
+mod output;
 mod state;
 #[cfg(test)]
 mod tests;
