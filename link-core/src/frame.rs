@@ -40,14 +40,14 @@ impl Frame {
         Some(Self { id: id.into(), remote: false, dlc: u8::try_from(bytes.len()).ok()?, data })
     }
 
-    /// A data frame with the bytes of `head` and then those of `rest`; `None` for more than eight in all.
+    /// A data frame with the first `len` of these bytes; `None` for more than eight. It costs no copy of unknown length.
     #[must_use]
-    pub fn headed(id: impl Into<Id>, head: &[u8], rest: &[u8]) -> Option<Self> {
-        let mut data = [0; Self::MAX_DATA];
-        let (front, back) = data.split_at_mut_checked(head.len())?;
-        front.copy_from_slice(head);
-        back.get_mut(..rest.len())?.copy_from_slice(rest);
-        let dlc = u8::try_from(head.len().saturating_add(rest.len())).ok()?;
+    pub fn first_of(id: impl Into<Id>, data: [u8; Self::MAX_DATA], len: usize) -> Option<Self> {
+        let dlc = u8::try_from(len).ok()?;
+        let unused = Self::MAX_DATA.checked_sub(len)?.saturating_mul(8);
+        // Bytes that are not data are zero.
+        let used = u64::MAX.checked_shr(u32::try_from(unused).ok()?).unwrap_or(0);
+        let data = (u64::from_le_bytes(data) & used).to_le_bytes();
         Some(Self { id: id.into(), remote: false, dlc, data })
     }
 

@@ -222,10 +222,10 @@ impl Identifier {
         Frame::new(StandardId::from(self), data)
     }
 
-    /// The same with data in two parts.
+    /// The same with the first `len` of eight bytes.
     #[must_use]
-    pub fn headed_frame(self, head: &[u8], rest: &[u8]) -> Option<Frame> {
-        Frame::headed(StandardId::from(self), head, rest)
+    pub fn frame_of(self, data: [u8; Frame::MAX_DATA], len: usize) -> Option<Frame> {
+        Frame::first_of(StandardId::from(self), data, len)
     }
 
     const fn message_first(base: u16, message: u8, source: MacId) -> Self {

@@ -220,13 +220,19 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
             return None;
         }
         self.stage = Stage::Handed;
-        let body = self.message.body();
-        let frame = match self.transmit.fragment(body) {
+        let frame = match self.transmit.fragment(self.message.body()) {
             Some(fragment) => {
                 let header = ExplicitHeader { fragmented: true, ..ExplicitHeader::from(self.header) };
-                id.headed_frame(&[header.into(), fragment.byte.into()], fragment.data)
+                let mut field = [header.into(), fragment.byte.into(), 0, 0, 0, 0, 0, 0];
+                let (_, place) = field.split_at_mut_checked(2)?;
+                place.get_mut(..fragment.data.len())?.copy_from_slice(fragment.data);
+                id.frame_of(field, fragment.data.len().saturating_add(2))
             }
-            None => id.headed_frame(&[self.header], body),
+            None => {
+                let [a, b, c, d, e, f, g] = *self.message.bytes.first_chunk()?;
+                let len = usize::from(self.message.len).saturating_add(1);
+                id.frame_of([self.header, a, b, c, d, e, f, g], len)
+            }
         };
         Some((Piece::Response, frame?))
     }

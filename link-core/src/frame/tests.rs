@@ -9,6 +9,17 @@ fn refuses_what_does_not_fit() {
     assert_eq!(Frame::with_dlc(StandardId::ZERO, 7, [0; 8]), None);
 }
 
+/// What stands behind the data is not part of the frame, so that equal frames are equal.
+#[test]
+fn of_eight_bytes_the_first_ones_are_the_data() {
+    let id = StandardId::new(0x3FF).unwrap();
+    let bytes = [1, 2, 3, 4, 5, 6, 7, 8];
+    for len in 0..=8 {
+        assert_eq!(Frame::first_of(id, bytes, len), Frame::new(id, &bytes[..len]));
+    }
+    assert_eq!(Frame::first_of(id, bytes, 9), None);
+}
+
 #[test]
 fn a_dlc_above_eight_means_eight_bytes() {
     let frame = Frame::with_dlc(StandardId::ZERO, 15, [1; 8]).unwrap();
