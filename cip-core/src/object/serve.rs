@@ -49,17 +49,17 @@ pub fn read<O: Object>(object: &O, call: &Call<'_>, out: &mut Writer<'_>) -> Res
 pub fn perform<O: Object>(object: &mut O, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
     let Some(rules) = rules(object, call.instance) else { return Err(NO_INSTANCE) };
     call.check_path()?;
-    if call.service == ServiceCode::SET_ATTRIBUTE_SINGLE {
-        match settable(call, rules) {
-            Ok((attribute, value)) => {
-                let effects = object.set(call.instance, attribute, value, out)?;
-                return Ok(effects.then(Effect::ATTRIBUTE_SET.into()));
-            }
-            Err(failure) if object.has_set(call.instance) => return Err(failure),
-            Err(_) => {}
-        }
+    if call.service != ServiceCode::SET_ATTRIBUTE_SINGLE {
+        return object.service(call, out);
     }
-    object.service(call, out)
+    match settable(call, rules) {
+        Ok((attribute, value)) => {
+            let effects = object.set(call.instance, attribute, value, out)?;
+            Ok(effects.then(Effect::ATTRIBUTE_SET.into()))
+        }
+        Err(failure) if object.has_set(call.instance) => Err(failure),
+        Err(_) => object.service(call, out),
+    }
 }
 
 /// The attribute of a Get, if the object has it.
