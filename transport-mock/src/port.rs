@@ -140,6 +140,11 @@ impl<E: 'static, S: Sink<E>> Port for NetworkPort<E, S> {
             }
             let now = self.network.now();
             if now >= until {
+                // What happens at this moment comes first.
+                self.network.run_until(now, &mut self.sink);
+                if let Some(input) = self.input() {
+                    return Ok(input);
+                }
                 let over = deadline.is_some_and(|deadline| deadline.at <= now);
                 return if over { Ok((now, Input::Tick)) } else { Err(Ended { at: now }) };
             }
@@ -188,6 +193,19 @@ mod tests {
         let (received, input) = probe.wait(None).unwrap();
         assert_eq!(input, Input::Frame(frame(0x100)));
         assert_eq!(received, Instant::from_millis(5) + Duration::from_micros(8) * frame(0x100).bit_len());
+    }
+
+    #[test]
+    fn nor_does_a_deadline_of_the_same_moment_overtake_anything() {
+        let mut network = network();
+        let end = Instant::from_millis(5) + Duration::from_micros(8) * frame(0x100).bit_len();
+        let frames = vec![(Instant::from_millis(5), frame(0x100))];
+        network.add_silent(NodeConfig::named("recorded"), Replay::since(Instant::ZERO, frames));
+        let mut port = NetworkPort::attach(network, NodeConfig::named("outside"), 3, Ignore);
+        assert_eq!(port.wait(at(0)), Ok((Instant::ZERO, Input::Link(LinkEvent::Up))));
+        let deadline = Some(Deadline { at: end, why: "the test" });
+        assert_eq!(port.wait(deadline), Ok((end, Input::Frame(frame(0x100)))));
+        assert_eq!(port.wait(deadline), Ok((end, Input::Tick)));
     }
 
     #[test]
