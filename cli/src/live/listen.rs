@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use devicenet_core::MacId;
 use devicenet_core::monitor::{Kind, Monitor, MonitorConfig, NodeRecord};
 use link_core::machine::Deadline;
-use link_core::{Input, Instant, LinkEvent, Port as _};
+use link_core::{Input, Instant, LinkEvent, Port};
 
-use super::port::{LivePort, PortError};
+use super::port::PortError;
 use crate::exit::Failure;
 
 /// What was heard.
@@ -19,13 +19,21 @@ pub(super) struct Heard {
     pub(super) errors: u64,
     /// Who is polled, strobed, or otherwise sent I/O, and when last.
     polled: BTreeMap<MacId, Instant>,
-    is_up: bool,
+    link: Link,
+}
+
+/// Whether the interface takes part in the bus.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Link {
+    Up,
+    Down,
+    BusOff,
 }
 
 impl Heard {
     pub(super) fn new() -> Self {
         let monitor = Box::new(Monitor::new(MonitorConfig::default()));
-        Self { monitor, frames: 0, errors: 0, polled: BTreeMap::new(), is_up: false }
+        Self { monitor, frames: 0, errors: 0, polled: BTreeMap::new(), link: Link::Down }
     }
 
     /// Takes note of an input.
@@ -39,26 +47,37 @@ impl Heard {
                 }
             }
             Input::Link(LinkEvent::BusError(_)) => self.errors += 1,
-            Input::Link(LinkEvent::Up) => self.is_up = true,
-            Input::Link(LinkEvent::Down) => self.is_up = false,
+            Input::Link(LinkEvent::Up) => self.link = Link::Up,
+            Input::Link(LinkEvent::Down) => self.link = Link::Down,
+            Input::Link(LinkEvent::BusOff) => self.link = Link::BusOff,
             Input::Link(_) | Input::TxDone(..) | Input::Tick => {}
         }
     }
 
     /// Listens until a moment, or for as long as there is something to hear.
-    pub(super) fn listen(&mut self, port: &mut LivePort, until: Instant) -> Result<(), Failure> {
+    pub(super) fn listen(
+        &mut self,
+        port: &mut impl Port<Error = PortError>,
+        until: Instant,
+    ) -> Result<(), Failure> {
         let deadline = Some(Deadline { at: until, why: "listening" }).filter(|_| until < Instant::MAX);
         loop {
             match port.wait(deadline) {
                 Ok((_, Input::Tick)) | Err(PortError::Over) => return Ok(()),
-                Ok((at, input)) => self.note(at, input),
+                Ok((at, input)) => {
+                    self.note(at, input);
+                    // On a bus that is faster than this program there is always one more.
+                    if at > until {
+                        return Ok(());
+                    }
+                }
                 Err(PortError::Failed(failure)) => return Err(failure),
             }
         }
     }
 
-    pub(super) const fn is_up(&self) -> bool {
-        self.is_up
+    pub(super) const fn link(&self) -> Link {
+        self.link
     }
 
     pub(super) fn node(&self, mac: MacId) -> Option<NodeRecord> {
@@ -74,5 +93,53 @@ impl Heard {
     pub(super) fn master_of(&self, mac: MacId) -> Option<Option<MacId>> {
         let master = self.node(mac).and_then(|node| node.master);
         if master.is_some() || self.polled.contains_key(&mac) { Some(master) } else { None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::time::Duration;
+    use link_core::frame::standard_id;
+    use link_core::{Frame, LinkCommand, TxToken};
+
+    /// A bus on which the next frame is there already, whenever it is asked.
+    struct Crowded(Instant);
+
+    impl Port for Crowded {
+        type Error = PortError;
+
+        fn now(&mut self) -> Instant {
+            self.0
+        }
+
+        fn transmit(&mut self, _: TxToken, _: Frame) -> Result<(), PortError> {
+            Ok(())
+        }
+
+        fn withdraw(&mut self, _: TxToken) -> Result<(), PortError> {
+            Ok(())
+        }
+
+        fn command(&mut self, _: LinkCommand) -> Result<(), PortError> {
+            Ok(())
+        }
+
+        fn wait(&mut self, _: Option<Deadline>) -> Result<(Instant, Input), PortError> {
+            self.0 += Duration::from_millis(1);
+            let frame = Frame::new(standard_id(0x455), &[]).unwrap();
+            if self.0 < Instant::from_millis(1_000) {
+                Ok((self.0, Input::Frame(frame)))
+            } else {
+                Err(PortError::Over)
+            }
+        }
+    }
+
+    #[test]
+    fn listening_ends_on_a_bus_that_is_never_silent() {
+        let mut heard = Heard::new();
+        heard.listen(&mut Crowded(Instant::ZERO), Instant::from_millis(10)).unwrap();
+        assert_eq!(heard.frames, 11);
     }
 }

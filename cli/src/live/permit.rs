@@ -4,7 +4,7 @@ use devicenet_core::MacId;
 
 use super::args::PermitArgs;
 use super::endpoint::Endpoint;
-use super::listen::Heard;
+use super::listen::{Heard, Link};
 use super::port::LivePort;
 use crate::exit::Failure;
 use crate::output;
@@ -32,6 +32,24 @@ pub(super) fn announce(
     }
 }
 
+/// Fails where nothing can be sent or heard.
+pub(super) fn link(endpoint: &Endpoint, heard: &Heard) -> Result<(), Failure> {
+    match heard.link() {
+        Link::Up => Ok(()),
+        Link::Down => {
+            Err(Failure::Transport(format!("{endpoint} is down; as root: ip link set {endpoint} up")))
+        }
+        Link::BusOff => Err(bus_off(endpoint)),
+    }
+}
+
+pub(super) fn bus_off(endpoint: &Endpoint) -> Failure {
+    Failure::Transport(format!(
+        "{endpoint} is off the bus (bus-off), after too many errors while it sent: check the bit rate, the cable and its \
+         terminators; then, as root: ip link set {endpoint} type can restart"
+    ))
+}
+
 /// Refuses to transmit where the bit rate may be wrong: one frame at a wrong rate disturbs everybody.
 pub(super) fn bit_rate(
     endpoint: &Endpoint,
@@ -39,9 +57,7 @@ pub(super) fn bit_rate(
     port: &LivePort,
     heard: &Heard,
 ) -> Result<(), Failure> {
-    if !heard.is_up() {
-        return Err(Failure::Transport(format!("{endpoint} is down; as root: ip link set {endpoint} up")));
-    }
+    link(endpoint, heard)?;
     if heard.frames > 0 || args.assume_bit_rate || !port.has_bit_rate() {
         return Ok(());
     }

@@ -21,6 +21,9 @@ pub(super) struct LivePort {
     until: Instant,
     /// So does it when this is set.
     interrupted: Option<&'static AtomicBool>,
+    /// The latest that was told.
+    #[cfg(target_os = "linux")]
+    refusal: Option<transport_socketcan::Refusal>,
 }
 
 enum Bus {
@@ -55,7 +58,13 @@ impl LivePort {
             }
             Endpoint::Recording(path) => Bus::Recorded(Box::new(Recorded::open(path)?)),
         };
-        Ok(Self { bus, until: Instant::MAX, interrupted: None })
+        Ok(Self {
+            bus,
+            until: Instant::MAX,
+            interrupted: None,
+            #[cfg(target_os = "linux")]
+            refusal: None,
+        })
     }
 
     /// Sets the moment at which waiting ends.
@@ -145,7 +154,16 @@ impl Port for LivePort {
     fn command(&mut self, command: LinkCommand) -> Result<(), PortError> {
         match &mut self.bus {
             #[cfg(target_os = "linux")]
-            Bus::Interface(port) => port.command(command).map_err(failed),
+            Bus::Interface(port) => {
+                port.command(command).map_err(failed)?;
+                // The machine hears that it was refused, but not why.
+                if let Some(refusal) = port.refusal().filter(|refusal| self.refusal.as_ref() != Some(refusal))
+                {
+                    crate::output::warn(refusal);
+                    self.refusal = Some(refusal.clone());
+                }
+                Ok(())
+            }
             Bus::Simulated(port) => port.command(command).map_err(|_| PortError::Over),
             Bus::Recorded(_) => Ok(()),
         }
@@ -164,6 +182,8 @@ impl Port for LivePort {
             match self.wait_for_the_bus(Deadline::earlier(deadline, look))? {
                 (now, Input::Tick) if deadline.is_none_or(|deadline| now < deadline.at) => {}
                 (_, Input::Tick) if is_last => return Err(PortError::Over),
+                // On a bus that is faster than this program there is always one more.
+                (now, _) if now > end.at => return Err(PortError::Over),
                 other => return Ok(other),
             }
         }

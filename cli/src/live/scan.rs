@@ -2,6 +2,7 @@
 
 use cip_core::code::{AttributeId, ClassId, InstanceId};
 use devicenet_core::MacId;
+use devicenet_core::master::Cause;
 use devicenet_core::monitor::NodeRecord;
 use link_core::{Instant, Machine as _, Port as _};
 use serde_json::{Value, json};
@@ -55,11 +56,7 @@ pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
             Endpoint::Interface(_) | Endpoint::Scenario(_) => port.now() + node.permit.listen.0,
         };
         heard.listen(&mut port, until)?;
-        if !heard.is_up() {
-            return Err(Failure::Transport(format!(
-                "{endpoint} is down; as root: ip link set {endpoint} up"
-            )));
-        }
+        permit::link(endpoint, &heard)?;
         Vec::new()
     };
     conclude(args, &heard, reports, json)
@@ -110,6 +107,8 @@ struct Row {
     /// The Identity object: attributes that were answered.
     identity: Vec<(AttributePath, Vec<u8>)>,
     has_answered: bool,
+    /// Another master has it.
+    is_owned: bool,
     finding: Option<String>,
 }
 
@@ -118,6 +117,7 @@ fn rows(heard: &Heard, reports: Vec<Report>) -> Vec<Row> {
         .nodes()
         .map(|record| Row {
             mac: record.mac,
+            is_owned: heard.master_of(record.mac).is_some(),
             record: Some(record),
             identity: Vec::new(),
             has_answered: false,
@@ -127,7 +127,7 @@ fn rows(heard: &Heard, reports: Vec<Report>) -> Vec<Row> {
     for report in reports {
         let place = rows.binary_search_by_key(&report.mac, |row| row.mac);
         // Nobody there: no row, unless somebody was heard there.
-        if report.answers.is_empty() && place.is_err() {
+        if place.is_err() && !has_answered(&report) {
             continue;
         }
         let place = place.unwrap_or_else(|place| {
@@ -136,6 +136,7 @@ fn rows(heard: &Heard, reports: Vec<Report>) -> Vec<Row> {
                 record: None,
                 identity: Vec::new(),
                 has_answered: false,
+                is_owned: false,
                 finding: None,
             };
             rows.insert(place, row);
@@ -146,10 +147,19 @@ fn rows(heard: &Heard, reports: Vec<Report>) -> Vec<Row> {
     rows
 }
 
+/// Whether anything came from the node, be it a refusal.
+fn has_answered(report: &Report) -> bool {
+    let has_refused =
+        matches!(report.trouble, Some(Cause::OwnedByAnother | Cause::Refused | Cause::CheckHeard));
+    has_refused || !report.answers.is_empty()
+}
+
 impl Row {
     fn answered(&mut self, report: Report) {
-        self.has_answered = !report.answers.is_empty();
-        if report.trouble.is_some() {
+        self.has_answered = has_answered(&report);
+        if report.trouble == Some(Cause::OwnedByAnother) {
+            self.is_owned = true;
+        } else if report.trouble.is_some() {
             self.finding = Some(trouble(report.trouble).to_owned());
         }
         for (question, answer) in identity().iter().zip(report.answers) {
@@ -172,8 +182,11 @@ impl Row {
 
     fn words(&self) -> [(&'static str, Option<String>); 6] {
         [
-            ("vendor", self.word(1, |node| Some(node.vendor?.to_string()))),
-            ("device_type", self.word(2, |node| Some(node.device_type?.to_string()))),
+            ("vendor", self.word(1, |node| Some(path(1).words(&node.vendor?.0.to_le_bytes()).to_string()))),
+            (
+                "device_type",
+                self.word(2, |node| Some(path(2).words(&node.device_type?.0.to_le_bytes()).to_string())),
+            ),
             ("product", self.word(3, |node| Some(node.product?.to_string()))),
             ("revision", self.word(4, |node| node.revision.map(|(major, minor)| format!("{major}.{minor}")))),
             ("serial", self.serial().map(|serial| format!("0x{serial:08X}"))),
@@ -200,10 +213,19 @@ impl Row {
         self.record.as_ref().and_then(|record| record.master)
     }
 
+    /// In the table; not every master was heard.
+    fn master_words(&self) -> String {
+        match self.master() {
+            Some(master) => master.to_string(),
+            None if self.is_owned => "?".into(),
+            None => "-".into(),
+        }
+    }
+
     fn cells(&self) -> Vec<Cell> {
         let mut cells = vec![Cell::right(self.mac.to_string()), Cell::left(self.state())];
         cells.extend(self.words().map(|(_, word)| Cell::left(word.unwrap_or_else(|| "-".into()))));
-        cells.push(Cell::right(self.master().map_or_else(|| "-".into(), |master| master.to_string())));
+        cells.push(Cell::right(self.master_words()));
         cells
     }
 
@@ -217,6 +239,7 @@ impl Row {
         if let Some(master) = self.master() {
             object["master"] = master.number().into();
         }
+        object["owned"] = self.is_owned.into();
         if let Some(record) = &self.record {
             object["frames"] = record.frames.into();
         }
@@ -233,12 +256,12 @@ fn name(record: &NodeRecord) -> Option<String> {
     (!name.is_empty()).then(|| format!("\"{name}\""))
 }
 
+/// An attribute of the Identity object.
+const fn path(attribute: u16) -> AttributePath {
+    AttributePath { class: ClassId::IDENTITY, instance: InstanceId(1), attribute: AttributeId(attribute) }
+}
+
 /// Vendor, device type, product code, revision, serial number, product name.
 fn identity() -> Vec<Question> {
-    let path = |attribute| AttributePath {
-        class: ClassId::IDENTITY,
-        instance: InstanceId(1),
-        attribute: AttributeId(attribute),
-    };
     [1, 2, 3, 4, 6, 7].map(|attribute| Question { path: path(attribute), value: None }).to_vec()
 }

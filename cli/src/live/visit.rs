@@ -9,16 +9,17 @@ use cip_core::code::{AdditionalCode, ClassId, DeviceType, GeneralStatus, Instanc
 use cip_core::identity::{DeviceIdentity, ProductName, Revision};
 use cip_core::message::{AllocationChoice, AttributeRequest, Request, Response, Target};
 use devicenet_core::MacId;
-use devicenet_core::access::Fault;
+use devicenet_core::access::{Fault, StateKind};
 use devicenet_core::client::Failure as NoResponse;
 use devicenet_core::master::{
-    Cause, CommandError, Config, Master, MasterEvent, ScanEntry, ScannerStatus, SlaveEvent, SlaveState,
+    Cause, CommandError, Config, Master, MasterEvent, ScanEntry, SlaveEvent, SlaveState,
 };
 use devicenet_core::message;
 use link_core::{Action, Deadline, Input, Instant, LinkEvent, Machine, Port as _, drive};
 
 use super::attribute::AttributePath;
 use super::endpoint::Endpoint;
+use super::permit;
 use super::port::{LivePort, PortError};
 use crate::exit::Failure;
 
@@ -59,6 +60,8 @@ pub(super) struct Visitor {
     master: Box<Master<63, MESSAGE>>,
     visits: BTreeMap<MacId, Visit>,
     reports: VecDeque<Report>,
+    /// What has taken the link, and is not told yet.
+    lost: Option<LinkEvent>,
 }
 
 struct Visit {
@@ -90,7 +93,7 @@ impl Visitor {
         }
         let visit = |questions| Visit { questions, answers: Vec::new(), stage: Stage::Coming };
         let visits = visits.into_iter().map(|(mac, questions)| (mac, visit(questions))).collect();
-        Self { master, visits, reports: VecDeque::new() }
+        Self { master, visits, reports: VecDeque::new(), lost: None }
     }
 
     /// Makes the visits, on a port whose link was up until now.
@@ -100,19 +103,25 @@ impl Visitor {
         own: MacId,
         port: &mut LivePort,
     ) -> Result<Vec<Report>, Failure> {
-        let now = port.now();
-        port.set_end(now + LONGEST);
-        self.input(now, Input::Link(LinkEvent::Up));
+        let begin = port.now();
+        self.input(begin, Input::Link(LinkEvent::Up));
         let mut reports = Vec::new();
         let mut left = self.visits.len();
-        let result = drive(&mut self, port, |_, _, news| {
+        let mut follow = |_: &mut Self, _, news| {
             match news {
                 News::Report(report) => reports.push(report),
                 News::Taken => return ControlFlow::Break(Err(taken(endpoint, own))),
+                News::Lost(event) => return ControlFlow::Break(Err(lost(endpoint, event))),
             }
             left -= 1;
             if left == 0 { ControlFlow::Break(Ok(())) } else { ControlFlow::Continue(()) }
-        });
+        };
+        port.set_end(begin + LONGEST_WAY);
+        let mut result = drive(&mut self, port, &mut follow);
+        if matches!(result, Err(PortError::Over)) && self.master.access().is_online() {
+            port.set_end(begin + LONGEST);
+            result = drive(&mut self, port, &mut follow);
+        }
         match result {
             Ok(done) => done?,
             Err(PortError::Failed(failure)) => return Err(failure),
@@ -125,11 +134,13 @@ impl Visitor {
     /// The time is over: visits that are still under way have come to nothing.
     fn give_up(&mut self, endpoint: &Endpoint) -> Result<impl Iterator<Item = Report> + use<>, Failure> {
         if !self.master.access().is_online() {
-            return Err(Failure::Transport(match self.master.own_status() {
-                ScannerStatus::TRANSMIT_FAILED => format!(
-                    "nobody on {endpoint} acknowledges what is sent: no other node is on, the cable is open, or the bit rate is wrong"
+            return Err(Failure::Transport(match self.master.access().state().kind() {
+                // Its first frame is not sent. Few drivers say why.
+                StateKind::SendingDupMac => format!(
+                    "nobody on {endpoint} acknowledges what is sent: no other node is on, the cable is open, the bit rate is wrong, \
+                     or the interface is listen-only"
                 ),
-                status => format!("no way on line on {endpoint}: {status}"),
+                _ => format!("no way on line on {endpoint}: {}", self.master.own_status()),
             }));
         }
         let visits = core::mem::take(&mut self.visits);
@@ -232,17 +243,25 @@ pub(super) enum News {
     Report(Report),
     /// Another node has its MAC ID.
     Taken,
+    /// The link is down, or off the bus.
+    Lost(LinkEvent),
 }
 
 impl Machine for Visitor {
     type Event = News;
 
     fn input(&mut self, now: Instant, input: Input) {
+        if let Input::Link(event @ (LinkEvent::Down | LinkEvent::BusOff)) = input {
+            self.lost = Some(event);
+        }
         self.master.input(now, input);
     }
 
     fn poll(&mut self, now: Instant) -> Option<Action<News>> {
         loop {
+            if let Some(event) = self.lost.take() {
+                return Some(Action::Event(News::Lost(event)));
+            }
             if let Some(report) = self.reports.pop_front() {
                 return Some(Action::Event(News::Report(report)));
             }
@@ -281,6 +300,13 @@ pub(super) fn taken(endpoint: &Endpoint, own: MacId) -> Failure {
     ))
 }
 
+fn lost(endpoint: &Endpoint, event: LinkEvent) -> Failure {
+    match event {
+        LinkEvent::BusOff => permit::bus_off(endpoint),
+        _ => Failure::Transport(format!("{endpoint} went down before everything was asked")),
+    }
+}
+
 /// Who the command is on the bus. No vendor has the number 0, and two of these at once should differ in their serial number.
 pub(super) fn identity(endpoint: &Endpoint) -> message::DeviceIdentity {
     let serial = match endpoint {
@@ -305,5 +331,7 @@ fn device(endpoint: &Endpoint) -> DeviceIdentity {
 
 /// The longest message that it takes.
 const MESSAGE: usize = 512;
+/// How long the way on line may take. Two duplicate MAC ID checks take two seconds, and more where others begin at the same time.
+const LONGEST_WAY: Duration = Duration::from_secs(10);
 /// How long a visit may take, network access included. An absent node has been called absent long before.
 const LONGEST: Duration = Duration::from_secs(60);

@@ -71,6 +71,14 @@ fn a_node_that_says_whose_it_is_is_left_alone_too() {
     assert_eq!(run.error(), "node 10: it belongs to another master, and is left alone");
 }
 
+/// The only other node comes after fifteen seconds.
+#[test]
+fn nobody_to_acknowledge_is_told_within_ten_seconds() {
+    let run = devicenet(&["get", "sim:late.toml", "10", "1/1/1"]);
+    assert_eq!((run.out().as_str(), run.code()), ("", 3));
+    assert!(run.error().starts_with("nobody on sim:late.toml acknowledges what is sent"), "{}", run.err());
+}
+
 #[test]
 fn the_own_mac_id_must_be_free() {
     let run = get("10", "1/1/1", &["--own-mac", "11"]);

@@ -125,3 +125,31 @@ fn nodes_are_listed_and_asked() {
     let absent = devicenet(&["get", "vcan1", "13", "1/1/1", "--allow-tx"]);
     assert_eq!(absent.code(), 1, "{}", absent.err());
 }
+
+fn sh(script: &str) {
+    let status = Command::new("sh").args(["-c", script]).stdin(Stdio::null()).status().unwrap();
+    assert!(status.success(), "{script}");
+}
+
+#[test]
+#[ignore = "needs vcan"]
+fn an_interface_that_goes_down_ends_a_visit() {
+    let begin = std::time::Instant::now();
+    sh("(sleep 1.5; ip link set vcan1 down) >/dev/null 2>&1 &");
+    let scan = devicenet(&["scan", "vcan1", "--allow-tx", "--listen", "1ms"]);
+    sh("ip link set vcan1 up");
+    assert_eq!((scan.code(), scan.out().as_str()), (3, ""), "{}", scan.err());
+    assert_eq!(scan.error(), "vcan1 went down before everything was asked");
+    assert!(begin.elapsed() < std::time::Duration::from_secs(10));
+}
+
+#[test]
+#[ignore = "needs vcan"]
+fn a_controller_that_is_off_the_bus_is_told_with_what_to_do() {
+    for (listen, after) in [("1s", "0.3"), ("1ms", "1.5")] {
+        sh(&format!("(sleep {after}; cansend vcan1 20000040#0000000000000000) >/dev/null 2>&1 &"));
+        let get = devicenet(&["get", "vcan1", "10", "1/1/1", "--allow-tx", "--listen", listen]);
+        assert_eq!(get.code(), 3, "{}", get.err());
+        assert!(get.error().contains("bus-off") && get.error().contains("type can restart"), "{}", get.err());
+    }
+}

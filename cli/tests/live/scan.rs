@@ -31,9 +31,25 @@ fn nodes_of_another_master_are_left_alone() {
     assert!(nodes[1].get("product_name").is_none(), "{}", nodes[1]);
 }
 
+/// Nothing was heard of it in time, but it says whose it is.
+#[test]
+fn a_node_that_says_whose_it_is_is_listed() {
+    let run = devicenet(&["scan", "sim:owned.toml", "--listen", "0s", "--json"]);
+    assert_eq!(run.code(), 0, "{}", run.err());
+    let nodes = run.json();
+    let macs: Vec<_> = nodes.iter().map(|node| node["mac"].as_u64().unwrap()).collect();
+    assert_eq!(macs, [1, 10]);
+    assert_eq!((&nodes[1]["state"], &nodes[1]["owned"]), (&"online".into(), &true.into()));
+    let run = devicenet(&["scan", "sim:owned.toml", "--listen", "0s"]);
+    assert!(run.out().lines().last().unwrap().ends_with("?"), "{}", run.out());
+}
+
 #[test]
 fn a_recording_is_only_listened_to() {
     let run = devicenet(&["scan", "log:../../../tests/captures/slave-01-startup-poll.log", "--json"]);
     let macs: Vec<_> = run.json().iter().map(|node| node["mac"].as_u64().unwrap()).collect();
     assert_eq!((macs, run.code(), run.err()), (vec![1, 10], 0, String::new()));
+    let [master, valve] = &run.json()[..] else { panic!() };
+    assert_eq!((&master["owned"], &valve["owned"]), (&false.into(), &true.into()), "it is polled");
+    assert_eq!(valve["vendor"], "4660", "as the Identity object says it");
 }
