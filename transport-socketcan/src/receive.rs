@@ -68,6 +68,7 @@ pub(crate) fn receive(
     // lengths, and `msg_controllen` of what it returns bounds the walk over the control messages. A control message is read
     // only when its own length covers the type that its level and type name, and unaligned. A `can_frame` is plain data, in
     // which every bit pattern is valid.
+    // The C libraries differ in the types of lengths and flags.
     unsafe {
         let mut parts: [libc::iovec; BATCH] = core::mem::zeroed();
         let mut headers: [libc::mmsghdr; BATCH] = core::mem::zeroed();
@@ -77,13 +78,13 @@ pub(crate) fn receive(
             headers[index].msg_hdr.msg_iov = &raw mut parts[index];
             headers[index].msg_hdr.msg_iovlen = 1;
             headers[index].msg_hdr.msg_control = controls[index].0.as_mut_ptr().cast();
-            headers[index].msg_hdr.msg_controllen = CONTROL_LEN;
+            headers[index].msg_hdr.msg_controllen = CONTROL_LEN as _;
         }
         let count = libc::recvmmsg(
             socket.as_raw_fd(),
             headers.as_mut_ptr(),
             BATCH as libc::c_uint,
-            flags,
+            flags as _,
             core::ptr::null_mut(),
         );
         let Ok(count) = usize::try_from(count) else {
