@@ -17,6 +17,7 @@ use super::port::{LivePort, NONE_IN_FLIGHT};
 use super::visit::{Answer, Question, Report, Visitor};
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Output};
+use crate::simulate;
 use crate::table::{Cell, Table};
 use crate::text::count;
 
@@ -51,6 +52,10 @@ pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
         Visitor::new(endpoint, own, visits).run(endpoint, own, &mut port)?
     } else {
         let mut port = LivePort::open(endpoint, NONE_IN_FLIGHT)?;
+        if matches!(endpoint, Endpoint::Interface(_)) {
+            // Ctrl-C ends listening, and what was heard is told.
+            port.set_interruption(simulate::interruption()?);
+        }
         let until = match endpoint {
             Endpoint::Recording(_) => Instant::MAX,
             Endpoint::Interface(_) | Endpoint::Scenario(_) => port.now() + node.permit.listen.0,

@@ -153,3 +153,16 @@ fn a_controller_that_is_off_the_bus_is_told_with_what_to_do() {
         assert!(get.error().contains("bus-off") && get.error().contains("type can restart"), "{}", get.err());
     }
 }
+
+#[test]
+#[ignore = "needs vcan"]
+fn an_interrupted_listener_says_what_it_has_heard() {
+    sh("(sleep 1; cansend vcan1 457#00341245230000) >/dev/null 2>&1 &");
+    let scan = Command::new("timeout")
+        .args(["--preserve-status", "-s", "INT", "2", env!("CARGO_BIN_EXE_devicenet")])
+        .args(["scan", "vcan1", "--listen", "60s", "--json"])
+        .output()
+        .unwrap();
+    let out = String::from_utf8(scan.stdout).unwrap();
+    assert!(scan.status.success() && out.contains("\"mac\":10"), "{} {out}", scan.status);
+}
