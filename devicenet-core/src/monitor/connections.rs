@@ -242,13 +242,15 @@ impl ConnectionRecord {
         ConnectionState::ALL.into_iter().filter(move |state| seen & state.bit() != 0)
     }
 
+    /// `None` if neither a state nor a frame of it was seen.
     pub(super) fn of(
         name: ConnectionName,
         server: MacId,
         client: Option<MacId>,
         connection: &Connection,
-    ) -> Self {
-        Self {
+    ) -> Option<Self> {
+        let is_known = connection.states_seen != 0 || connection.frames != 0;
+        is_known.then_some(Self {
             server,
             client,
             name,
@@ -264,6 +266,6 @@ impl ConnectionRecord {
             produced_path: connection.produced.path,
             frames: connection.frames,
             bytes: connection.bytes,
-        }
+        })
     }
 }

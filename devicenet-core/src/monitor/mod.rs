@@ -219,13 +219,11 @@ impl<const N: usize, const B: usize> SizedMonitor<N, B> {
         let predefined = self.state.settled().flat_map(|(mac, node)| {
             let owner = node.owner();
             Predefined::ALL.into_iter().filter_map(move |which| {
-                let connection = *node.peek(which);
-                let is_known = connection.states_seen != 0 || connection.frames != 0;
                 let name = ConnectionName::Predefined(which);
-                is_known.then(|| ConnectionRecord::of(name, mac, owner, &connection))
+                ConnectionRecord::of(name, mac, owner, node.peek(which))
             })
         });
-        let dynamic = self.state.dynamics.iter().flatten().map(|held| {
+        let dynamic = self.state.dynamics.iter().flatten().filter_map(|held| {
             let mut connection = held.connection;
             connection.settle(self.state.now, !held.is_io, false);
             let name = ConnectionName::Dynamic { instance: held.instance, group: held.group };
