@@ -3,12 +3,13 @@
 use cip_core::code::GeneralStatus;
 use cip_core::connection::{ExplicitCause, ExplicitConnection, ExplicitState};
 use cip_core::message::BodyFormat;
-use link_core::timers::TimerKey;
+use link_core::Instant;
 
 use super::application::Application;
 use super::event::SlaveEvent;
+use super::machine::{DynamicTransfer, Slave};
 use super::node::{Changed, Node};
-use super::timer::apply;
+use super::timer::{Timer, apply};
 use crate::counter::count;
 use crate::id::{Identifier, MacId};
 
@@ -31,32 +32,6 @@ pub(super) enum Group {
     One,
     Two,
     Three,
-}
-
-/// The watchdog of one of them.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(super) struct DynamicTimer(pub(super) u8);
-
-impl<const N: usize> TimerKey<N> for DynamicTimer {
-    const ALL: [Self; N] = {
-        let mut all = [Self(0); N];
-        let mut rest: &mut [Self] = &mut all;
-        let mut index: u8 = 0;
-        while let Some((first, following)) = rest.split_first_mut() {
-            *first = Self(index);
-            index = index.saturating_add(1);
-            rest = following;
-        }
-        all
-    };
-
-    fn index(self) -> usize {
-        self.0.into()
-    }
-
-    fn why(self) -> &'static str {
-        "time-out of an explicit connection"
-    }
 }
 
 impl Dynamic {
@@ -132,7 +107,9 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             self.events.raise(SlaveEvent::Explicit { instance: instance(index), from, to, cause });
             self.changed.insert(Changed::CONNECTIONS);
         }
-        apply(&mut self.dynamic_timers, DynamicTimer(index), result?);
+        if let Some(timers) = self.dynamic_timers.get_mut(usize::from(index)) {
+            apply(timers, Timer::Explicit, result?);
+        }
         Ok(())
     }
 
@@ -141,7 +118,9 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         let resolution = self.resolution;
         let dynamic = self.dynamic.get_mut(usize::from(index)).ok_or(GeneralStatus::OBJECT_DOES_NOT_EXIST)?;
         let (used, watchdog) = dynamic.connection.set_packet_rate(requested, resolution)?;
-        apply(&mut self.dynamic_timers, DynamicTimer(index), watchdog);
+        if let Some(timers) = self.dynamic_timers.get_mut(usize::from(index)) {
+            apply(timers, Timer::Explicit, watchdog);
+        }
         Ok(used)
     }
 
@@ -152,17 +131,54 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     }
 
     pub(super) fn lose_dynamic(&mut self) {
-        for DynamicTimer(index) in <DynamicTimer as TimerKey<DYNAMIC>>::ALL {
+        for index in indices::<DYNAMIC>() {
             let _ = self.dynamic_step(index, ExplicitCause::NetworkLost);
         }
     }
 
+    fn take_expired_dynamic(&mut self, until: Instant) -> Option<(u8, Timer)> {
+        let ends = indices::<DYNAMIC>()
+            .zip(&self.dynamic_timers)
+            .filter_map(|(index, timers)| Some((timers.next()?.at, index)));
+        let (_, index) = ends.min()?;
+        Some((index, self.dynamic_timers.get_mut(usize::from(index))?.take_expired(until)?))
+    }
+
     /// The end of the last I/O connection is the end of those that waited for it.
     pub(super) fn end_deferred(&mut self) {
-        for DynamicTimer(index) in <DynamicTimer as TimerKey<DYNAMIC>>::ALL {
+        for index in indices::<DYNAMIC>() {
             let _ = self.dynamic_step(index, ExplicitCause::IoEnded);
         }
     }
+}
+
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
+    /// Serves every wait of these connections that is over at `until`, the one that ended first before the others.
+    pub(super) fn expire_dynamic(&mut self, until: Instant) {
+        while DYNAMIC > 0
+            && let Some((index, timer)) = self.node.take_expired_dynamic(until)
+        {
+            let at = usize::from(index);
+            let pair = (self.transfers.get_mut(at), self.node.dynamic_timers.get_mut(at));
+            let (Some(DynamicTransfer { transfer, .. }), Some(timers)) = pair else { return };
+            match timer {
+                Timer::Explicit => self.node.dynamic_timed_out(index),
+                Timer::FragmentAcknowledge => {
+                    if transfer.not_acknowledged(timers) {
+                        let instance = instance(index);
+                        self.node.events.raise(SlaveEvent::ResponseAbandoned { instance });
+                    }
+                }
+                Timer::Reassembly => transfer.reassembly_over(),
+                Timer::Io(_) | Timer::Trigger | Timer::Inhibit | Timer::Acknowledge | Timer::Heartbeat => {}
+            }
+        }
+    }
+}
+
+/// All of them, by their place.
+pub(super) fn indices<const DYNAMIC: usize>() -> impl Iterator<Item = u8> {
+    (0..=u8::MAX).take(DYNAMIC)
 }
 
 /// The instance of the Connection object.

@@ -2,7 +2,6 @@
 
 use cip_core::connection::{ExplicitCause, ExplicitState};
 use cip_core::message::BodyFormat;
-use link_core::Instant;
 
 use super::allocation::{Door, Requester};
 use super::application::Application;
@@ -13,13 +12,13 @@ use crate::message::ExplicitHeader;
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
     #[inline(never)]
-    pub(super) fn explicit_frame(&mut self, now: Instant, id: Identifier, field: &[u8]) {
-        if let Err(why) = self.explicit_message(now, field) {
+    pub(super) fn explicit_frame(&mut self, id: Identifier, field: &[u8]) {
+        if let Err(why) = self.explicit_message(field) {
             self.node.events.ignored(id, why);
         }
     }
 
-    fn explicit_message(&mut self, now: Instant, field: &[u8]) -> Result<(), Ignored> {
+    fn explicit_message(&mut self, field: &[u8]) -> Result<(), Ignored> {
         if self.node.explicit.state() == ExplicitState::NonExistent {
             return Err(Ignored::NoConnection);
         }
@@ -31,11 +30,13 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         // It exists: nothing is refused.
         let _ = self.node.explicit_step(ExplicitCause::Message);
         let rules = self.rules();
+        let complete = self.explicit.receive(&mut self.node.timers, rules, header.mac, field)?;
+        let Some(header) = complete else { return Ok(()) };
         let (mut server, explicit, _) = self.serving(Requester {
             mac: header.mac,
             door: Door::Predefined,
             format: BodyFormat::Class8Instance8,
         });
-        explicit.receive(now, rules, header.mac, field, |request, out| server.answer(request, out))
+        explicit.answer(header, field, |request, out| server.answer(request, out))
     }
 }

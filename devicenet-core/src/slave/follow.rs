@@ -62,9 +62,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.node.lines.stop_all(dropped);
         self.node.lose_network();
         self.node.lines.stop_all(dropped);
-        self.explicit.clear();
-        for dynamic in &mut self.transfers {
-            dynamic.transfer.clear();
+        self.explicit.clear(&mut self.node.timers);
+        for (dynamic, timers) in self.transfers.iter_mut().zip(&mut self.node.dynamic_timers) {
+            dynamic.transfer.clear(timers);
             dynamic.unwanted = dynamic.in_flight && !dropped;
         }
         self.answers.clear();
@@ -76,11 +76,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     fn close_transfers(&mut self) {
         if self.node.explicit.state() == ExplicitState::NonExistent {
-            self.explicit.close();
+            self.explicit.close(&mut self.node.timers);
         }
-        for (dynamic, transfer) in self.node.dynamic.iter().zip(&mut self.transfers) {
+        let timers = &mut self.node.dynamic_timers;
+        for ((dynamic, timers), transfer) in self.node.dynamic.iter().zip(timers).zip(&mut self.transfers) {
             if !dynamic.is_open() {
-                transfer.transfer.close();
+                transfer.transfer.close(timers);
             }
         }
     }

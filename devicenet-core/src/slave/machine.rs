@@ -1,14 +1,13 @@
 //! The machine: what it is made of, and where each input goes.
 
 use cip_core::message::{AllocationChoice, BodyFormat};
-use link_core::timers::{TimerKey, TimerSet};
+use link_core::timers::TimerSet;
 use link_core::{Action, Deadline, Frame, Input, Instant, LinkEvent, Machine, Queue, TxOutcome, TxToken};
 
 use super::application::{Application, IoKind, Parts};
 use super::config::Options;
 use super::detection::Detection;
 use super::devicenet_object::{Port, Switches};
-use super::dynamic::DynamicTimer;
 use super::event::{Counters, Event, SlaveEvent};
 use super::indicator::ModuleStatus;
 use super::lines::{self, Line};
@@ -92,10 +91,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     pub fn shift_time(&mut self, span: core::time::Duration) {
         self.access.shift_time(span);
         self.node.timers.shift(span);
-        self.node.dynamic_timers.shift(span);
-        self.explicit.shift_time(span);
-        for transfer in &mut self.transfers {
-            transfer.transfer.shift_time(span);
+        for timers in &mut self.node.dynamic_timers {
+            timers.shift(span);
         }
     }
 
@@ -121,23 +118,23 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     #[inline(never)]
     fn frame_besides_poll(&mut self, now: Instant, id: Identifier, frame: &Frame) {
         if self.is_dynamic(id) {
-            return self.dynamic_frame(now, id, frame.data());
+            return self.dynamic_frame(id, frame.data());
         }
         // In group 2 the Message ID is below the MAC ID.
         let own = Identifier::bit_strobe_command(self.access.mac_id());
         match id.raw() ^ own.raw() {
-            4 => self.explicit_frame(now, id, frame.data()),
+            4 => self.explicit_frame(id, frame.data()),
             6 => self.unconnected_frame(id, frame.data()),
             7 => self.tell_access(now, Input::Frame(*frame)),
             2 if changes::<A>() => self.change_of_state_acknowledged(id),
-            _ => self.frame_to_many(now, id, frame.data()),
+            _ => self.frame_to_many(id, frame.data()),
         }
     }
 
     /// A frame whose identifier does not carry the own MAC ID: to all slaves of a master, to a group, to a connection that
     /// was opened dynamically, or to somebody else.
     #[inline(never)]
-    fn frame_to_many(&mut self, now: Instant, id: Identifier, field: &[u8]) {
+    fn frame_to_many(&mut self, id: Identifier, field: &[u8]) {
         if A::IO.contains(AllocationChoice::BIT_STROBE)
             && self.node.master.is_some_and(|master| id == Identifier::bit_strobe_command(master))
         {
@@ -148,7 +145,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         {
             return self.command(id, IoKind::MulticastPoll, field);
         }
-        if DYNAMIC > 0 { self.dynamic_frame(now, id, field) } else { self.foreign() }
+        if DYNAMIC > 0 { self.dynamic_frame(id, field) } else { self.foreign() }
     }
 
     pub(super) fn foreign(&mut self) {
@@ -184,7 +181,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
         let done = match lines::line_of(token) {
             Some(line) => self.line_done(now, line, outcome),
-            None => self.dynamic_done(now, token, outcome),
+            None => self.dynamic_done(token, outcome),
         };
         if done.is_none() {
             count(&mut self.node.events.counters.stray_tx_done);
@@ -233,25 +230,16 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
                 Timer::Inhibit if changes::<A>() => self.node.inhibit_over(),
                 Timer::Acknowledge if changes::<A>() => self.not_acknowledged(),
                 Timer::Heartbeat if A::PARTS.contains(Parts::HEARTBEAT) => self.heartbeat_over(now),
+                Timer::FragmentAcknowledge => {
+                    if self.explicit.not_acknowledged(&mut self.node.timers) {
+                        self.node.events.raise(SlaveEvent::ResponseAbandoned { instance: 1 });
+                    }
+                }
+                Timer::Reassembly => self.explicit.reassembly_over(),
                 Timer::Trigger | Timer::Inhibit | Timer::Acknowledge | Timer::Heartbeat => {}
             }
         }
-        while DYNAMIC > 0
-            && let Some(DynamicTimer(index)) = self.node.dynamic_timers.take_expired(until)
-        {
-            self.node.dynamic_timed_out(index);
-        }
-        if self.explicit.expire(now, until) {
-            self.node.events.raise(SlaveEvent::ResponseAbandoned { instance: 1 });
-        }
-        for (DynamicTimer(index), dynamic) in
-            <DynamicTimer as TimerKey<DYNAMIC>>::ALL.into_iter().zip(&mut self.transfers)
-        {
-            if dynamic.transfer.expire(now, until) {
-                let instance = super::dynamic::instance(index);
-                self.node.events.raise(SlaveEvent::ResponseAbandoned { instance });
-            }
-        }
+        self.expire_dynamic(until);
     }
 
     /// An input other than a frame on line.
@@ -279,9 +267,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     #[inline]
     fn is_due(&mut self, now: Instant) -> bool {
         let is_over = self.node.timers.is_due(now)
-            || self.explicit.is_over(now)
-            || (DYNAMIC > 0 && self.node.dynamic_timers.is_due(now))
-            || self.transfers.iter_mut().any(|dynamic| dynamic.transfer.is_over(now))
+            || self.node.dynamic_timers.iter_mut().any(|timers| timers.is_due(now))
             || self.access.deadline_is_over(now);
         is_over && !(A::PARTS.contains(Parts::BIT_RATE_DETECTION) && self.detection.is_running())
     }
@@ -321,12 +307,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
             return Some(Deadline::now(self.node.timers.now()));
         }
         let mut next = Deadline::earlier(self.access.next_wait(), self.node.timers.next());
-        if DYNAMIC > 0 {
-            next = Deadline::earlier(next, self.node.dynamic_timers.next());
-        }
-        next = Deadline::earlier(next, self.explicit.deadline());
-        for dynamic in &self.transfers {
-            next = Deadline::earlier(next, dynamic.transfer.deadline());
+        for timers in &self.node.dynamic_timers {
+            next = Deadline::earlier(next, timers.next());
         }
         next
     }

@@ -15,7 +15,7 @@ use link_core::{Instant, Timers};
 use super::application::{Application, IoKind, IoMode, Parts};
 use super::config::{Choices, Config, Options};
 use super::departure::Departure;
-use super::dynamic::{Dynamic, DynamicTimer};
+use super::dynamic::Dynamic;
 use super::event::{Events, SlaveEvent};
 use super::io::{LongMessages, Slots};
 use super::lines::Lines;
@@ -52,7 +52,7 @@ pub(super) struct Node<A: Application, const DYNAMIC: usize> {
     pub(super) changed: Changed,
     pub(super) lines: Lines,
     pub(super) timers: <SlotsOf<A> as Slots>::Timers,
-    pub(super) dynamic_timers: Timers<DynamicTimer, DYNAMIC>,
+    pub(super) dynamic_timers: [Timers<Timer, 3>; DYNAMIC],
     pub(super) events: Events,
     /// It decides what there can be at all.
     pub(super) application: PhantomData<A>,
@@ -106,7 +106,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             changed: Changed::empty(),
             lines: Lines::default(),
             timers: Default::default(),
-            dynamic_timers: Timers::new(),
+            dynamic_timers: [const { Timers::new() }; DYNAMIC],
             events: Events::default(),
             application: PhantomData,
         }
@@ -308,8 +308,8 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
 
     #[inline]
     pub(super) fn advance_inline(&mut self, now: Instant) -> Instant {
-        if DYNAMIC > 0 {
-            self.dynamic_timers.advance(now);
+        for timers in &mut self.dynamic_timers {
+            timers.advance_inline(now);
         }
         self.timers.advance_inline(now)
     }

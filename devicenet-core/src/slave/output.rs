@@ -1,11 +1,10 @@
 //! What a slave sends and tells. It follows from its state; nothing but the answers of the unconnected ports is queued.
 
 use cip_core::message::AllocationChoice;
-use link_core::timers::TimerKey;
 use link_core::{Action, Frame, Instant, LinkCommand, Mode, TxToken};
 
 use super::application::{Application, IoKind, Parts};
-use super::dynamic::DynamicTimer;
+use super::dynamic;
 use super::event::{Event, SlaveEvent};
 use super::indicator::ModuleStatus;
 use super::lines::{self, Line, Sent};
@@ -118,9 +117,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if let Some(token) = self.node.lines.withdraw() {
             return Some(token);
         }
-        for (DynamicTimer(index), dynamic) in
-            <DynamicTimer as TimerKey<DYNAMIC>>::ALL.into_iter().zip(&mut self.transfers)
-        {
+        for (index, dynamic) in dynamic::indices::<DYNAMIC>().zip(&mut self.transfers) {
             if core::mem::take(&mut dynamic.unwanted) {
                 return Some(lines::dynamic_token(index));
             }
@@ -227,7 +224,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let sent =
             if line == Line::UCMM { self.node.lines.ucmm.take() } else { self.node.lines.explicit.take() };
         match sent {
-            Some(Sent::Piece(piece)) => self.explicit.handed(now, piece),
+            Some(Sent::Piece(piece)) => self.explicit.handed(&mut self.node.timers, piece),
             Some(Sent::Shutdown) => self.leave(now),
             Some(Sent::Unconnected | Sent::Heartbeat) | None => {}
         }

@@ -5,10 +5,10 @@ use link_core::timers::{TimerKey, TimerSet};
 
 use super::application::IoKind;
 
-/// The waits of a slave, besides those of network access and of messages in fragments.
+/// The waits of a slave, besides those of network access.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Timer {
-    /// Of instance 1.
+    /// Of instance 1, or of a connection that was opened dynamically.
     Explicit,
     /// Of instances 2 to 5.
     Io(IoKind),
@@ -20,11 +20,15 @@ pub enum Timer {
     Acknowledge,
     /// Heartbeat interval; before the node is on line, the bit rate that is being tried.
     Heartbeat,
+    /// A fragment of a response waits for its acknowledge.
+    FragmentAcknowledge,
+    /// What arrived of a request in fragments is dropped, or the last one forgotten.
+    Reassembly,
 }
 
 /// All of them.
-impl TimerKey<9> for Timer {
-    const ALL: [Self; 9] = [
+impl TimerKey<11> for Timer {
+    const ALL: [Self; 11] = [
         Self::Explicit,
         Self::Io(IoKind::Poll),
         Self::Io(IoKind::BitStrobe),
@@ -34,6 +38,8 @@ impl TimerKey<9> for Timer {
         Self::Inhibit,
         Self::Acknowledge,
         Self::Heartbeat,
+        Self::FragmentAcknowledge,
+        Self::Reassembly,
     ];
 
     fn index(self) -> usize {
@@ -47,6 +53,8 @@ impl TimerKey<9> for Timer {
             Self::Inhibit => 6,
             Self::Acknowledge => 7,
             Self::Heartbeat => 8,
+            Self::FragmentAcknowledge => 9,
+            Self::Reassembly => 10,
         }
     }
 
@@ -56,15 +64,41 @@ impl TimerKey<9> for Timer {
 }
 
 /// Those of a device that has poll and no other I/O.
-impl TimerKey<3> for Timer {
-    const ALL: [Self; 3] = [Self::Explicit, Self::Io(IoKind::Poll), Self::Heartbeat];
+impl TimerKey<5> for Timer {
+    const ALL: [Self; 5] = [
+        Self::Explicit,
+        Self::Io(IoKind::Poll),
+        Self::Heartbeat,
+        Self::FragmentAcknowledge,
+        Self::Reassembly,
+    ];
 
     fn index(self) -> usize {
         match self {
             Self::Explicit => 0,
             Self::Io(_) => 1,
             Self::Heartbeat => 2,
+            Self::FragmentAcknowledge => 3,
+            Self::Reassembly => 4,
             Self::Trigger | Self::Inhibit | Self::Acknowledge => usize::MAX,
+        }
+    }
+
+    fn why(self) -> &'static str {
+        self.name()
+    }
+}
+
+/// Those of one explicit connection that was opened dynamically.
+impl TimerKey<3> for Timer {
+    const ALL: [Self; 3] = [Self::Explicit, Self::FragmentAcknowledge, Self::Reassembly];
+
+    fn index(self) -> usize {
+        match self {
+            Self::Explicit => 0,
+            Self::FragmentAcknowledge => 1,
+            Self::Reassembly => 2,
+            Self::Io(_) | Self::Trigger | Self::Inhibit | Self::Acknowledge | Self::Heartbeat => usize::MAX,
         }
     }
 
@@ -76,7 +110,7 @@ impl TimerKey<3> for Timer {
 impl Timer {
     const fn name(self) -> &'static str {
         match self {
-            Self::Explicit => "time-out of the explicit connection",
+            Self::Explicit => "time-out of an explicit connection",
             Self::Io(IoKind::Poll) => "time-out of poll",
             Self::Io(IoKind::BitStrobe) => "time-out of bit-strobe",
             Self::Io(IoKind::ChangeOfState) => "time-out of change of state",
@@ -85,6 +119,8 @@ impl Timer {
             Self::Inhibit => "production inhibit time",
             Self::Acknowledge => "acknowledge of change of state",
             Self::Heartbeat => "heartbeat or bit rate detection",
+            Self::FragmentAcknowledge => "acknowledge of a fragment",
+            Self::Reassembly => "next fragment",
         }
     }
 }

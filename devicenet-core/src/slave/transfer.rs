@@ -7,7 +7,8 @@
 //! | response of up to seven bytes | one frame |
 //! | longer response | fragments paced by [`ExplicitTransmit`], 1000 ms for each acknowledge, two tries |
 //!
-//! It is told what arrives and hands out what is to be sent; the identifiers are its owner's business.
+//! It is told what arrives and hands out what is to be sent; the identifiers and the timers are its owner's business. The
+//! timers have the present moment, and it is told which of them has run out.
 
 use core::hash::{Hash, Hasher};
 
@@ -16,10 +17,11 @@ use cip_core::fragment::{
     AckStatus, ExplicitOutcome, ExplicitReceive, ExplicitTransmit, FragmentByte, FragmentKind,
     TransmitOutcome,
 };
-use link_core::timers::TimerKey;
-use link_core::{Deadline, Frame, Instant, Timers};
+use link_core::Frame;
+use link_core::timers::TimerSet;
 
 use super::event::Ignored;
+use super::timer::Timer;
 use crate::id::{Identifier, MacId};
 use crate::message::ExplicitHeader;
 
@@ -35,7 +37,6 @@ pub(super) struct Transfer<const MESSAGE: usize> {
     header: u8,
     stage: Stage,
     acknowledge: Option<[u8; 3]>,
-    timers: Timers<Timer, 2>,
 }
 
 /// From the service byte on. What earlier ones have left behind its end is no part of it.
@@ -69,32 +70,6 @@ pub(super) enum Piece {
     Response,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-enum Timer {
-    /// A fragment of the response waits for its acknowledge.
-    Acknowledge,
-    /// What arrived of a request is dropped, or the last one forgotten.
-    Reassembly,
-}
-
-impl TimerKey<2> for Timer {
-    const ALL: [Self; 2] = [Self::Acknowledge, Self::Reassembly];
-
-    fn index(self) -> usize {
-        match self {
-            Self::Acknowledge => 0,
-            Self::Reassembly => 1,
-        }
-    }
-
-    fn why(self) -> &'static str {
-        match self {
-            Self::Acknowledge => "acknowledge of a fragment",
-            Self::Reassembly => "next fragment",
-        }
-    }
-}
-
 /// What the owner decides about fragments.
 #[derive(Clone, Copy)]
 pub(super) struct Rules {
@@ -113,34 +88,43 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
             header: 0,
             stage: Stage::Idle,
             acknowledge: None,
-            timers: Timers::new(),
         }
     }
 
-    /// Takes the data field of a frame. `peer` is the MAC ID in the header of what goes back. `serve` writes the response to
-    /// a complete request; an error: there is none.
+    /// Takes the data field of a frame. `peer` is the MAC ID in the header of what goes back. If a request is complete now, it
+    /// is to be [answered](Self::answer) under the header that is returned.
     pub(super) fn receive(
         &mut self,
-        now: Instant,
+        timers: &mut impl TimerSet<Timer>,
         rules: Rules,
         peer: MacId,
         field: &[u8],
-        serve: impl FnOnce(&[u8], &mut Writer<'_>) -> Result<(), Ignored>,
-    ) -> Result<(), Ignored> {
+    ) -> Result<Option<ExplicitHeader>, Ignored> {
         let (&header, body) = field.split_first().ok_or(Ignored::TooShort)?;
         let header = ExplicitHeader { mac: peer, ..ExplicitHeader::from(header) };
+        if header.fragmented {
+            let is_complete = self.fragment(timers, rules, header, body)?;
+            return Ok(is_complete.then_some(header));
+        }
+        self.abort(timers);
+        self.forget(timers);
+        Ok(Some(header))
+    }
+
+    /// Answers the request that the data field of the last frame was, or was the end of. `serve` writes the response; an
+    /// error: there is none.
+    pub(super) fn answer(
+        &mut self,
+        header: ExplicitHeader,
+        field: &[u8],
+        serve: impl FnOnce(&[u8], &mut Writer<'_>) -> Result<(), Ignored>,
+    ) -> Result<(), Ignored> {
         let reassembled;
         let request = if header.fragmented {
-            self.timers.advance(now);
-            if !self.fragment(rules, header, body)? {
-                return Ok(());
-            }
             reassembled = self.message.clone();
             reassembled.body()
         } else {
-            self.abort();
-            self.forget();
-            body
+            field.get(1..).unwrap_or_default()
         };
         let mut out = Writer::new(&mut self.message.bytes);
         let served = serve(request, &mut out);
@@ -154,12 +138,20 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
 
     /// Takes what follows the header in a fragment; true if the request is complete.
     #[inline(never)]
-    fn fragment(&mut self, rules: Rules, header: ExplicitHeader, body: &[u8]) -> Result<bool, Ignored> {
+    fn fragment(
+        &mut self,
+        timers: &mut impl TimerSet<Timer>,
+        rules: Rules,
+        header: ExplicitHeader,
+        body: &[u8],
+    ) -> Result<bool, Ignored> {
         let (&byte, data) = body.split_first().ok_or(Ignored::TooShort)?;
         let fragment = FragmentByte::from(byte);
         match fragment.kind {
-            FragmentKind::Acknowledge => return self.acknowledged(fragment.count(), data).map(|()| false),
-            FragmentKind::First => self.abort(),
+            FragmentKind::Acknowledge => {
+                return self.acknowledged(timers, fragment.count(), data).map(|()| false);
+            }
+            FragmentKind::First => self.abort(timers),
             FragmentKind::Middle | FragmentKind::Last => {}
         }
         let outcome = self.receive.fragment(&mut self.message.bytes, header.xid, fragment, data);
@@ -171,23 +163,23 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
             ExplicitOutcome::Complete(request) => {
                 self.message.len = short(request.len());
                 if rules.reacknowledge_last {
-                    self.timers.set_after_millis(Timer::Reassembly, REACKNOWLEDGE_MILLIS);
+                    timers.set_after_millis(Timer::Reassembly, REACKNOWLEDGE_MILLIS);
                 } else {
-                    self.forget();
+                    self.forget(timers);
                 }
                 return Ok(true);
             }
             ExplicitOutcome::Stored | ExplicitOutcome::Repeated => {
                 self.message.len = self.receive.received();
-                self.timers.set_after_millis(Timer::Reassembly, rules.receive_time_out.into());
+                timers.set_after_millis(Timer::Reassembly, rules.receive_time_out.into());
             }
             ExplicitOutcome::RepeatedLast => {}
-            ExplicitOutcome::TooLong => self.timers.clear(Timer::Reassembly),
+            ExplicitOutcome::TooLong => timers.clear(Timer::Reassembly),
             ExplicitOutcome::OutOfSequence { .. }
             | ExplicitOutcome::IgnoredNoFirst
             | ExplicitOutcome::InvalidFirst { .. } => {
                 if !self.receive.remembers_completed() {
-                    self.timers.clear(Timer::Reassembly);
+                    timers.clear(Timer::Reassembly);
                 }
                 return Err(Ignored::FragmentOrder);
             }
@@ -238,70 +230,59 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
     }
 
     /// The frame that was handed out is with the controller no longer: sent, or given back.
-    pub(super) fn handed(&mut self, now: Instant, piece: Piece) {
-        self.timers.advance(now);
+    pub(super) fn handed(&mut self, timers: &mut impl TimerSet<Timer>, piece: Piece) {
         if piece != Piece::Response || self.stage != Stage::Handed {
             return;
         }
         if self.transmit.is_sending() {
             self.stage = Stage::Sent;
-            self.timers.set_after_millis(Timer::Acknowledge, ACKNOWLEDGE_MILLIS);
+            timers.set_after_millis(Timer::FragmentAcknowledge, ACKNOWLEDGE_MILLIS);
         } else {
             self.stage = Stage::Idle;
         }
     }
 
-    /// Whether a timer has run out.
-    pub(super) fn is_over(&mut self, now: Instant) -> bool {
-        self.timers.is_due(now)
+    /// Nothing more of a request has arrived in time, or the last one is old enough to be forgotten.
+    pub(super) fn reassembly_over(&mut self) {
+        if self.receive.is_receiving() {
+            self.receive.discard();
+        } else {
+            self.receive.forget_completed();
+        }
     }
 
-    /// Serves every wait that is over at `until`; true if a response was given up.
-    pub(super) fn expire(&mut self, now: Instant, until: Instant) -> bool {
-        self.timers.advance(now);
-        let mut abandoned = false;
-        while let Some(timer) = self.timers.take_expired(until) {
-            match timer {
-                Timer::Reassembly if self.receive.is_receiving() => self.receive.discard(),
-                Timer::Reassembly => self.receive.forget_completed(),
-                Timer::Acknowledge => {
-                    let outcome = self.transmit.time_out();
-                    abandoned |= outcome == TransmitOutcome::Abandoned;
-                    self.go_on(outcome);
-                    if self.stage == Stage::Due {
-                        self.stage = Stage::Again;
-                    }
-                }
-            }
+    /// The acknowledge of a fragment has not come in time; true if the response was given up.
+    pub(super) fn not_acknowledged(&mut self, timers: &mut impl TimerSet<Timer>) -> bool {
+        let outcome = self.transmit.time_out();
+        self.go_on(timers, outcome);
+        if self.stage == Stage::Due {
+            self.stage = Stage::Again;
         }
-        abandoned
+        outcome == TransmitOutcome::Abandoned
     }
 
     /// The connection is gone. A response in one frame, and the acknowledge before it, still go out: they may belong to the
     /// request that ended it.
-    pub(super) fn close(&mut self) {
-        self.forget();
+    pub(super) fn close(&mut self, timers: &mut impl TimerSet<Timer>) {
+        self.forget(timers);
         if self.transmit.is_sending() {
-            self.abort();
+            self.abort(timers);
         }
     }
 
     /// Nothing goes out any more.
-    pub(super) fn clear(&mut self) {
-        self.close();
+    pub(super) fn clear(&mut self, timers: &mut impl TimerSet<Timer>) {
+        self.close(timers);
         self.acknowledge = None;
-        self.abort();
+        self.abort(timers);
     }
 
-    pub(super) fn deadline(&self) -> Option<Deadline> {
-        self.timers.next()
-    }
-
-    pub(super) fn shift_time(&mut self, span: core::time::Duration) {
-        self.timers.shift(span);
-    }
-
-    fn acknowledged(&mut self, count: u8, data: &[u8]) -> Result<(), Ignored> {
+    fn acknowledged(
+        &mut self,
+        timers: &mut impl TimerSet<Timer>,
+        count: u8,
+        data: &[u8],
+    ) -> Result<(), Ignored> {
         let &status = data.first().ok_or(Ignored::TooShort)?;
         // A fragment that was never handed out cannot have been received.
         if self.stage == Stage::Due {
@@ -310,14 +291,14 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
         match self.transmit.acknowledge(self.message.body(), count, AckStatus::from(status)) {
             TransmitOutcome::Ignored => Err(Ignored::StrayAcknowledge),
             outcome => {
-                self.go_on(outcome);
+                self.go_on(timers, outcome);
                 Ok(())
             }
         }
     }
 
-    fn go_on(&mut self, outcome: TransmitOutcome) {
-        self.timers.clear(Timer::Acknowledge);
+    fn go_on(&mut self, timers: &mut impl TimerSet<Timer>, outcome: TransmitOutcome) {
+        timers.clear(Timer::FragmentAcknowledge);
         self.stage = match outcome {
             TransmitOutcome::Send => Stage::Due,
             TransmitOutcome::Complete | TransmitOutcome::Refused(_) | TransmitOutcome::Abandoned => {
@@ -328,20 +309,20 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
     }
 
     /// The response in progress.
-    fn abort(&mut self) {
+    fn abort(&mut self, timers: &mut impl TimerSet<Timer>) {
         // Where there is none nothing is waited for.
         if self.stage != Stage::Idle {
-            self.go_on(TransmitOutcome::Abandoned);
+            self.go_on(timers, TransmitOutcome::Abandoned);
             self.transmit.abort();
         }
     }
 
     /// What has arrived of a request, or the last one.
-    fn forget(&mut self) {
+    fn forget(&mut self, timers: &mut impl TimerSet<Timer>) {
         // Where nothing is remembered no timer runs.
         if !self.receive.is_idle() {
             self.receive.discard();
-            self.timers.clear(Timer::Reassembly);
+            timers.clear(Timer::Reassembly);
         }
     }
 }

@@ -22,16 +22,15 @@ use cip_core::codec::Writer;
 use cip_core::connection::{ExplicitCause, ExplicitState, IoState};
 use cip_core::message::BodyFormat;
 use cip_core::object::{Failure, exact};
-use link_core::timers::TimerKey;
-use link_core::{Action, Instant, TxOutcome, TxToken};
+use link_core::{Action, TxOutcome, TxToken};
 
 use super::allocation::{Door, Requester};
 use super::application::{Application, IoKind};
 use super::config::Options;
-use super::dynamic::{Dynamic, DynamicTimer, FIRST_INSTANCE, Group, instance};
+use super::dynamic::{Dynamic, FIRST_INSTANCE, Group, indices, instance};
 use super::event::{Event, Ignored};
 use super::lines::{self, Line, Sent};
-use super::machine::Slave;
+use super::machine::{DynamicTransfer, Slave};
 use super::node::Changed;
 use super::unconnected::complete_request;
 use crate::id::{Identifier, MacId, MessageGroup};
@@ -51,9 +50,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// A frame that is not for the predefined set.
     #[inline(never)]
-    pub(super) fn dynamic_frame(&mut self, now: Instant, id: Identifier, field: &[u8]) {
+    pub(super) fn dynamic_frame(&mut self, id: Identifier, field: &[u8]) {
         let result = match self.dynamic_of(id) {
-            Some(index) => self.dynamic_message(now, index, field),
+            Some(index) => self.dynamic_message(index, field),
             None if id.group() == MessageGroup::Group3 && id.message_id() == REQUESTS => {
                 let own = self.access.mac_id();
                 match (field.first(), id.mac_id()) {
@@ -70,7 +69,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
     }
 
-    fn dynamic_message(&mut self, now: Instant, index: u8, field: &[u8]) -> Result<(), Ignored> {
+    fn dynamic_message(&mut self, index: u8, field: &[u8]) -> Result<(), Ignored> {
         let own = self.access.mac_id();
         let dynamic = self.node.dynamic.get(usize::from(index)).ok_or(Ignored::NoConnection)?;
         let (client, expected) = (dynamic.client, dynamic.expected_header(own));
@@ -82,10 +81,16 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         // It is open: nothing is refused.
         let _ = self.node.dynamic_step(index, ExplicitCause::Message);
         let (rules, format) = (self.rules(), self.format_of(index));
+        let at = usize::from(index);
+        let gone = Ignored::NoConnection;
+        let dynamic = self.transfers.get_mut(at).ok_or(gone)?;
+        let timers = self.node.dynamic_timers.get_mut(at).ok_or(gone)?;
+        let complete = dynamic.transfer.receive(timers, rules, client, field)?;
+        let Some(header) = complete else { return Ok(()) };
         let (mut server, _, transfers) =
             self.serving(Requester { mac: client, door: Door::Dynamic(index), format });
-        let Some(dynamic) = transfers.get_mut(usize::from(index)) else { return Err(Ignored::NoConnection) };
-        dynamic.transfer.receive(now, rules, client, field, |request, out| server.answer(request, out))
+        let dynamic = transfers.get_mut(at).ok_or(gone)?;
+        dynamic.transfer.answer(header, field, |request, out| server.answer(request, out))
     }
 
     fn ucmm_request(&mut self, client: MacId, field: &[u8]) -> Result<(), Ignored> {
@@ -157,8 +162,11 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// What a connection that is closed, or opened anew, has left in its buffers.
     fn drop_transfer(&mut self, index: u8) {
-        if let Some(dynamic) = self.transfers.get_mut(usize::from(index)) {
-            dynamic.transfer.clear();
+        let at = usize::from(index);
+        if let (Some(dynamic), Some(timers)) =
+            (self.transfers.get_mut(at), self.node.dynamic_timers.get_mut(at))
+        {
+            dynamic.transfer.clear(timers);
             dynamic.unwanted = dynamic.in_flight;
         }
     }
@@ -250,15 +258,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// The next frame of the connections in a group.
     pub(super) fn send_dynamic(&mut self, group: MessageGroup) -> Option<Action<Event>> {
         let own = self.access.mac_id();
-        let due = |(DynamicTimer(index), (dynamic, transfer)): (
-            DynamicTimer,
-            (&Dynamic, &super::machine::DynamicTransfer<MESSAGE>),
-        )| {
+        let due = |(index, (dynamic, transfer)): (u8, (&Dynamic, &DynamicTransfer<MESSAGE>))| {
             let id = dynamic.produced(own).filter(|id| id.group() == group)?;
             (!transfer.in_flight && transfer.transfer.is_due()).then_some((id, index))
         };
-        let all = <DynamicTimer as TimerKey<DYNAMIC>>::ALL.into_iter();
-        let (id, index) = all.zip(self.node.dynamic.iter().zip(&self.transfers)).filter_map(due).min()?;
+        let (id, index) =
+            indices::<DYNAMIC>().zip(self.node.dynamic.iter().zip(&self.transfers)).filter_map(due).min()?;
         let dynamic = self.transfers.get_mut(usize::from(index))?;
         let (piece, frame) = dynamic.transfer.take(id)?;
         (dynamic.in_flight, dynamic.piece) = (true, Some(piece));
@@ -266,12 +271,13 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     /// A frame of a connection that was opened dynamically is with the controller no longer.
-    pub(super) fn dynamic_done(&mut self, now: Instant, token: TxToken, outcome: TxOutcome) -> Option<()> {
+    pub(super) fn dynamic_done(&mut self, token: TxToken, outcome: TxOutcome) -> Option<()> {
         let index = lines::dynamic_of(token)?;
-        let dynamic = self.transfers.get_mut(usize::from(index)).filter(|dynamic| dynamic.in_flight)?;
+        let at = usize::from(index);
+        let dynamic = self.transfers.get_mut(at).filter(|dynamic| dynamic.in_flight)?;
         (dynamic.in_flight, dynamic.unwanted) = (false, false);
         if let Some(piece) = dynamic.piece.take() {
-            dynamic.transfer.handed(now, piece);
+            dynamic.transfer.handed(self.node.dynamic_timers.get_mut(at)?, piece);
         }
         if outcome == TxOutcome::Dropped && self.access.is_online() {
             let own = self.access.mac_id();

@@ -44,7 +44,7 @@ pub(super) type EverySlot = [Slot; 4];
 impl Slots for PollSlot {
     const CHOICE: AllocationChoice = AllocationChoice::POLL;
     const EMPTY: Self = [Slot::EMPTY];
-    type Timers = Timers<Timer, 3>;
+    type Timers = Timers<Timer, 5>;
 
     fn slot(&self, _: IoKind) -> &Slot {
         let [poll] = self;
@@ -60,7 +60,7 @@ impl Slots for PollSlot {
 impl Slots for EverySlot {
     const CHOICE: AllocationChoice = AllocationChoice::all();
     const EMPTY: Self = [Slot::EMPTY; 4];
-    type Timers = Timers<Timer, 9>;
+    type Timers = Timers<Timer, 11>;
 
     fn slot(&self, kind: IoKind) -> &Slot {
         let [poll, strobe, change_of_state, multicast] = self;
