@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::assignment::{Assignment, Device};
 use super::attribute::AttributePath;
 use super::endpoint::Endpoint;
-use super::recover::{Assignment, Device};
 use super::trigger::Trigger;
 use crate::args::parse_mac_id;
 use crate::scenario::Time;

@@ -57,7 +57,8 @@ fn fits(number: i128, size: usize) -> bool {
     (-(1 << (bits - 1))..1 << bits).contains(&number)
 }
 
-fn number(text: &str) -> Option<i128> {
+/// `12`, `0x0C`, `-3`.
+pub(super) fn number(text: &str) -> Option<i128> {
     let (sign, digits) = text.strip_prefix('-').map_or((1, text), |digits| (-1, digits));
     let number = match digits.strip_prefix("0x").or_else(|| digits.strip_prefix("0X")) {
         Some(digits) => u64::from_str_radix(digits, 16),

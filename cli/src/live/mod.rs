@@ -11,6 +11,7 @@
 
 mod args;
 mod ask;
+mod assignment;
 mod attribute;
 mod endpoint;
 mod listen;
@@ -25,10 +26,11 @@ mod visit;
 
 pub use args::{AskArgs, GetArgs, NodeArgs, PermitArgs, RecordArgs, RecoverArgs, RunArgs, ScanArgs, SetArgs};
 pub use ask::{get, set};
+pub use assignment::{Assignment, Device};
 pub use attribute::AttributePath;
 pub use endpoint::Endpoint;
 pub use record::record;
-pub use recover::{Assignment, Device, recover};
+pub use recover::recover;
 pub use run::{master, slave};
 pub use scan::scan;
 pub use trigger::{FrameFilter, Trigger};

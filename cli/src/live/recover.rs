@@ -2,7 +2,6 @@
 
 use core::fmt;
 use core::ops::ControlFlow;
-use core::str::FromStr;
 use core::time::Duration;
 use std::collections::VecDeque;
 
@@ -15,6 +14,7 @@ use serde_json::{Value, json};
 
 use super::args::RecoverArgs;
 use super::ask::mac_id;
+use super::assignment::{Assignment, Device};
 use super::listen::Heard;
 use super::permit;
 use super::port::{LivePort, PortError};
@@ -22,19 +22,6 @@ use super::visit;
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Output};
 use crate::text::count;
-
-/// A device, as people write it: `VENDOR:SERIAL`.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Device(pub DeviceIdentity);
-
-/// A device and its new MAC ID: `VENDOR:SERIAL=MAC`.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Assignment {
-    /// The device.
-    pub device: Device,
-    /// What it is given.
-    pub mac: MacId,
-}
 
 /// Finds faulted nodes, and gives them MAC IDs.
 ///
@@ -70,12 +57,12 @@ pub fn recover(args: &RecoverArgs, json: bool) -> Result<Exit, Failure> {
         recovery.free =
             Some(MacId::all().filter(is_free).filter(|mac| (1..63).contains(&mac.number())).collect());
     }
-    let now = port.now();
-    port.set_end(now + LONGEST);
-    recovery.input(now, Input::Link(LinkEvent::Up));
+    let begin = port.now();
+    recovery.input(begin, Input::Link(LinkEvent::Up));
     let mut report = Report { output: Output::new(), json, found: 0, failed: 0 };
-    let ended = drive(&mut recovery, &mut port, |_, _, news| match news {
+    let mut follow = |_: &mut Recovery, _, news| match news {
         News::Over => ControlFlow::Break(Ok(())),
+        News::Lost(event) => ControlFlow::Break(Err(visit::lost(endpoint, event))),
         News::Taken => ControlFlow::Break(Err(visit::taken(endpoint, own))),
         News::OwnedByAnother => ControlFlow::Break(Err(Failure::Refused(format!(
             "another tool works with the faulted nodes on {endpoint}: wait until it is done"
@@ -84,14 +71,21 @@ pub fn recover(args: &RecoverArgs, json: bool) -> Result<Exit, Failure> {
             Ok(()) => ControlFlow::Continue(()),
             Err(error) => ControlFlow::Break(Err(error.into())),
         },
-    });
+    };
+    port.set_end(begin + visit::LONGEST_WAY);
+    let mut ended = drive(&mut recovery, &mut port, &mut follow);
+    if matches!(ended, Err(PortError::Over)) && recovery.tool.access().is_online() {
+        port.set_end(begin + LONGEST);
+        ended = drive(&mut recovery, &mut port, &mut follow);
+    }
     match ended {
         Ok(done) => done?,
         Err(PortError::Failed(failure)) => return Err(failure),
+        Err(PortError::Over) if recovery.tool.access().is_online() => {
+            return Err(Failure::Transport(format!("{endpoint}: the time was over before all was done")));
+        }
         Err(PortError::Over) => {
-            return Err(Failure::Transport(format!(
-                "no way on line on {endpoint}: nobody acknowledges what is sent, or the scenario has ended"
-            )));
+            return Err(visit::no_way(endpoint, recovery.tool.access(), "it is not let on line"));
         }
     }
     if report.found == 0 {
@@ -137,6 +131,8 @@ enum News {
     Over,
     Taken,
     OwnedByAnother,
+    /// The link is down, or off the bus.
+    Lost(LinkEvent),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -252,6 +248,9 @@ impl Machine for Recovery {
     type Event = News;
 
     fn input(&mut self, now: Instant, input: Input) {
+        if let Input::Link(event @ (LinkEvent::Down | LinkEvent::BusOff)) = input {
+            self.ready.push_back(News::Lost(event));
+        }
         self.tool.input(now, input);
     }
 
@@ -341,62 +340,5 @@ impl fmt::Display for Outcome {
     }
 }
 
-/// `0x1234:0x00002345`
-impl fmt::Display for Device {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "0x{:04X}:0x{:08X}", self.0.vendor.0, self.0.serial)
-    }
-}
-
-impl FromStr for Device {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let parts = text.split_once(':').and_then(|(vendor, serial)| {
-            let vendor = u16::try_from(number(vendor)?).ok()?;
-            Some(DeviceIdentity { vendor: vendor.into(), serial: number(serial)? })
-        });
-        parts.map(Self).ok_or_else(|| "VENDOR:SERIAL expected, such as 0x1234:0x00002345".into())
-    }
-}
-
-impl FromStr for Assignment {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let expected = || "VENDOR:SERIAL=MAC expected, such as 0x1234:0x00002345=12".to_owned();
-        let (device, mac) = text.split_once('=').ok_or_else(expected)?;
-        let mac = number(mac).and_then(|mac| MacId::new(u8::try_from(mac).ok()?)).ok_or_else(expected)?;
-        Ok(Self { device: device.parse()?, mac })
-    }
-}
-
-fn number(text: &str) -> Option<u32> {
-    let number = match text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
-        Some(digits) => u32::from_str_radix(digits, 16),
-        None => text.parse(),
-    };
-    number.ok().filter(|_| !text.contains('+'))
-}
-
 /// Claiming takes two seconds, Who three, a new MAC ID about five.
 const LONGEST: Duration = Duration::from_secs(600);
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn devices_as_they_are_written() {
-        let device: Device = "0x1234:9029".parse().unwrap();
-        assert_eq!(device.to_string(), "0x1234:0x00002345");
-        let assignment: Assignment = "4660:0x2345=0x0C".parse().unwrap();
-        assert_eq!((assignment.device, assignment.mac.number()), (device, 12));
-        for text in ["", "1", "1:", "65536:1", "1:4294967296", "1:+1", "a:1"] {
-            assert!(text.parse::<Device>().is_err(), "{text}");
-        }
-        for text in ["1:1", "1:1=64", "1:1=", "1=1:1"] {
-            assert!(text.parse::<Assignment>().is_err(), "{text}");
-        }
-    }
-}

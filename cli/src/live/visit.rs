@@ -9,7 +9,7 @@ use cip_core::code::{AdditionalCode, ClassId, DeviceType, GeneralStatus, Instanc
 use cip_core::identity::{DeviceIdentity, ProductName, Revision};
 use cip_core::message::{AllocationChoice, AttributeRequest, Request, Response, Target};
 use devicenet_core::MacId;
-use devicenet_core::access::{Fault, StateKind};
+use devicenet_core::access::{Access, Fault, StateKind};
 use devicenet_core::client::Failure as NoResponse;
 use devicenet_core::master::{
     Cause, CommandError, Config, Master, MasterEvent, ScanEntry, SlaveEvent, SlaveState,
@@ -134,14 +134,8 @@ impl Visitor {
     /// The time is over: visits that are still under way have come to nothing.
     fn give_up(&mut self, endpoint: &Endpoint) -> Result<impl Iterator<Item = Report> + use<>, Failure> {
         if !self.master.access().is_online() {
-            return Err(Failure::Transport(match self.master.access().state().kind() {
-                // Its first frame is not sent. Few drivers say why.
-                StateKind::SendingDupMac => format!(
-                    "nobody on {endpoint} acknowledges what is sent: no other node is on, the cable is open, the bit rate is wrong, \
-                     or the interface is listen-only"
-                ),
-                _ => format!("no way on line on {endpoint}: {}", self.master.own_status()),
-            }));
+            let status = self.master.own_status().to_string();
+            return Err(no_way(endpoint, self.master.access(), &status));
         }
         let visits = core::mem::take(&mut self.visits);
         Ok(visits.into_iter().map(|(mac, visit)| visit.report(mac, Some(Cause::NoAnswer))))
@@ -300,7 +294,20 @@ pub(super) fn taken(endpoint: &Endpoint, own: MacId) -> Failure {
     ))
 }
 
-fn lost(endpoint: &Endpoint, event: LinkEvent) -> Failure {
+/// Why the command is not on line.
+pub(super) fn no_way(endpoint: &Endpoint, access: &Access, why: &str) -> Failure {
+    Failure::Transport(match access.state().kind() {
+        // Its first frame is not sent. Few drivers say why.
+        StateKind::SendingDupMac => format!(
+            "nobody on {endpoint} acknowledges what is sent: no other node is on, the cable is open, the bit rate is wrong, \
+             or the interface is listen-only"
+        ),
+        _ => format!("no way on line on {endpoint}: {why}"),
+    })
+}
+
+/// The link was lost while the command was at work.
+pub(super) fn lost(endpoint: &Endpoint, event: LinkEvent) -> Failure {
     match event {
         LinkEvent::BusOff => permit::bus_off(endpoint),
         _ => Failure::Transport(format!("{endpoint} went down before everything was asked")),
@@ -332,6 +339,6 @@ fn device(endpoint: &Endpoint) -> DeviceIdentity {
 /// The longest message that it takes.
 const MESSAGE: usize = 512;
 /// How long the way on line may take. Two duplicate MAC ID checks take two seconds, and more where others begin at the same time.
-const LONGEST_WAY: Duration = Duration::from_secs(10);
+pub(super) const LONGEST_WAY: Duration = Duration::from_secs(10);
 /// How long a visit may take, network access included. An absent node has been called absent long before.
 const LONGEST: Duration = Duration::from_secs(60);
