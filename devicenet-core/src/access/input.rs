@@ -4,8 +4,9 @@ use link_core::link::LinkCommandKind;
 use link_core::{BusErrorKind, Frame, LinkEvent, TxOutcome, TxToken};
 
 use super::config::BusOffWhileChecking;
-use super::event::{AccessEvent, Outgoing};
+use super::event::Outgoing;
 use super::machine::{Access, Fate, InFlight, Listening, Timer};
+use super::pending::{Heard, Lost, Pending};
 use super::state::{Cause, CheckRequest, Fault, SecondRequest, SendStage, State};
 use crate::counter::{count, count_wide};
 use crate::id::Identifier;
@@ -41,9 +42,10 @@ impl Access {
 
     /// A frame on the identifier of the own check.
     fn check(&mut self, id: Identifier, data: &[u8]) {
-        let other = DuplicateMacCheck::parse(data).ok();
-        if other.is_none() {
-            self.bad_frame(id, data);
+        let check = DuplicateMacCheck::parse(data);
+        let kept = self.events.hear(check.map_or_else(|_| Heard::malformed(id, data), Heard::Check));
+        if check.is_err() {
+            self.bad_frame(kept);
             if !self.config.accept_bad_dlc {
                 return;
             }
@@ -63,11 +65,11 @@ impl Access {
             *response_due = true;
             count(&mut self.counters.challenges);
             self.stay(cause);
-            self.raise(AccessEvent::Challenged { other });
+            self.raise_heard(kept, Pending::Challenged);
             return;
         }
         count(&mut self.counters.duplicates);
-        self.raise(AccessEvent::Duplicate { direction, other });
+        self.raise_heard(kept, Pending::Duplicate { direction });
         self.enter(State::faulted(Fault::DuplicateMacId), cause);
     }
 
@@ -106,7 +108,7 @@ impl Access {
 
     fn given_back(&mut self, what: Outgoing, outcome: TxOutcome) {
         count(&mut self.counters.not_sent);
-        self.raise(AccessEvent::NotSent { what, outcome });
+        self.raise(Pending::NotSent { what, outcome });
         match (what, &mut self.state) {
             (Outgoing::CheckRequest, State::SendingDupMac { stage, .. }) => *stage = SendStage::GivenBack,
             // Still queued.
@@ -126,7 +128,7 @@ impl Access {
                 _,
             ) => return,
         }
-        self.timers.set_after_millis(Timer::BackOff, self.config.bus_off_back_off.into());
+        self.timers.set_after_millis(Timer::BackOffOrIdentify, self.config.bus_off_back_off.into());
     }
 
     pub(super) fn link(&mut self, event: LinkEvent) {
@@ -140,7 +142,7 @@ impl Access {
             LinkEvent::BusError(BusErrorKind::Ack) => self.not_acknowledged(),
             LinkEvent::Overrun { lost } => {
                 self.counters.frames_lost = self.counters.frames_lost.saturating_add(lost.max(1));
-                self.raise(AccessEvent::FramesLost { count: lost });
+                self.raise(Pending::FramesLost { count: lost.to_le_bytes() });
             }
             LinkEvent::Refused(kind) => self.refused(kind),
             // Without power already; or what the controller deals with by itself.
@@ -181,7 +183,7 @@ impl Access {
             | State::WaitingDupMac { .. }
             | State::CommFault { .. } => return,
         }
-        self.timers.clear(Timer::BackOff);
+        self.timers.clear(Timer::BackOffOrIdentify);
     }
 
     fn bus_off(&mut self) {
@@ -212,14 +214,14 @@ impl Access {
             let first = !core::mem::replace(unacknowledged, true);
             self.stay(Cause::NotAcknowledged);
             if first {
-                self.raise(AccessEvent::NotAcknowledged);
+                self.raise(Pending::NotAcknowledged);
             }
         }
     }
 
     fn refused(&mut self, kind: LinkCommandKind) {
         count(&mut self.counters.refused);
-        self.raise(AccessEvent::LinkRefused(kind));
+        self.raise(Pending::LinkRefused(kind));
         let restarting =
             matches!(self.state, State::SendingDupMac { stage: SendStage::Restarting { .. }, .. });
         if restarting && kind == LinkCommandKind::Reset {
@@ -231,14 +233,17 @@ impl Access {
         count_wide(&mut self.counters.discarded);
     }
 
-    pub(super) fn bad_frame(&mut self, id: Identifier, field: &[u8]) {
+    /// `kept`: whether what the frame said [was kept](super::pending::Events::hear).
+    pub(super) fn bad_frame(&mut self, kept: Result<(), Lost>) {
         count(&mut self.counters.bad_frames);
-        let mut data = [0; Frame::MAX_DATA];
-        for (to, from) in data.iter_mut().zip(field) {
-            *to = *from;
+        self.raise_heard(kept, Pending::BadFrame);
+    }
+
+    /// An event that tells what the frame said.
+    fn raise_heard(&mut self, kept: Result<(), Lost>, event: Pending) {
+        match kept {
+            Ok(()) => self.raise(event),
+            Err(Lost) => count(&mut self.counters.events_lost),
         }
-        // It is from a frame.
-        let len = u8::try_from(field.len()).unwrap_or(u8::MAX);
-        self.raise(AccessEvent::BadFrame { id, data, len });
     }
 }

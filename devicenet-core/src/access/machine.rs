@@ -29,10 +29,11 @@
 //! machine and its one door between states, `input` what it does with what it hears, `output` what it sends.
 
 use link_core::timers::TimerKey;
-use link_core::{Action, Deadline, FilterSet, Input, Instant, Machine, Queue, Timers, TxToken};
+use link_core::{Action, Deadline, FilterSet, Input, Instant, Machine, Timers, TxToken};
 
 use super::config::Config;
 use super::event::{AccessEvent, Counters, Outgoing};
+use super::pending::{Events, Pending};
 use super::state::{Cause, CheckRequest, EDGES, Fault, SecondRequest, SendStage, State, StateKind};
 use crate::counter::count;
 use crate::id::{self, MacId};
@@ -51,11 +52,11 @@ pub struct Access {
     /// Attribute 10 as stored, and as it was at the last power-up or reset.
     pub(super) quick_connect: QuickConnect,
     pub(super) counters: Counters,
-    pub(super) timers: Timers<Timer, 4>,
+    pub(super) timers: Timers<Timer, 2>,
     pub(super) in_flight: Option<InFlight>,
     /// The filter that the port was told.
     pub(super) told: Option<Listening>,
-    pub(super) events: Queue<AccessEvent, EVENTS>,
+    pub(super) events: Events,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -88,37 +89,30 @@ pub(super) enum Listening {
     OfflineSet,
 }
 
-/// The waits.
+/// The waits. A faulted node has two of its own, and none of the others.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum Timer {
-    /// T_dup, one second after a check request was on the bus.
-    DupMac,
-    /// Before the controller is restarted, or a frame that it gave back is handed out again.
-    BackOff,
-    /// Before a Who response.
-    Who,
-    /// Until the indicator ceases to flash red and green.
-    Identify,
+    /// T_dup, one second after a check request was on the bus. Faulted: before a Who response.
+    DupMacOrWho,
+    /// Before the controller is restarted, or a frame that it gave back is handed out again. Faulted: until the indicator
+    /// ceases to flash red and green.
+    BackOffOrIdentify,
 }
 
-impl TimerKey<4> for Timer {
-    const ALL: [Self; 4] = [Self::DupMac, Self::BackOff, Self::Who, Self::Identify];
+impl TimerKey<2> for Timer {
+    const ALL: [Self; 2] = [Self::DupMacOrWho, Self::BackOffOrIdentify];
 
     fn index(self) -> usize {
         match self {
-            Self::DupMac => 0,
-            Self::BackOff => 1,
-            Self::Who => 2,
-            Self::Identify => 3,
+            Self::DupMacOrWho => 0,
+            Self::BackOffOrIdentify => 1,
         }
     }
 
     fn why(self) -> &'static str {
         match self {
-            Self::DupMac => "duplicate MAC ID wait",
-            Self::BackOff => "bus-off back-off",
-            Self::Who => "Who response delay",
-            Self::Identify => "identify indication",
+            Self::DupMacOrWho => "duplicate MAC ID wait, or Who response delay",
+            Self::BackOffOrIdentify => "bus-off back-off, or identify indication",
         }
     }
 }
@@ -161,7 +155,7 @@ impl Access {
             timers: Timers::new(),
             in_flight: None,
             told: None,
-            events: Queue::new(),
+            events: Events::new(),
             config,
         }
     }
@@ -234,10 +228,10 @@ impl Access {
         self.timers.clear_all();
         match next {
             State::WaitingDupMac { .. } | State::OnLine { second_request: SecondRequest::Waiting, .. } => {
-                self.timers.set_after_millis(Timer::DupMac, T_DUP_MILLIS);
+                self.timers.set_after_millis(Timer::DupMacOrWho, T_DUP_MILLIS);
             }
             State::SendingDupMac { stage: SendStage::BackOff, .. } => {
-                self.timers.set_after_millis(Timer::BackOff, self.config.bus_off_back_off.into());
+                self.timers.set_after_millis(Timer::BackOffOrIdentify, self.config.bus_off_back_off.into());
             }
             State::NonExistent
             | State::SendingDupMac { .. }
@@ -245,10 +239,10 @@ impl Access {
             | State::CommFault { .. } => {}
         }
         self.state = next;
-        self.raise(AccessEvent::StateChanged { from, to, cause });
+        self.raise(Pending::StateChanged { from, to, cause });
     }
 
-    pub(super) fn raise(&mut self, event: AccessEvent) {
+    pub(super) fn raise(&mut self, event: Pending) {
         if self.events.push(event).is_err() {
             count(&mut self.counters.events_lost);
         }
@@ -262,12 +256,12 @@ impl Access {
     /// Serves every wait that is over at `until`. None of them starts another that is over too.
     fn expire<const OFFLINE_SET: bool>(&mut self, until: Instant) {
         while let Some(timer) = self.timers.take_expired(until) {
+            let is_faulted = matches!(self.state, State::CommFault { .. });
             match timer {
-                Timer::DupMac => self.wait_over(),
-                Timer::BackOff => self.back_off_over(),
-                Timer::Who if OFFLINE_SET => self.who_delay_over(),
-                Timer::Identify if OFFLINE_SET => self.end_identify(),
-                Timer::Who | Timer::Identify => {}
+                Timer::DupMacOrWho if OFFLINE_SET && is_faulted => self.who_delay_over(),
+                Timer::BackOffOrIdentify if OFFLINE_SET && is_faulted => self.end_identify(),
+                Timer::DupMacOrWho => self.wait_over(),
+                Timer::BackOffOrIdentify => self.back_off_over(),
             }
         }
     }
@@ -324,5 +318,3 @@ fn check_edge(from: StateKind, cause: Cause, to: StateKind) {
 
 /// How long others have to object.
 const T_DUP_MILLIS: u32 = 1000;
-/// One input raises at most five.
-const EVENTS: usize = 5;

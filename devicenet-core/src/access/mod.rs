@@ -43,6 +43,7 @@ mod input;
 mod machine;
 mod offline;
 mod output;
+mod pending;
 mod state;
 #[cfg(test)]
 mod tests;

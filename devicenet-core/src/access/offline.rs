@@ -14,8 +14,8 @@ use cip_core::codec::Writer;
 
 use super::Access;
 use super::config::{MacIdSource, MaskPredicate};
-use super::event::AccessEvent;
 use super::machine::Timer;
+use super::pending::{Heard, Pending};
 use super::state::{Cause, State, WhoAnswer};
 use crate::id::{Identifier, MacId};
 use crate::message::{
@@ -26,7 +26,8 @@ use crate::message::{
 impl Access {
     pub(super) fn communication_faulted(&mut self, data: &[u8]) {
         let Ok(request) = CommunicationFaultedRequest::parse(data) else {
-            return self.bad_frame(Identifier::COMMUNICATION_FAULTED_REQUEST, data);
+            let kept = self.events.hear(Heard::malformed(Identifier::COMMUNICATION_FAULTED_REQUEST, data));
+            return self.bad_frame(kept);
         };
         match request {
             CommunicationFaultedRequest::Who(WhoRequest { nodes, delay_offset }) if self.is_meant(nodes) => {
@@ -61,7 +62,7 @@ impl Access {
         if let State::CommFault { offline, .. } = &mut self.state
             && core::mem::take(&mut offline.indicating)
         {
-            self.raise(AccessEvent::Identify { on: false });
+            self.raise(Pending::Identify { on: false });
         }
     }
 
@@ -76,7 +77,7 @@ impl Access {
         let State::CommFault { offline, .. } = &mut self.state else { return };
         offline.who = WhoAnswer::Delayed;
         let millis = u32::from(units).saturating_mul(self.config.who_delay_unit.into());
-        self.timers.set_after_millis(Timer::Who, millis);
+        self.timers.set_after_millis(Timer::DupMacOrWho, millis);
     }
 
     fn answer_identify(&mut self, nodes: NodeSelection) {
@@ -88,9 +89,9 @@ impl Access {
     fn begin_identify(&mut self) {
         let State::CommFault { offline, .. } = &mut self.state else { return };
         let began = !core::mem::replace(&mut offline.indicating, true);
-        self.timers.set_after_millis(Timer::Identify, self.config.identify_timeout);
+        self.timers.set_after_millis(Timer::BackOffOrIdentify, self.config.identify_timeout);
         if began {
-            self.raise(AccessEvent::Identify { on: true });
+            self.raise(Pending::Identify { on: true });
         }
     }
 
@@ -98,9 +99,9 @@ impl Access {
         match self.config.mac_id_source {
             MacIdSource::Software => {
                 let from = core::mem::replace(&mut self.mac_id, request.mac);
-                self.raise(AccessEvent::MacIdAssigned { from, to: request.mac });
+                self.raise(Pending::MacIdAssigned { from, to: request.mac });
             }
-            MacIdSource::Switches => self.raise(AccessEvent::MacIdLocked { requested: request.mac }),
+            MacIdSource::Switches => self.raise(Pending::MacIdLocked { requested: request.mac }),
         }
         self.restart(Cause::MacIdAssigned);
     }

@@ -86,7 +86,7 @@ impl Access {
         }
         match self.state {
             // What the controller gave back has to wait.
-            State::OnLine { .. } if self.timers.at(Timer::BackOff).is_some() => None,
+            State::OnLine { .. } if self.timers.at(Timer::BackOffOrIdentify).is_some() => None,
             State::SendingDupMac { stage: SendStage::Queued { .. }, .. } => Some(Outgoing::CheckRequest),
             State::OnLine { response_due: true, .. } => Some(Outgoing::CheckResponse),
             State::OnLine { second_request: SecondRequest::Queued, .. } => Some(Outgoing::CheckRequest),

@@ -134,5 +134,5 @@ fn one_frame_in_flight_at_most() {
 #[test]
 #[cfg(target_pointer_width = "64")]
 fn the_size_of_the_machine() {
-    assert_eq!(size_of::<Access>(), 216);
+    assert_eq!(size_of::<Access>(), 160);
 }

@@ -295,5 +295,5 @@ const CLAIM: &str = "7EF: 05 4B 34 12 45 23 00 00";
 #[test]
 #[cfg(target_pointer_width = "64")]
 fn the_size_of_the_machine() {
-    assert_eq!(size_of::<OfflineTool>(), 520);
+    assert_eq!(size_of::<OfflineTool>(), 464);
 }
