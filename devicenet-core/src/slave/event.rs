@@ -285,5 +285,6 @@ impl fmt::Display for Ignored {
     }
 }
 
-/// More than one input can raise in a slave without dynamic connections: nine when the network is lost.
+/// More than one input can raise that comes in time, in a slave without dynamic connections: nine when the network is lost. One that
+/// comes after several deadlines does all that is overdue at once, and may have more to tell; what is lost then is counted.
 const CAPACITY: usize = 10;

@@ -60,6 +60,10 @@ struct Node<const DYNAMIC: usize> {
     /// As attribute 1 has them: instances 1 to 5, then the dynamic ones.
     states: Vec<u8>,
     modes: [IoMode; 4],
+    /// The last input came after a moment at which the slave had wanted to be called.
+    is_late: bool,
+    /// Events that were lost, because everything that was overdue happened in one input.
+    lost: u16,
 }
 
 struct InFlight {
@@ -92,6 +96,8 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
             master: None,
             states: vec![0; 5 + DYNAMIC],
             modes: [IoMode::Inactive; 4],
+            is_late: false,
+            lost: 0,
         }
     }
 
@@ -275,6 +281,7 @@ impl<const DYNAMIC: usize> Node<DYNAMIC> {
     /// Waits that ended before this moment ended before its input.
     fn before(&mut self, now: Instant) {
         self.clock = self.clock.max(now);
+        self.is_late = self.slave.deadline().is_some_and(|deadline| deadline.at < now);
         self.model.advance(now);
         let before = self.model.now.saturating_sub(Duration::from_nanos(1));
         self.model.expire(before);
