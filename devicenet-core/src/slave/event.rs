@@ -1,6 +1,7 @@
 //! What a slave tells the application, and what it counts.
 
-use core::fmt;
+use core::fmt::{self, Debug};
+use core::hash::Hash;
 
 use cip_core::code::{ClassId, InstanceId, ServiceCode};
 use cip_core::connection::{ExplicitCause, ExplicitState, IoCause, IoState};
@@ -169,19 +170,44 @@ pub struct Counters {
     pub events_lost: u16,
 }
 
-/// Events that are still to be told.
+/// Room for events, by how many connections can have some.
+pub trait EventQueue: Clone + Eq + Hash + Debug + Default {
+    /// False if there is no room.
+    fn push(&mut self, event: SlaveEvent) -> bool;
+    /// The oldest.
+    fn pop(&mut self) -> Option<SlaveEvent>;
+    /// Whether there is none.
+    fn is_empty(&self) -> bool;
+}
+
+impl<const N: usize> EventQueue for Queue<SlaveEvent, N> {
+    fn push(&mut self, event: SlaveEvent) -> bool {
+        Self::push(self, event).is_ok()
+    }
+
+    fn pop(&mut self) -> Option<SlaveEvent> {
+        self.pop()
+    }
+
+    fn is_empty(&self) -> bool {
+        self.is_empty()
+    }
+}
+
+/// Events that are still to be told. One input that comes in time never has more than fit. One that comes after several deadlines
+/// does all that is overdue at once, and may have more; what is lost then is counted.
 #[derive(Clone, PartialEq, Eq, Hash, Debug, Default)]
-pub(super) struct Events {
-    queue: Queue<SlaveEvent, CAPACITY>,
+pub(super) struct Events<Q> {
+    queue: Q,
     /// One bit for each connection that has consumed data.
     received: u8,
     pub(super) counters: Counters,
 }
 
-impl Events {
+impl<Q: EventQueue> Events<Q> {
     #[inline(never)]
     pub(super) fn raise(&mut self, event: SlaveEvent) {
-        if self.queue.push(event).is_err() {
+        if !self.queue.push(event) {
             count(&mut self.counters.events_lost);
         }
     }
@@ -284,7 +310,3 @@ impl fmt::Display for Ignored {
         })
     }
 }
-
-/// More than one input can raise that comes in time, in a slave without dynamic connections: nine when the network is lost. One that
-/// comes after several deadlines does all that is overdue at once, and may have more to tell; what is lost then is counted.
-const CAPACITY: usize = 10;

@@ -53,7 +53,7 @@ pub(super) struct Node<A: Application, const DYNAMIC: usize> {
     pub(super) lines: Lines,
     pub(super) timers: <SlotsOf<A> as Slots>::Timers,
     pub(super) dynamic_timers: [Timers<Timer, 3>; DYNAMIC],
-    pub(super) events: Events,
+    pub(super) events: Events<<SlotsOf<A> as Slots>::Events>,
     /// It decides what there can be at all.
     pub(super) application: PhantomData<A>,
 }

@@ -5,10 +5,11 @@ use core::hash::Hash;
 
 use cip_core::connection::IoConnection;
 use cip_core::message::AllocationChoice;
-use link_core::Timers;
 use link_core::timers::TimerSet;
+use link_core::{Queue, Timers};
 
 use crate::slave::application::{IoKind, IoMode};
+use crate::slave::event::{EventQueue, SlaveEvent};
 use crate::slave::timer::Timer;
 
 /// Room for some connections.
@@ -21,6 +22,9 @@ pub trait Slots: Clone + Eq + Hash + Debug {
 
     /// The waits of a slave with these connections.
     type Timers: TimerSet<Timer> + Clone + Eq + Hash + Debug + Default;
+
+    /// What such a slave has to tell of one input.
+    type Events: EventQueue;
 
     /// One of those that there is room for.
     fn slot(&self, kind: IoKind) -> &Slot;
@@ -45,6 +49,8 @@ impl Slots for PollSlot {
     const CHOICE: AllocationChoice = AllocationChoice::POLL;
     const EMPTY: Self = [Slot::EMPTY];
     type Timers = Timers<Timer, 5>;
+    /// Nine when the network is lost.
+    type Events = Queue<SlaveEvent, 10>;
 
     fn slot(&self, _: IoKind) -> &Slot {
         let [poll] = self;
@@ -61,6 +67,8 @@ impl Slots for EverySlot {
     const CHOICE: AllocationChoice = AllocationChoice::all();
     const EMPTY: Self = [Slot::EMPTY; 4];
     type Timers = Timers<Timer, 11>;
+    /// When all five watchdogs end in one tick, ten transitions, four modes and the allocation; and some dynamic connections.
+    type Events = Queue<SlaveEvent, 20>;
 
     fn slot(&self, kind: IoKind) -> &Slot {
         let [poll, strobe, change_of_state, multicast] = self;
