@@ -12,6 +12,24 @@ pub(crate) fn push_hex(out: &mut Vec<u8>, bytes: &[u8], digits: &[u8; 16]) {
     }
 }
 
+/// The bytes of an even number of hex digits.
+pub(crate) fn hex_bytes(text: &str) -> Option<Vec<u8>> {
+    if !text.len().is_multiple_of(2) || !text.bytes().all(|byte| byte.is_ascii_hexdigit()) {
+        return None;
+    }
+    (0..text.len()).step_by(2).map(|at| u8::from_str_radix(text.get(at..at + 2)?, 16).ok()).collect()
+}
+
+/// A number without a sign: `12`, `0x0C`.
+pub(crate) fn unsigned(text: &str) -> Option<u64> {
+    let (digits, radix) = match text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
+        Some(digits) => (digits, 16),
+        None => (text, 10),
+    };
+    // Rust takes a plus sign.
+    u64::from_str_radix(digits, radix).ok().filter(|_| !digits.starts_with('+'))
+}
+
 /// Seconds with that many decimals, at most nine; further ones are cut off.
 #[inline]
 pub(crate) fn push_seconds(out: &mut Vec<u8>, at: Instant, decimals: u8) {

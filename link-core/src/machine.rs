@@ -36,6 +36,28 @@ pub enum Action<E> {
 }
 
 impl<E> Action<E> {
+    /// The action as one of a machine with other events: for a machine that answers the events of another itself, and
+    /// passes on all else.
+    ///
+    /// # Errors
+    /// The event, which cannot be passed on.
+    ///
+    /// ```
+    /// use link_core::{Action, TxToken};
+    ///
+    /// let withdraw: Action<u8> = Action::Withdraw(TxToken(1));
+    /// assert_eq!(withdraw.without_event::<char>(), Ok(Action::Withdraw(TxToken(1))));
+    /// assert_eq!(Action::Event(7).without_event::<char>(), Err(7));
+    /// ```
+    pub fn without_event<F>(self) -> Result<Action<F>, E> {
+        Ok(match self {
+            Self::Transmit(token, frame) => Action::Transmit(token, frame),
+            Self::Withdraw(token) => Action::Withdraw(token),
+            Self::Link(command) => Action::Link(command),
+            Self::Event(event) => return Err(event),
+        })
+    }
+
     /// The same action with another type of event.
     pub fn map_event<F>(self, convert: impl FnOnce(E) -> F) -> Action<F> {
         match self {

@@ -3,16 +3,15 @@
 use cip_core::code::{AdditionalCode, GeneralStatus};
 use devicenet_core::MacId;
 use devicenet_core::master::Cause;
-use link_core::{Machine as _, Port as _};
+use link_core::Machine as _;
 use serde_json::json;
 
 use super::args::{AskArgs, GetArgs, SetArgs};
-use super::listen::Heard;
 use super::permit;
-use super::port::LivePort;
 use super::visit::{Answer, Question, Report, Visitor};
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Output};
+use crate::text::{LOWER, push_hex};
 
 /// Reads an attribute.
 ///
@@ -40,20 +39,12 @@ fn ask(args: &AskArgs, value: Option<Vec<u8>>, json: bool) -> Result<Exit, Failu
         )));
     }
     let service = if value.is_some() { "Set" } else { "Get" };
-    let visitor = Visitor::new(endpoint, own, vec![(mac, vec![Question { path: *attribute, value }])]);
-    let mut port = LivePort::open(endpoint, visitor.max_in_flight())?;
-    permit::announce(
-        endpoint,
-        &node.permit,
-        own,
-        &format!("to node {mac} Allocate, {service}_Attribute_Single {attribute}, Release"),
-    )?;
-    let mut heard = Heard::new();
-    let until = port.now() + node.permit.listen.0;
-    heard.listen(&mut port, until)?;
-    permit::bit_rate(endpoint, &node.permit, &port, &heard)?;
+    let mut visitor = Visitor::new(endpoint, own);
+    visitor.visit(mac, vec![Question { path: *attribute, value }]);
+    let what = format!("to node {mac} Allocate, {service}_Attribute_Single {attribute}, Release");
+    let (mut port, heard) = permit::enter(endpoint, &node.permit, own, &what, visitor.max_in_flight())?;
     permit::ownership(mac, &heard)?;
-    let reports = visitor.run(endpoint, own, &mut port)?;
+    let reports = visitor.run(endpoint, &mut port)?;
     let Some(report) = reports.first() else {
         return Err(Failure::Transport(format!("node {mac} was not visited")));
     };
@@ -93,14 +84,15 @@ fn words(args: &AskArgs, report: &Report) -> AttributeWords {
     }
     let (line, exit) = match (report.answers.first(), report.trouble) {
         (Some(Answer::Done(data)), _) => {
-            let hex: String = data.iter().map(|byte| format!("{byte:02x}")).collect();
+            let mut hex = Vec::new();
+            push_hex(&mut hex, data, LOWER);
             let text = path.words(data).to_string();
             let line = if data.is_empty() {
                 format!("node {mac}  {path}: done")
             } else {
                 format!("node {mac}  {path}: {text}")
             };
-            object["value"] = hex.into();
+            object["value"] = String::from_utf8_lossy(&hex).into();
             object["value_text"] = text.into();
             (line, Exit::Done)
         }

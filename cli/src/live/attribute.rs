@@ -7,6 +7,8 @@ use cip_core::code::{AttributeId, ClassId, InstanceId};
 use cip_core::names::{AttributeInfo, attribute_info};
 use cip_core::value::AttributeValue;
 
+use crate::text::{hex_bytes, unsigned};
+
 /// `CLASS/INSTANCE/ATTRIBUTE`
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct AttributePath {
@@ -35,7 +37,8 @@ impl AttributePath {
     /// What was expected.
     pub(super) fn value(&self, text: &str) -> Result<Vec<u8>, String> {
         if let Some(digits) = text.strip_prefix("hex:") {
-            return bytes(digits)
+            return hex_bytes(digits)
+                .filter(|bytes| !bytes.is_empty())
                 .ok_or_else(|| format!("`{text}`: pairs of hexadecimal digits expected after hex:"));
         }
         let size = self.info().and_then(|info| info.shape.size()).filter(|size| [1, 2, 4, 8].contains(size));
@@ -60,20 +63,7 @@ fn fits(number: i128, size: usize) -> bool {
 /// `12`, `0x0C`, `-3`.
 pub(super) fn number(text: &str) -> Option<i128> {
     let (sign, digits) = text.strip_prefix('-').map_or((1, text), |digits| (-1, digits));
-    let number = match digits.strip_prefix("0x").or_else(|| digits.strip_prefix("0X")) {
-        Some(digits) => u64::from_str_radix(digits, 16),
-        None => digits.parse::<u64>(),
-    };
-    // Rust takes a plus sign, which may stand behind our own.
-    number.ok().filter(|_| !digits.contains('+')).map(|number| sign * i128::from(number))
-}
-
-fn bytes(digits: &str) -> Option<Vec<u8>> {
-    let is_hex = digits.bytes().all(|digit| digit.is_ascii_hexdigit());
-    (is_hex && !digits.is_empty() && digits.len().is_multiple_of(2)).then(|| {
-        let pairs = digits.as_bytes().chunks_exact(2);
-        pairs.filter_map(|pair| u8::from_str_radix(core::str::from_utf8(pair).ok()?, 16).ok()).collect()
-    })
+    unsigned(digits).map(|number| sign * i128::from(number))
 }
 
 impl FromStr for AttributePath {

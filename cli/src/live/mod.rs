@@ -14,6 +14,7 @@ mod ask;
 mod assignment;
 mod attribute;
 mod endpoint;
+mod errand;
 mod listen;
 mod permit;
 mod port;

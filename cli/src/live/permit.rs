@@ -1,6 +1,7 @@
 //! Whether the command may transmit.
 
 use devicenet_core::MacId;
+use link_core::Port as _;
 
 use super::args::PermitArgs;
 use super::endpoint::Endpoint;
@@ -9,13 +10,26 @@ use super::port::LivePort;
 use crate::exit::Failure;
 use crate::output;
 
-/// Says what will be sent, and to whom; refuses where the command line does not allow it.
-pub(super) fn announce(
+/// Opens an endpoint for a machine that will send, says what, and listens first; refuses where the command line or what was heard does
+/// not allow it.
+pub(super) fn enter(
     endpoint: &Endpoint,
     args: &PermitArgs,
     own: MacId,
     what: &str,
-) -> Result<(), Failure> {
+    max_in_flight: usize,
+) -> Result<(LivePort, Heard), Failure> {
+    let mut port = LivePort::open(endpoint, max_in_flight)?;
+    announce(endpoint, args, own, what)?;
+    let mut heard = Heard::new();
+    let until = port.now() + args.listen.0;
+    heard.listen(&mut port, until)?;
+    bit_rate(endpoint, args, &port, &heard)?;
+    Ok((port, heard))
+}
+
+/// Says what will be sent, and to whom; refuses where the command line does not allow it.
+fn announce(endpoint: &Endpoint, args: &PermitArgs, own: MacId, what: &str) -> Result<(), Failure> {
     match endpoint {
         Endpoint::Recording(_) => Err(Failure::Usage(format!(
             "{endpoint} is a recording, which cannot be asked: name an interface such as can0, or sim:FILE"
@@ -51,12 +65,7 @@ pub(super) fn bus_off(endpoint: &Endpoint) -> Failure {
 }
 
 /// Refuses to transmit where the bit rate may be wrong: one frame at a wrong rate disturbs everybody.
-pub(super) fn bit_rate(
-    endpoint: &Endpoint,
-    args: &PermitArgs,
-    port: &LivePort,
-    heard: &Heard,
-) -> Result<(), Failure> {
+fn bit_rate(endpoint: &Endpoint, args: &PermitArgs, port: &LivePort, heard: &Heard) -> Result<(), Failure> {
     link(endpoint, heard)?;
     if heard.frames > 0 || args.assume_bit_rate || !port.has_bit_rate() {
         return Ok(());

@@ -6,19 +6,17 @@ use core::time::Duration;
 use std::collections::VecDeque;
 
 use devicenet_core::MacId;
-use devicenet_core::access::{self, Fault};
+use devicenet_core::access::{self, Access};
 use devicenet_core::message::{DelayOffset, DeviceIdentity, PortNumber};
 use devicenet_core::tool::{Cause, CommandError, Config, OfflineTool, Refusal, ToolEvent, ToolState};
-use link_core::{Action, Deadline, Input, Instant, LinkEvent, Machine, Port as _, drive};
+use link_core::{Action, Deadline, Input, Instant, Machine};
 use serde_json::{Value, json};
 
 use super::args::RecoverArgs;
 use super::ask::mac_id;
 use super::assignment::{Assignment, Device};
-use super::listen::Heard;
+use super::errand::{self, End, Errand};
 use super::permit;
-use super::port::{LivePort, PortError};
-use super::visit;
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Output};
 use crate::text::count;
@@ -36,34 +34,22 @@ pub fn recover(args: &RecoverArgs, json: bool) -> Result<Exit, Failure> {
             assignment.mac
         )));
     }
-    let mut port = LivePort::open(
-        endpoint,
-        Recovery::new(DeviceIdentity { vendor: 0.into(), serial: 0 }, own).max_in_flight(),
-    )?;
-    permit::announce(endpoint, &node.permit, own, &what(args))?;
-    let mut heard = Heard::new();
-    let now = port.now();
-    heard.listen(&mut port, now + node.permit.listen.0)?;
-    permit::bit_rate(endpoint, &node.permit, &port, &heard)?;
-
-    let mut recovery = Recovery::new(visit::identity(endpoint), own);
+    let mut recovery = Recovery::new(errand::identity(endpoint), own);
     recovery.tasks.extend(args.identify.iter().map(|device| Task::Identify(device.0)));
     recovery
         .tasks
         .extend(args.assign.iter().map(|assignment| Task::Assign(assignment.device.0, assignment.mac)));
+    let (mut port, heard) =
+        permit::enter(endpoint, &node.permit, own, &what(args), recovery.max_in_flight())?;
     if args.assign_free {
         let is_free = |mac: &MacId| *mac != own && heard.node(*mac).is_none();
         // 63 is where devices come from, and the lowest IDs have the most urgent frames: those are for masters.
         recovery.free =
             Some(MacId::all().filter(is_free).filter(|mac| (1..63).contains(&mac.number())).collect());
     }
-    let begin = port.now();
-    recovery.input(begin, Input::Link(LinkEvent::Up));
     let mut report = Report { output: Output::new(), json, found: 0, failed: 0 };
-    let mut follow = |_: &mut Recovery, _, news| match news {
+    let end = errand::run(&mut recovery, endpoint, &mut port, LONGEST, |news| match news {
         News::Over => ControlFlow::Break(Ok(())),
-        News::Lost(event) => ControlFlow::Break(Err(visit::lost(endpoint, event))),
-        News::Taken => ControlFlow::Break(Err(visit::taken(endpoint, own))),
         News::OwnedByAnother => ControlFlow::Break(Err(Failure::Refused(format!(
             "another tool works with the faulted nodes on {endpoint}: wait until it is done"
         )))),
@@ -71,22 +57,9 @@ pub fn recover(args: &RecoverArgs, json: bool) -> Result<Exit, Failure> {
             Ok(()) => ControlFlow::Continue(()),
             Err(error) => ControlFlow::Break(Err(error.into())),
         },
-    };
-    port.set_end(begin + visit::LONGEST_WAY);
-    let mut ended = drive(&mut recovery, &mut port, &mut follow);
-    if matches!(ended, Err(PortError::Over)) && recovery.tool.access().is_online() {
-        port.set_end(begin + LONGEST);
-        ended = drive(&mut recovery, &mut port, &mut follow);
-    }
-    match ended {
-        Ok(done) => done?,
-        Err(PortError::Failed(failure)) => return Err(failure),
-        Err(PortError::Over) if recovery.tool.access().is_online() => {
-            return Err(Failure::Transport(format!("{endpoint}: the time was over before all was done")));
-        }
-        Err(PortError::Over) => {
-            return Err(visit::no_way(endpoint, recovery.tool.access(), "it is not let on line"));
-        }
+    })?;
+    if end == End::TooLate {
+        return Err(Failure::Transport(format!("{endpoint}: the time was over before all was done")));
     }
     if report.found == 0 {
         output::note(format_args!("{endpoint}: no node waits for a MAC ID"));
@@ -129,10 +102,7 @@ enum Outcome {
 enum News {
     Result(Outcome),
     Over,
-    Taken,
     OwnedByAnother,
-    /// The link is down, or off the bus.
-    Lost(LinkEvent),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -141,13 +111,12 @@ enum Task {
     Who,
     Identify(DeviceIdentity),
     Assign(DeviceIdentity, MacId),
-    Release,
 }
 
 /// A tool with a list of what is to be done, one after the other.
 struct Recovery {
     tool: OfflineTool,
-    /// After Claim and Who, and before Release.
+    /// After Claim and Who; at the end the set is released.
     tasks: VecDeque<Task>,
     /// What it does now.
     current: Option<Task>,
@@ -170,38 +139,33 @@ impl Recovery {
         }
     }
 
-    /// Begins what is next, if it can.
-    fn work(&mut self, now: Instant) {
+    /// Begins what is next, or gives it up; false if it has to wait.
+    fn work(&mut self, now: Instant) -> bool {
         if self.current.is_some() || self.is_over {
-            return;
+            return false;
         }
-        let Some(task) = self.tasks.front().copied() else {
-            self.tasks.push_back(Task::Release);
-            return self.work(now);
+        let Some(task) = self.tasks.pop_front() else {
+            self.tool.release(now);
+            self.is_over = true;
+            self.ready.push_back(News::Over);
+            return true;
         };
         let begun = match task {
             Task::Claim => self.tool.claim(now),
             Task::Who => self.tool.who(now, DelayOffset::SERIAL),
             Task::Identify(device) => self.tool.identify_device(now, device),
             Task::Assign(device, mac) => self.tool.change_mac_id(now, device, mac),
-            Task::Release => {
-                self.tool.release(now);
-                self.is_over = true;
-                self.ready.push_back(News::Over);
-                return;
-            }
         };
         match begun {
-            Ok(()) => {
-                self.tasks.pop_front();
-                self.current = Some(task);
-            }
+            Ok(()) => self.current = Some(task),
             // It will be on line, or have its answers.
-            Err(CommandError::NotOnLine | CommandError::Busy) => {}
-            Err(CommandError::NotOwner | CommandError::OwnMacId(_) | CommandError::Access(_)) => {
-                self.tasks.pop_front();
+            Err(CommandError::NotOnLine | CommandError::Busy) => {
+                self.tasks.push_front(task);
+                return false;
             }
+            Err(CommandError::NotOwner | CommandError::OwnMacId(_) | CommandError::Access(_)) => {}
         }
+        true
     }
 
     fn follow(&mut self, event: ToolEvent) {
@@ -232,9 +196,6 @@ impl Recovery {
                 self.current = None;
                 self.tell(Outcome::NotRecovered(device, mac, why));
             }
-            ToolEvent::Access(_) if self.tool.access().fault() == Some(Fault::DuplicateMacId) => {
-                self.ready.push_back(News::Taken);
-            }
             _ => {}
         }
     }
@@ -244,13 +205,20 @@ impl Recovery {
     }
 }
 
+impl Errand for Recovery {
+    fn access(&self) -> &Access {
+        self.tool.access()
+    }
+
+    fn why_not_online(&self) -> String {
+        "it is not let on line".into()
+    }
+}
+
 impl Machine for Recovery {
     type Event = News;
 
     fn input(&mut self, now: Instant, input: Input) {
-        if let Input::Link(event @ (LinkEvent::Down | LinkEvent::BusOff)) = input {
-            self.ready.push_back(News::Lost(event));
-        }
         self.tool.input(now, input);
     }
 
@@ -259,19 +227,11 @@ impl Machine for Recovery {
             if let Some(news) = self.ready.pop_front() {
                 return Some(Action::Event(news));
             }
-            match self.tool.poll(now) {
-                Some(Action::Event(event)) => self.follow(event),
-                Some(Action::Transmit(token, frame)) => return Some(Action::Transmit(token, frame)),
-                Some(Action::Withdraw(token)) => return Some(Action::Withdraw(token)),
-                Some(Action::Link(command)) => return Some(Action::Link(command)),
-                None => {
-                    let (current, left) = (self.current.is_some(), self.tasks.len());
-                    self.work(now);
-                    if (current, left) == (self.current.is_some(), self.tasks.len()) && self.ready.is_empty()
-                    {
-                        return None;
-                    }
-                }
+            match self.tool.poll(now).map(Action::without_event) {
+                Some(Err(event)) => self.follow(event),
+                Some(Ok(action)) => return Some(action),
+                None if self.work(now) => {}
+                None => return None,
             }
         }
     }

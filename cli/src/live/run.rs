@@ -9,9 +9,8 @@ use serde_json::json;
 
 use super::args::RunArgs;
 use super::ask::mac_id;
-use super::listen::Heard;
 use super::permit;
-use super::port::{LivePort, PortError};
+use super::port::PortError;
 use crate::exit::{Exit, Failure};
 use crate::output::Output;
 use crate::scenario::{Node, Role, Scenario};
@@ -40,17 +39,12 @@ fn run(args: &RunArgs, role: &str, is_of_role: impl Fn(&Node) -> bool, json: boo
     let Some(mut machine) = simulate::machine(node) else {
         return Err(Failure::Usage(format!("{} is no {role}", node.name)));
     };
-    let mut port = LivePort::open(endpoint, machine.max_in_flight())?;
     let (own, slaves) = addresses(node);
     let what = match &slaves[..] {
         [] => "its answers to a master".to_owned(),
         slaves => format!("to each of MAC ID {} Allocate, its configuration, and I/O commands", list(slaves)),
     };
-    permit::announce(endpoint, permit, own, &what)?;
-    let mut heard = Heard::new();
-    let now = port.now();
-    heard.listen(&mut port, now + permit.listen.0)?;
-    permit::bit_rate(endpoint, permit, &port, &heard)?;
+    let (mut port, heard) = permit::enter(endpoint, permit, own, &what, machine.max_in_flight())?;
     slaves.iter().try_for_each(|slave| permit::ownership(*slave, &heard))?;
 
     port.set_interruption(simulate::interruption()?);

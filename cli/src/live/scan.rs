@@ -33,23 +33,16 @@ pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
         Endpoint::Scenario(_) => true,
         Endpoint::Recording(_) => false,
     };
-    let mut heard = Heard::new();
-    let reports = if is_active {
-        // A visitor only to know how much room it takes.
-        let room = Visitor::new(endpoint, own, Vec::new()).max_in_flight();
-        let mut port = LivePort::open(endpoint, room)?;
-        permit::announce(
-            endpoint,
-            &node.permit,
-            own,
-            "to each node that no master owns Allocate, Get_Attribute_Single of Identity 1 to 7, Release",
-        )?;
-        let until = port.now() + node.permit.listen.0;
-        heard.listen(&mut port, until)?;
-        permit::bit_rate(endpoint, &node.permit, &port, &heard)?;
-        let free = |mac: &MacId| *mac != own && heard.master_of(*mac).is_none();
-        let visits = MacId::all().filter(free).map(|mac| (mac, identity())).collect();
-        Visitor::new(endpoint, own, visits).run(endpoint, own, &mut port)?
+    let (heard, reports) = if is_active {
+        let what =
+            "to each node that no master owns Allocate, Get_Attribute_Single of Identity 1 to 7, Release";
+        let mut visitor = Visitor::new(endpoint, own);
+        let (mut port, heard) = permit::enter(endpoint, &node.permit, own, what, visitor.max_in_flight())?;
+        for mac in MacId::all().filter(|mac| *mac != own && heard.master_of(*mac).is_none()) {
+            visitor.visit(mac, identity());
+        }
+        let reports = visitor.run(endpoint, &mut port)?;
+        (heard, reports)
     } else {
         let mut port = LivePort::open(endpoint, NONE_IN_FLIGHT)?;
         if matches!(endpoint, Endpoint::Interface(_)) {
@@ -60,9 +53,10 @@ pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
             Endpoint::Recording(_) => Instant::MAX,
             Endpoint::Interface(_) | Endpoint::Scenario(_) => port.now() + node.permit.listen.0,
         };
+        let mut heard = Heard::new();
         heard.listen(&mut port, until)?;
         permit::link(endpoint, &heard)?;
-        Vec::new()
+        (heard, Vec::new())
     };
     conclude(args, &heard, reports, json)
 }

@@ -12,6 +12,7 @@ use devicenet_core::monitor::{
 use link_core::{Input, Instant, LinkEvent};
 
 use crate::scenario::Time;
+use crate::text::unsigned;
 
 /// A condition, as it is written on the command line.
 ///
@@ -105,9 +106,8 @@ fn filter(text: &str) -> Result<FrameFilter, String> {
             }
             Some(("mac", mac)) => filter.mac = Some(crate::args::parse_mac_id(mac)?),
             Some(("id", id)) => {
-                let digits = id.strip_prefix("0x").or_else(|| id.strip_prefix("0X"));
-                let id = digits.map_or_else(|| id.parse(), |digits| u32::from_str_radix(digits, 16));
-                filter.id = Some(id.map_err(|_| "an identifier such as 0x3FF expected")?);
+                let id = unsigned(id).and_then(|id| u32::try_from(id).ok());
+                filter.id = Some(id.ok_or("an identifier such as 0x3FF expected")?);
             }
             Some(("data", bytes)) => {
                 filter.data = Some(pattern(bytes).ok_or("bytes such as 01??FF expected")?)

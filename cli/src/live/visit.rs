@@ -3,28 +3,24 @@
 use core::ops::ControlFlow;
 use core::time::Duration;
 use std::collections::{BTreeMap, VecDeque};
-use std::hash::{BuildHasher as _, RandomState};
 
 use cip_core::code::{AdditionalCode, ClassId, DeviceType, GeneralStatus, InstanceId, ServiceCode};
 use cip_core::identity::{DeviceIdentity, ProductName, Revision};
 use cip_core::message::{AllocationChoice, AttributeRequest, Request, Response, Target};
 use devicenet_core::MacId;
-use devicenet_core::access::{Access, Fault, StateKind};
+use devicenet_core::access::Access;
 use devicenet_core::client::Failure as NoResponse;
 use devicenet_core::master::{
     Cause, CommandError, Config, Master, MasterEvent, ScanEntry, SlaveEvent, SlaveState,
 };
 use devicenet_core::message;
-use link_core::{Action, Deadline, Input, Instant, LinkEvent, Machine, Port as _, drive};
+use link_core::{Action, Deadline, Input, Instant, Machine};
 
 use super::attribute::AttributePath;
 use super::endpoint::Endpoint;
-use super::permit;
-use super::port::{LivePort, PortError};
+use super::errand::{self, Errand};
+use super::port::LivePort;
 use crate::exit::Failure;
-
-/// What is asked of one node, in this order.
-pub(super) type Questions = Vec<Question>;
 
 /// One request.
 #[derive(Clone, Debug)]
@@ -55,17 +51,16 @@ pub(super) struct Report {
     pub(super) trouble: Option<Cause>,
 }
 
-/// A master that keeps no I/O: it visits nodes, and is gone again. It tells of each visit when that is over.
+/// A master that keeps no I/O. It tells of each visit when that is over.
 pub(super) struct Visitor {
     master: Box<Master<63, MESSAGE>>,
     visits: BTreeMap<MacId, Visit>,
     reports: VecDeque<Report>,
-    /// What has taken the link, and is not told yet.
-    lost: Option<LinkEvent>,
 }
 
 struct Visit {
-    questions: Questions,
+    /// In this order.
+    questions: Vec<Question>,
     answers: Vec<Answer>,
     stage: Stage,
 }
@@ -83,62 +78,33 @@ enum Stage {
 }
 
 impl Visitor {
-    /// For these nodes, at most 63 of them.
-    pub(super) fn new(endpoint: &Endpoint, own: MacId, visits: Vec<(MacId, Questions)>) -> Self {
+    /// With nobody to visit yet.
+    pub(super) fn new(endpoint: &Endpoint, own: MacId) -> Self {
         let config = Config { tries: 2, deferred_delete: false, ..Config::new(device(endpoint), own) };
-        let mut master = Box::new(Master::new(config));
-        for (mac, _) in &visits {
-            // They are as many as it holds, and none of them is its own.
-            let _ = master.add_slave(Instant::ZERO, ScanEntry::explicit_only(*mac));
-        }
-        let visit = |questions| Visit { questions, answers: Vec::new(), stage: Stage::Coming };
-        let visits = visits.into_iter().map(|(mac, questions)| (mac, visit(questions))).collect();
-        Self { master, visits, reports: VecDeque::new(), lost: None }
+        Self { master: Box::new(Master::new(config)), visits: BTreeMap::new(), reports: VecDeque::new() }
     }
 
-    /// Makes the visits, on a port whose link was up until now.
-    pub(super) fn run(
-        mut self,
-        endpoint: &Endpoint,
-        own: MacId,
-        port: &mut LivePort,
-    ) -> Result<Vec<Report>, Failure> {
-        let begin = port.now();
-        self.input(begin, Input::Link(LinkEvent::Up));
+    /// Visits a node too: at most 63 of them, and not itself.
+    pub(super) fn visit(&mut self, mac: MacId, questions: Vec<Question>) {
+        let entry = ScanEntry::explicit_only(mac);
+        if self.master.add_slave(Instant::ZERO, entry).is_ok() {
+            self.visits.insert(mac, Visit { questions, answers: Vec::new(), stage: Stage::Coming });
+        }
+    }
+
+    /// Makes the visits, on a port whose link was up until now. Those that are still under way when the time is over have come
+    /// to nothing.
+    pub(super) fn run(mut self, endpoint: &Endpoint, port: &mut LivePort) -> Result<Vec<Report>, Failure> {
         let mut reports = Vec::new();
         let mut left = self.visits.len();
-        let mut follow = |_: &mut Self, _, news| {
-            match news {
-                News::Report(report) => reports.push(report),
-                News::Taken => return ControlFlow::Break(Err(taken(endpoint, own))),
-                News::Lost(event) => return ControlFlow::Break(Err(lost(endpoint, event))),
-            }
+        errand::run(&mut self, endpoint, port, LONGEST, |report| {
+            reports.push(report);
             left -= 1;
             if left == 0 { ControlFlow::Break(Ok(())) } else { ControlFlow::Continue(()) }
-        };
-        port.set_end(begin + LONGEST_WAY);
-        let mut result = drive(&mut self, port, &mut follow);
-        if matches!(result, Err(PortError::Over)) && self.master.access().is_online() {
-            port.set_end(begin + LONGEST);
-            result = drive(&mut self, port, &mut follow);
-        }
-        match result {
-            Ok(done) => done?,
-            Err(PortError::Failed(failure)) => return Err(failure),
-            Err(PortError::Over) => reports.extend(self.give_up(endpoint)?),
-        }
+        })?;
+        reports.extend(self.visits.into_iter().map(|(mac, visit)| visit.report(mac, Some(Cause::NoAnswer))));
         reports.sort_by_key(|report| report.mac);
         Ok(reports)
-    }
-
-    /// The time is over: visits that are still under way have come to nothing.
-    fn give_up(&mut self, endpoint: &Endpoint) -> Result<impl Iterator<Item = Report> + use<>, Failure> {
-        if !self.master.access().is_online() {
-            let status = self.master.own_status().to_string();
-            return Err(no_way(endpoint, self.master.access(), &status));
-        }
-        let visits = core::mem::take(&mut self.visits);
-        Ok(visits.into_iter().map(|(mac, visit)| visit.report(mac, Some(Cause::NoAnswer))))
     }
 
     fn follow(&mut self, mac: MacId, event: SlaveEvent) {
@@ -173,20 +139,25 @@ impl Visitor {
         }
     }
 
-    /// Asks what is due. A connection that is being closed after the last question has to be waited for.
-    fn ask(&mut self, now: Instant) {
-        let mut ended = Vec::new();
+    /// Asks what is due; whether anything was. A connection that is being closed after the last question has to be waited for.
+    fn ask(&mut self, now: Instant) -> bool {
+        let (mut has_asked, mut ended) = (false, Vec::new());
         for (mac, visit) in self.visits.iter_mut().filter(|(_, visit)| visit.stage == Stage::Due) {
             let question = visit.questions.get(visit.answers.len());
             match put(&mut self.master, now, *mac, question) {
-                Ok(()) => visit.stage = if question.is_some() { Stage::Asking } else { Stage::Leaving },
+                Ok(()) => {
+                    visit.stage = if question.is_some() { Stage::Asking } else { Stage::Leaving };
+                    has_asked = true;
+                }
                 Err(CommandError::Busy) => {}
                 Err(_) => ended.push(*mac),
             }
         }
+        has_asked |= !ended.is_empty();
         for mac in ended {
             self.end(mac, None);
         }
+        has_asked
     }
 
     fn end(&mut self, mac: MacId, trouble: Option<Cause>) {
@@ -230,51 +201,34 @@ fn put(
     }
 }
 
-/// What a visitor tells.
-#[derive(Debug)]
-pub(super) enum News {
-    /// A visit is over.
-    Report(Report),
-    /// Another node has its MAC ID.
-    Taken,
-    /// The link is down, or off the bus.
-    Lost(LinkEvent),
+impl Errand for Visitor {
+    fn access(&self) -> &Access {
+        self.master.access()
+    }
+
+    fn why_not_online(&self) -> String {
+        self.master.own_status().to_string()
+    }
 }
 
 impl Machine for Visitor {
-    type Event = News;
+    type Event = Report;
 
     fn input(&mut self, now: Instant, input: Input) {
-        if let Input::Link(event @ (LinkEvent::Down | LinkEvent::BusOff)) = input {
-            self.lost = Some(event);
-        }
         self.master.input(now, input);
     }
 
-    fn poll(&mut self, now: Instant) -> Option<Action<News>> {
+    fn poll(&mut self, now: Instant) -> Option<Action<Report>> {
         loop {
-            if let Some(event) = self.lost.take() {
-                return Some(Action::Event(News::Lost(event)));
-            }
             if let Some(report) = self.reports.pop_front() {
-                return Some(Action::Event(News::Report(report)));
+                return Some(Action::Event(report));
             }
-            match self.master.poll(now) {
-                Some(Action::Event(MasterEvent::Slave { mac_id, event })) => self.follow(mac_id, event),
-                Some(Action::Event(_)) if self.master.access().fault() == Some(Fault::DuplicateMacId) => {
-                    return Some(Action::Event(News::Taken));
-                }
-                Some(Action::Event(_)) => {}
-                Some(Action::Transmit(token, frame)) => return Some(Action::Transmit(token, frame)),
-                Some(Action::Withdraw(token)) => return Some(Action::Withdraw(token)),
-                Some(Action::Link(command)) => return Some(Action::Link(command)),
-                None => {
-                    let before: Vec<Stage> = self.visits.values().map(|visit| visit.stage).collect();
-                    self.ask(now);
-                    if self.visits.values().map(|visit| visit.stage).eq(before) {
-                        return None;
-                    }
-                }
+            match self.master.poll(now).map(Action::without_event) {
+                Some(Err(MasterEvent::Slave { mac_id, event })) => self.follow(mac_id, event),
+                Some(Err(_)) => {}
+                Some(Ok(action)) => return Some(action),
+                None if self.ask(now) => {}
+                None => return None,
             }
         }
     }
@@ -288,44 +242,9 @@ impl Machine for Visitor {
     }
 }
 
-pub(super) fn taken(endpoint: &Endpoint, own: MacId) -> Failure {
-    Failure::Transport(format!(
-        "MAC ID {own} is taken on {endpoint}: choose another one for this command with --own-mac"
-    ))
-}
-
-/// Why the command is not on line.
-pub(super) fn no_way(endpoint: &Endpoint, access: &Access, why: &str) -> Failure {
-    Failure::Transport(match access.state().kind() {
-        // Its first frame is not sent. Few drivers say why.
-        StateKind::SendingDupMac => format!(
-            "nobody on {endpoint} acknowledges what is sent: no other node is on, the cable is open, the bit rate is wrong, \
-             or the interface is listen-only"
-        ),
-        _ => format!("no way on line on {endpoint}: {why}"),
-    })
-}
-
-/// The link was lost while the command was at work.
-pub(super) fn lost(endpoint: &Endpoint, event: LinkEvent) -> Failure {
-    match event {
-        LinkEvent::BusOff => permit::bus_off(endpoint),
-        _ => Failure::Transport(format!("{endpoint} went down before everything was asked")),
-    }
-}
-
-/// Who the command is on the bus. No vendor has the number 0, and two of these at once should differ in their serial number.
-pub(super) fn identity(endpoint: &Endpoint) -> message::DeviceIdentity {
-    let serial = match endpoint {
-        Endpoint::Scenario(_) | Endpoint::Recording(_) => 1,
-        Endpoint::Interface(_) => RandomState::new().hash_one(std::process::id()) as u32,
-    };
-    message::DeviceIdentity { vendor: 0.into(), serial }
-}
-
-/// The same with everything that the Identity object tells.
+/// Who the command is, with everything that the Identity object tells.
 fn device(endpoint: &Endpoint) -> DeviceIdentity {
-    let message::DeviceIdentity { vendor, serial } = identity(endpoint);
+    let message::DeviceIdentity { vendor, serial } = errand::identity(endpoint);
     DeviceIdentity {
         vendor,
         device_type: DeviceType::COMMUNICATIONS_ADAPTER,
@@ -338,7 +257,5 @@ fn device(endpoint: &Endpoint) -> DeviceIdentity {
 
 /// The longest message that it takes.
 const MESSAGE: usize = 512;
-/// How long the way on line may take. Two duplicate MAC ID checks take two seconds, and more where others begin at the same time.
-pub(super) const LONGEST_WAY: Duration = Duration::from_secs(10);
 /// How long a visit may take, network access included. An absent node has been called absent long before.
 const LONGEST: Duration = Duration::from_secs(60);

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::selection::EventKind;
 use crate::scenario::{LONGEST_RUN, Time};
+use crate::text::unsigned;
 
 /// `devicenet simulate`.
 #[derive(Args, Clone, Debug, Default)]
@@ -90,11 +91,7 @@ pub struct SimulateArgs {
 
 /// `7`, `0x2A`, `1_000`.
 fn parse_seed(text: &str) -> Result<u64, String> {
-    let plain = text.replace('_', "");
-    let number = match plain.strip_prefix("0x").or_else(|| plain.strip_prefix("0X")) {
-        Some(digits) => u64::from_str_radix(digits, 16).ok().filter(|_| !digits.starts_with('+')),
-        None => plain.parse().ok().filter(|_| !plain.starts_with('+')),
-    };
+    let number = unsigned(&text.replace('_', ""));
     number.ok_or_else(|| format!("a number from 0 to {} expected, such as 7 or 0x2A", u64::MAX))
 }
 

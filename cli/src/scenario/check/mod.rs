@@ -282,7 +282,7 @@ fn list<T: AsRef<str>>(items: &[T]) -> String {
 fn parse_frame(text: &str) -> Option<Frame> {
     let (id, data) = text.split_once('#')?;
     let number = u32::from_str_radix(id, 16).ok()?;
-    let bytes = super::values::hex_bytes(data)?;
+    let bytes = crate::text::hex_bytes(data)?;
     match id.len() {
         3 => Frame::new(StandardId::new(u16::try_from(number).ok()?)?, &bytes),
         8 => Frame::new(link_core::ExtendedId::new(number)?, &bytes),

@@ -11,7 +11,8 @@ use super::{Checker, list};
 use crate::scenario::diagnostic::ScenarioError;
 use crate::scenario::model::{ConnectionName, Sizes, SlaveNode};
 use crate::scenario::raw::{RawIo, RawNode, Table as _};
-use crate::scenario::values::{RateSetting, Time, hex_bytes};
+use crate::scenario::values::{RateSetting, Time};
+use crate::text::hex_bytes;
 
 impl Checker<'_> {
     pub(super) fn slave(&self, raw: &RawNode, table: &Range<usize>) -> Result<SlaveNode, ScenarioError> {

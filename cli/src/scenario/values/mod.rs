@@ -43,11 +43,3 @@ impl<'de> Deserialize<'de> for SlaveName {
         input.deserialize_any(NameOrNumber)
     }
 }
-
-/// The bytes of an even number of hex digits.
-pub(super) fn hex_bytes(text: &str) -> Option<Vec<u8>> {
-    if !text.len().is_multiple_of(2) || !text.bytes().all(|byte| byte.is_ascii_hexdigit()) {
-        return None;
-    }
-    (0..text.len()).step_by(2).map(|at| u8::from_str_radix(text.get(at..at + 2)?, 16).ok()).collect()
-}

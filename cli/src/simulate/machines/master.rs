@@ -181,23 +181,19 @@ impl Machine for MasterMachine {
     }
 
     fn poll(&mut self, now: Instant) -> Option<Action<NodeEvent>> {
-        loop {
-            match self.master.poll(now) {
-                Some(Action::Event(event)) => {
+        while let Some(action) = self.master.poll(now) {
+            match action.without_event() {
+                Err(event) => {
                     if let Some(event) = self.follow(now, event) {
                         return Some(Action::Event(event));
                     }
                 }
-                Some(Action::Transmit(token, frame)) => return Some(Action::Transmit(token, frame)),
-                Some(Action::Withdraw(token)) => return Some(Action::Withdraw(token)),
-                Some(Action::Link(command)) => return Some(Action::Link(command)),
-                None => {
-                    let status = self.master.own_status();
-                    let is_new = core::mem::replace(&mut self.own_status, status) != status;
-                    return is_new.then_some(Action::Event(NodeEvent::ScannerStatus(status)));
-                }
+                Ok(action) => return Some(action),
             }
         }
+        let status = self.master.own_status();
+        let is_new = core::mem::replace(&mut self.own_status, status) != status;
+        is_new.then_some(Action::Event(NodeEvent::ScannerStatus(status)))
     }
 
     fn deadline(&self) -> Option<Deadline> {
