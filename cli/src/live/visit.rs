@@ -133,6 +133,8 @@ impl Visitor {
             }
             SlaveEvent::StateChanged { .. }
             | SlaveEvent::Status(_)
+            | SlaveEvent::Differs(_)
+            | SlaveEvent::Refused { .. }
             | SlaveEvent::Input(_)
             | SlaveEvent::Heartbeat(_)
             | SlaveEvent::Shutdown(_) => {}

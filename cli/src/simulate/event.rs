@@ -92,7 +92,13 @@ impl NodeEvent {
                                 | master::Cause::Commanded
                         )
                 }
-                MasterEvent::Slave { event: master::SlaveEvent::RequestFailed(_), .. }
+                MasterEvent::Slave {
+                    event:
+                        master::SlaveEvent::RequestFailed(_)
+                        | master::SlaveEvent::Differs(_)
+                        | master::SlaveEvent::Refused { .. },
+                    ..
+                }
                 | MasterEvent::EventsLost { .. } => true,
                 MasterEvent::Replacement(what) => {
                     !matches!(what, Replacement::Assigned(_) | Replacement::WouldAssign(_))

@@ -16,15 +16,16 @@
 //! Source: captures of an IAI controller and of Omron and Jasic masters for the messages; 1771-SDN and 1769-SDN manuals
 //! for the order and the codes.
 
-use cip_core::code::{AdditionalCode, AttributeId, ClassId, DeviceType, GeneralStatus, InstanceId, VendorId};
+use cip_core::code::{AdditionalCode, AttributeId, ClassId, GeneralStatus, InstanceId};
 use cip_core::codec::{Reader, Wire};
 use cip_core::connection::WatchdogAction;
 use cip_core::identity::Revision;
 use cip_core::message::{AttributeRequest, Response};
 
 use super::config::Config;
+use super::difference::{Difference, Property};
 use super::door;
-use super::event::count;
+use super::event::{SlaveEvent, count};
 use super::scan_list::IoInstance;
 use super::slot::{Sending, Slot, SlotTimer};
 use super::state::{Cause, Stage, Step};
@@ -251,6 +252,7 @@ impl<const N: usize> Slot<N> {
                 return Ok(());
             }
             (Response::Error { .. }, Step::Write(_)) => {
+                self.tell_refusal(response);
                 return Err((Cause::Refused, ScannerStatus::REPLACEMENT_FAILED));
             }
             // A small slave without attributes 7 and 8 is believed.
@@ -259,42 +261,59 @@ impl<const N: usize> Slot<N> {
                 Step::ProducedSize(_) | Step::ConsumedSize(_),
             ) => return Ok(()),
             (Response::Error { .. }, _) => {
+                self.tell_refusal(response);
                 return Err((refusal(response), ScannerStatus::INITIALISATION_REFUSED));
             }
         };
         let mut reader = Reader::new(data);
-        let mut number = || reader.u16("value").ok();
+        let found = reader.u16("value").ok();
         let key = self.entry.key;
-        let matches = match step {
-            Step::Vendor => key.vendor.is_none_or(|key| number().map(VendorId) == Some(key)),
-            Step::DeviceType => key.device_type.is_none_or(|key| number().map(DeviceType) == Some(key)),
-            Step::ProductCode => key.product_code.is_none_or(|key| number() == Some(key)),
-            Step::Revision => Revision::parse(data).is_ok_and(|found| key.accepts_revision(found)),
+        let agreed = |instance| self.entry.agreed(instance);
+        let (property, wanted) = match step {
+            Step::Vendor => (Property::Vendor, key.vendor.map(|vendor| vendor.0)),
+            Step::DeviceType => (Property::DeviceType, key.device_type.map(|device_type| device_type.0)),
+            Step::ProductCode => (Property::ProductCode, key.product_code),
+            Step::Revision => {
+                let is_accepted = Revision::parse(data).is_ok_and(|found| key.accepts_revision(found));
+                let wanted = key.revision.filter(|_| !is_accepted);
+                (Property::Revision, wanted.map(|key| u16::from_le_bytes([key.major, key.minor])))
+            }
             Step::ProducedSize(instance) => {
-                let wanted = self.entry.agreed(instance).and_then(|agreed| agreed.produce);
-                return size(wanted, number());
+                (Property::ProducedSize(instance), agreed(instance).and_then(|agreed| agreed.produce))
             }
             Step::ConsumedSize(instance) => {
-                let wanted = self.entry.agreed(instance).and_then(|agreed| agreed.consume);
-                return size(wanted, number());
+                (Property::ConsumedSize(instance), agreed(instance).and_then(|agreed| agreed.consume))
             }
             Step::PacketRate(instance) => {
                 // Some slaves answer without the value that they use; and no time-out is not what was asked for.
-                let wanted = self.entry.agreed(instance).map_or(0, |agreed| agreed.expected_packet_rate);
-                let used = number().filter(|&used| used != 0).unwrap_or(wanted);
+                let wanted = agreed(instance).map_or(0, |agreed| agreed.expected_packet_rate);
+                let used = found.filter(|&used| used != 0).unwrap_or(wanted);
                 if let Some(input) = self.input_mut(instance) {
                     input.rate = used;
                 }
-                true
+                return Ok(());
             }
             Step::WatchdogAction
             | Step::AllocateIo { .. }
             | Step::ReleaseIo { .. }
             | Step::Write(_)
             | Step::InhibitTime(_)
-            | Step::Close => true,
+            | Step::Close => return Ok(()),
         };
-        if matches { Ok(()) } else { Err((Cause::KeyMismatch, ScannerStatus::WRONG_DEVICE)) }
+        match wanted {
+            Some(wanted) if found != Some(wanted) => {
+                self.raise(SlaveEvent::Differs(Difference { property, wanted, found }));
+                Err(property.mismatch())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Tells of a response that ends the attempt.
+    pub(super) fn tell_refusal(&mut self, response: &Response<'_>) {
+        if let Response::Error { status, additional } = *response {
+            self.raise(SlaveEvent::Refused { status, additional });
+        }
     }
 
     fn established(&mut self) {
@@ -324,10 +343,6 @@ pub(super) fn refusal(response: &Response<'_>) -> Cause {
         } => Cause::OwnedByAnother,
         Response::Error { .. } | Response::Success { .. } => Cause::Refused,
     }
-}
-
-fn size(wanted: Option<u16>, found: Option<u16>) -> Outcome {
-    if wanted == found { Ok(()) } else { Err((Cause::SizeMismatch, ScannerStatus::SIZE_MISMATCH)) }
 }
 
 const WATCHDOG_ACTION: AttributeId = AttributeId(12);

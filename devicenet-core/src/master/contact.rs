@@ -97,6 +97,7 @@ impl<const N: usize> Slot<N> {
                 Response::Error { status: GeneralStatus::ALREADY_IN_REQUESTED_STATE, .. },
             ) => self.contact(config, own, Contact::ReleaseAll),
             (Contact::Allocate { .. }, Response::Error { .. }) => {
+                self.tell_refusal(response);
                 self.give_up(config, own, refusal(response), ScannerStatus::INITIALISATION_REFUSED);
             }
             (Contact::ReleaseAll, Response::Success { .. }) => {
@@ -124,6 +125,7 @@ impl<const N: usize> Slot<N> {
                 None => self.give_up(config, own, Cause::Refused, ScannerStatus::INITIALISATION_REFUSED),
             },
             (Contact::Open, Response::Error { .. }) => {
+                self.tell_refusal(response);
                 self.give_up(config, own, Cause::Refused, ScannerStatus::INITIALISATION_REFUSED);
             }
         }

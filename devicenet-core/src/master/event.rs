@@ -2,6 +2,10 @@
 
 use core::fmt;
 
+use cip_core::code::{AdditionalCode, GeneralStatus};
+use cip_core::message::Response;
+
+use super::difference::Difference;
 use super::replacement::Replacement;
 use super::scan_list::IoInstance;
 use super::state::{Cause, SlaveState};
@@ -58,6 +62,15 @@ pub enum SlaveEvent {
     },
     /// Its scanner status changed.
     Status(ScannerStatus),
+    /// It is not as the scan list says; its attempt ends.
+    Differs(Difference),
+    /// It answered with an error that ends its attempt.
+    Refused {
+        /// Why.
+        status: GeneralStatus,
+        /// More about it.
+        additional: AdditionalCode,
+    },
     /// New input data: [`Master::input_data`](super::Master::input_data).
     Input(IoInstance),
     /// A response to [`Master::request`](super::Master::request): [`Master::response`](super::Master::response).
@@ -155,6 +168,11 @@ impl fmt::Display for SlaveEvent {
         match self {
             Self::StateChanged { from, to, cause } => write!(f, "{from} -> {to}: {cause}"),
             Self::Status(status) => write!(f, "status {status}"),
+            Self::Differs(difference) => write!(f, "not as expected: {difference}"),
+            Self::Refused { status, additional } => {
+                let response = Response::Error { status: *status, additional: *additional };
+                write!(f, "refused: {response}")
+            }
             Self::Input(instance) => write!(f, "{instance} input"),
             Self::Response => f.write_str("response"),
             Self::RequestFailed(failure) => write!(f, "request failed: {failure}"),

@@ -148,12 +148,12 @@ fn a_slave_of_another_master_is_left_alone() {
 /// No outputs for the wrong device: it is released, of the connections those that there are, and the poll is never sent.
 #[test]
 fn a_slave_that_does_not_match_the_key() {
-    for (steps, response, cause) in [
-        (2, "8E E8 03", "electronic key mismatch"),
-        (3, "8E 08 00", "electronic key mismatch"),
-        (4, "8E 2B 00", "electronic key mismatch"),
-        (2, "8E E7", "electronic key mismatch"),
-        (2, "94 14 FF", "refused"),
+    for (steps, response, told, cause) in [
+        (2, "8E E8 03", "not as expected: vendor 1000, the scan list says 999", "electronic key mismatch"),
+        (3, "8E 08 00", "not as expected: device type 8, the scan list says 7", "electronic key mismatch"),
+        (4, "8E 2B 00", "not as expected: product code 43, the scan list says 42", "electronic key mismatch"),
+        (2, "8E E7", "not as expected: vendor not told, the scan list says 999", "electronic key mismatch"),
+        (2, "94 14 FF", "refused: error 0x14 Attribute not supported", "refused"),
     ] {
         let mut bus = Bus::online(config(), &[polled()]);
         let script = [
@@ -168,6 +168,7 @@ fn a_slave_that_does_not_match_the_key() {
             let answer = if place == steps { response } else { answer };
             bus.hears(&std::format!("5FB: {} {answer}", &request[5..7]));
         }
+        bus.tells(&std::format!("slave 63: {told}"));
         bus.tells(&std::format!("slave 63: Configuring -> Waiting: {cause}"));
         let xid = if steps % 2 == 0 { "44" } else { "04" };
         bus.sends(&std::format!("5FE: {xid} 4C 03 01 01"));
@@ -180,7 +181,10 @@ fn a_slave_that_does_not_match_the_key() {
 
 #[test]
 fn sizes_that_differ_from_the_scan_list() {
-    for (steps, answer) in [(6, "8E 03 00"), (7, "8E 02 00")] {
+    for (steps, answer, told) in [
+        (6, "8E 03 00", "bytes produced by poll 3, the scan list says 2"),
+        (7, "8E 02 00", "bytes consumed by poll 2, the scan list says 1"),
+    ] {
         let mut bus = Bus::online(config(), &[polled()]);
         let script = [
             ("5FE: 04 4B 03 01 01 04", "CB 00"),
@@ -197,6 +201,7 @@ fn sizes_that_differ_from_the_scan_list() {
             let answer = if place == steps { answer } else { good };
             bus.hears(&std::format!("5FB: {} {answer}", &request[5..7]));
         }
+        bus.tells(&std::format!("slave 63: not as expected: {told}"));
         bus.is(63, SlaveState::Waiting, ScannerStatus::SIZE_MISMATCH);
     }
 }
