@@ -9,6 +9,7 @@
 //! | [`message`] | the data field of every message, with its byte table |
 //! | [`access`] | network access: the duplicate MAC ID check, bus-off, the offline connection set of a faulted node |
 //! | [`client`] | the explicit client: requests, fragments, time-outs, responses |
+//! | [`doctor`] | health rules over the monitor: what is wrong, since when, why, and what to check next |
 //! | [`master`] | the scanner: brings slaves up, polls them, brings them back |
 //! | [`monitor`] | the passive decoder: it learns connections from the traffic and says what each frame means |
 //! | [`slave`] | the slave: Group 2 Only server, or server with the UCMM |
@@ -119,6 +120,7 @@ pub mod access;
 pub mod client;
 mod collision;
 mod counter;
+pub mod doctor;
 pub mod id;
 #[cfg(test)]
 mod machine_laws;

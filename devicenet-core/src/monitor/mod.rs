@@ -83,6 +83,7 @@ mod packet;
 mod pairing;
 mod problem;
 mod reading;
+mod records;
 mod requests;
 mod responses;
 mod slots;
@@ -99,6 +100,7 @@ pub use kind::Kind;
 pub use nodes::{AccessState, NAME_CAPACITY, NodeRecord, Roles};
 pub use problem::Problem;
 pub use reading::{Answered, Detail, Fields, Frag, Message, Note, Reading};
+pub(crate) use records::{Records, Told};
 pub use state::Lost;
 pub use text::{ValueText, Words};
 
@@ -173,6 +175,17 @@ impl<const N: usize, const B: usize> SizedMonitor<N, B> {
 
     /// Reads frame number `n`, which was on the bus at `at`.
     pub fn observe(&mut self, at: Instant, n: u64, frame: &Frame) -> Reading<'_> {
+        self.observe_with_records(at, n, frame).0
+    }
+
+    /// The same, with what was learned of the nodes.
+    #[inline]
+    pub(crate) fn observe_with_records(
+        &mut self,
+        at: Instant,
+        n: u64,
+        frame: &Frame,
+    ) -> (Reading<'_>, Records<'_>) {
         let Self { config, state, slots } = self;
         let identifier = Identifier::of_frame(frame);
         let mut reading = Reading::new(at, n, frame, identifier);
@@ -180,7 +193,7 @@ impl<const N: usize, const B: usize> SizedMonitor<N, B> {
         let Some(identifier) = identifier else {
             let is_remote = frame.is_remote();
             reading.flag(if is_remote { Problem::RemoteFrame } else { Problem::ExtendedIdentifier });
-            return reading;
+            return (reading, state.records());
         };
         if usize::from(frame.dlc()) > Frame::MAX_DATA {
             reading.flag(Problem::DataLengthCode { dlc: frame.dlc() });
@@ -199,7 +212,12 @@ impl<const N: usize, const B: usize> SizedMonitor<N, B> {
                 }
             }
         }
-        reading
+        (reading, state.records())
+    }
+
+    /// What was learned of the nodes.
+    pub(crate) fn records(&self) -> Records<'_> {
+        self.state.records()
     }
 
     /// What is known of every node that was heard or addressed.

@@ -10,6 +10,7 @@ use super::nodes::{Node, Parent, Roles};
 use super::packet::Packets;
 use super::pairing::Seen;
 use super::reading::{Note, Reading};
+use super::records::Records;
 use crate::id::{Identifier, MacId};
 use crate::message::DuplicateMacCheck;
 
@@ -102,6 +103,10 @@ impl<const N: usize> State<N> {
             now: Instant::ZERO,
             lost: Lost { evicted_messages: 0, long_messages: 0, connections: 0, requests: 0 },
         }
+    }
+
+    pub(super) const fn records(&self) -> Records<'_> {
+        Records { nodes: &self.nodes }
     }
 
     pub(super) fn node(&mut self, mac: MacId) -> &mut Node {

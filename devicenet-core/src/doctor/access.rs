@@ -1,0 +1,280 @@
+//! Presence: nodes that are never heard, duplicate MAC IDs, restarts, faults, and devices that wait for recovery.
+
+use core::time::Duration;
+
+use cip_core::code::{AttributeId, ClassId, ServiceCode};
+use link_core::Instant;
+
+use super::Clinic;
+use super::finding::{Exchange, Facts};
+use super::ledger::Sign;
+use super::patient::{Asked, Check, Seen, Unasked};
+use super::rule::{Rule, Severity};
+use crate::id::MacId;
+use crate::message::{DeviceIdentity, DeviceState, HeartbeatFlags};
+use crate::monitor::{AccessState, Detail, Kind, Note, Reading};
+
+impl<const N: usize> Clinic<'_, N> {
+    /// Any frame of a node, and any request to one.
+    pub(super) fn presence(&mut self, reading: &Reading<'_>) {
+        let seen = Seen { n: reading.n, at: reading.at };
+        if let (
+            Kind::ExplicitRequest | Kind::UnconnectedRequest | Kind::Group2UnconnectedRequest,
+            Some(node),
+        ) = (reading.kind, reading.dst)
+        {
+            let by = reading.src;
+            let asked =
+                self.patient(node).asked.get_or_insert(Asked { first: seen, last: seen, by, count: 0 });
+            (asked.last, asked.by) = (seen, by);
+            asked.count = asked.count.saturating_add(1);
+        }
+        let Some(source) = reading.src else { return };
+        if matches!(reading.kind, Kind::OfflineFaultResponse | Kind::OfflineOwnershipRequest) {
+            return;
+        }
+        let patient = self.patient(source);
+        patient.asked = None;
+        patient.was_heard = true;
+        let is_explicit = |facts: Facts| {
+            matches!(facts, Facts::Requests { .. } | Facts::Silence { exchange: Exchange::Explicit, .. })
+        };
+        for rule in [Rule::NotFound, Rule::NotAnswering] {
+            if self.ledger.has_open(rule) {
+                self.ledger.end_where(rule, seen.at, |finding| {
+                    finding.node == Some(source) && is_explicit(finding.facts)
+                });
+            }
+        }
+        if reading.kind != Kind::Shutdown {
+            self.ledger.end(Rule::Left, Some(source), seen.at);
+        }
+    }
+
+    /// Duplicate MAC ID checks, the offline connection set, heartbeats and farewells.
+    pub(super) fn access(&mut self, reading: &Reading<'_>) {
+        let seen = Seen { n: reading.n, at: reading.at };
+        let device = device_of(reading);
+        match (reading.kind, reading.src) {
+            (Kind::DupMacRequest, Some(mac)) => {
+                self.restarts(reading, mac, seen);
+                if let Some(device) = device {
+                    self.checks(mac, device, seen);
+                }
+            }
+            (Kind::DupMacResponse, Some(mac)) => self.defends(mac, device, seen),
+            (Kind::OfflineFaultResponse, node) => {
+                if let (Some(device), Detail::WhoAnswer) = (device, reading.fields.detail) {
+                    let facts = Facts::Device(device);
+                    self.event(Rule::WaitingForRecovery, Severity::Error, node, facts, seen);
+                }
+            }
+            (Kind::Heartbeat, Some(mac)) => self.heartbeat(reading, mac, seen),
+            (Kind::Shutdown, Some(mac)) => {
+                self.patient(mac).begin_anew();
+                let code = match reading.fields.detail {
+                    Detail::Shutdown { code } => code,
+                    _ => 0,
+                };
+                self.event(Rule::Left, Severity::Info, Some(mac), Facts::ShutdownCode(code), seen);
+            }
+            (Kind::ExplicitResponse | Kind::Fragment, Some(mac)) => self.told(reading, mac, seen),
+            _ => {}
+        }
+    }
+
+    fn restarts(&mut self, reading: &Reading<'_>, mac: MacId, seen: Seen) {
+        self.patient(mac).begin_anew();
+        if reading.note == Some(Note::Restarted) {
+            let before = self.ledger.open(Rule::Restarted, Some(mac)).map_or(0, |finding| finding.count);
+            let severity = if before >= OFTEN { Severity::Warning } else { Severity::Info };
+            self.event(Rule::Restarted, severity, Some(mac), Facts::None, seen);
+        }
+    }
+
+    fn checks(&mut self, mac: MacId, device: DeviceIdentity, seen: Seen) {
+        self.ledger.end_where(
+            Rule::WaitingForRecovery,
+            seen.at,
+            |finding| matches!(finding.facts, Facts::Device(waiting) if waiting == device),
+        );
+        // One of the two has gone elsewhere.
+        self.ledger.end_where(Rule::DuplicateMacId, seen.at, |finding| {
+            finding.node != Some(mac) && is_rival(finding.facts, device)
+        });
+        let before = self.patient(mac).check.replace(Check { seen, device });
+        // Neither was on line yet: both go off line without a word.
+        if let Some(before) = before.filter(|before| before.device != device)
+            && seen.at.saturating_since(before.seen.at) <= BOTH_CHECK
+        {
+            let facts = Facts::Rivals { holder: Some(before.device), rival: Some(device) };
+            self.duplicate(mac, facts, Some(before.seen.n), seen);
+        }
+    }
+
+    fn defends(&mut self, mac: MacId, holder: Option<DeviceIdentity>, seen: Seen) {
+        let check = self.patient(mac).check;
+        let rival = check.map(|check| check.device).filter(|&device| Some(device) != holder);
+        let request = check.map(|check| check.seen.n);
+        self.duplicate(mac, Facts::Rivals { holder, rival }, request, seen);
+    }
+
+    fn duplicate(&mut self, mac: MacId, facts: Facts, before: Option<u64>, seen: Seen) {
+        self.ledger.see(&Sign {
+            rule: Rule::DuplicateMacId,
+            severity: Severity::Error,
+            node: Some(mac),
+            facts,
+            since: seen.at,
+            at: seen.at,
+            frames: [before, Some(seen.n)],
+        });
+    }
+
+    fn heartbeat(&mut self, reading: &Reading<'_>, mac: MacId, seen: Seen) {
+        let Detail::Heartbeat { state, flags, .. } = reading.fields.detail else { return };
+        let is_major = [DeviceState::MAJOR_RECOVERABLE_FAULT, DeviceState::MAJOR_UNRECOVERABLE_FAULT]
+            .contains(&DeviceState(state));
+        let faults = HeartbeatFlags::DEVICE_FAULT | HeartbeatFlags::USER_FAULT | HeartbeatFlags::SYSTEM_FAULT;
+        if is_major || flags & faults.bits() != 0 {
+            let severity = if state == DeviceState::MAJOR_UNRECOVERABLE_FAULT.0 {
+                Severity::Error
+            } else {
+                Severity::Warning
+            };
+            self.event(Rule::Fault, severity, Some(mac), Facts::Heartbeat { state, flags }, seen);
+        } else {
+            self.ledger.end(Rule::Fault, Some(mac), seen.at);
+        }
+    }
+
+    /// What a node answers about itself.
+    fn told(&mut self, reading: &Reading<'_>, mac: MacId, seen: Seen) {
+        let message = reading.message.as_ref();
+        let fields = message.map_or(&reading.fields, |message| &message.fields);
+        if fields.service != Some(ServiceCode::GET_ATTRIBUTE_SINGLE) || fields.status.is_some() {
+            return;
+        }
+        let value = message.map_or(reading.value(), |message| message.value()).unwrap_or_default();
+        match (fields.class, fields.attribute, value) {
+            (Some(ClassId::IDENTITY), Some(STATUS), &[low, high]) => {
+                let status = u16::from_le_bytes([low, high]);
+                if status & FAULTS == 0 {
+                    return self.ledger.end(Rule::Fault, Some(mac), seen.at);
+                }
+                let severity = if status & UNRECOVERABLE != 0 { Severity::Error } else { Severity::Warning };
+                self.event(Rule::Fault, severity, Some(mac), Facts::Status(status), seen);
+            }
+            (Some(ClassId::DEVICENET), Some(BUS_OFF_COUNTER), &[0]) => {
+                self.ledger.end(Rule::BusOff, Some(mac), seen.at);
+            }
+            (Some(ClassId::DEVICENET), Some(BUS_OFF_COUNTER), &[count]) => {
+                let facts = Facts::BusOffCount(count);
+                if self.ledger.open(Rule::BusOff, Some(mac)).is_none_or(|held| held.facts != facts) {
+                    self.event(Rule::BusOff, Severity::Warning, Some(mac), facts, seen);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Answers without a question: one can be that of a lost question, several are those of a second sender.
+    pub(super) fn unasked(&mut self, reading: &Reading<'_>) {
+        let Some(mac) = reading.src else { return };
+        let seen = Seen { n: reading.n, at: reading.at };
+        let most = if reading.problem.is_some() { MOST_UNASKED } else { MOST_UNASKED_AT_ALL };
+        let patient = self.patient(mac);
+        let mut unasked = patient
+            .unasked
+            .filter(|unasked| seen.at.saturating_since(unasked.first.at) <= UNASKED_WITHIN)
+            .unwrap_or(Unasked { first: seen, count: 0 });
+        unasked.count = unasked.count.saturating_add(1);
+        patient.unasked = Some(unasked);
+        if unasked.count >= most {
+            let identifier = u16::try_from(reading.frame.raw_id()).unwrap_or(u16::MAX);
+            self.ledger.see(&Sign {
+                rule: Rule::IdentifierCollision,
+                severity: Severity::Error,
+                node: Some(mac),
+                facts: Facts::Identifier(identifier),
+                since: unasked.first.at,
+                at: seen.at,
+                frames: [Some(unasked.first.n), Some(seen.n)],
+            });
+        }
+    }
+
+    /// Who does not answer by now, and which duplicates are over.
+    pub(super) fn look_at_presence(&mut self, now: Instant) {
+        for mac in MacId::all() {
+            let patient = self.patient(mac);
+            let Some(asked) = patient.asked.filter(|asked| asked.count >= FEWEST_REQUESTS) else { continue };
+            if now.saturating_since(asked.first.at) < NO_ANSWER {
+                continue;
+            }
+            let (rule, severity) = match (patient.was_heard, patient.expected.is_some()) {
+                (true, _) => (Rule::NotAnswering, Severity::Error),
+                (false, true) => (Rule::NotFound, Severity::Error),
+                (false, false) => (Rule::NotFound, Severity::Warning),
+            };
+            let facts = Facts::Requests { by: asked.by, count: asked.count };
+            let held = self.ledger.open(rule, Some(mac)).map(|finding| finding.facts);
+            // It is already told that its I/O stands still.
+            if held == Some(facts) || matches!(held, Some(Facts::Silence { .. })) {
+                continue;
+            }
+            self.ledger.see(&Sign {
+                rule,
+                severity,
+                node: Some(mac),
+                facts,
+                since: asked.first.at,
+                at: now,
+                frames: [Some(asked.first.n), Some(asked.last.n)],
+            });
+        }
+        self.look_at_rivals(now);
+    }
+
+    /// The rival has got the MAC ID after all.
+    fn look_at_rivals(&mut self, now: Instant) {
+        let records = self.records;
+        self.ledger.end_where(Rule::DuplicateMacId, now, |finding| {
+            let (Some(mac), Facts::Rivals { rival: Some(rival), .. }) = (finding.node, finding.facts) else {
+                return false;
+            };
+            let told = records.told(mac);
+            let is_its = told.vendor == Some(rival.vendor) && told.serial == Some(rival.serial);
+            let waited = now.saturating_since(finding.last) > BOTH_CHECK;
+            is_its && waited && records.access(mac, now) == AccessState::OnLine
+        });
+    }
+}
+
+pub(super) fn device_of(reading: &Reading<'_>) -> Option<DeviceIdentity> {
+    Some(DeviceIdentity { vendor: reading.fields.vendor?, serial: reading.fields.serial? })
+}
+
+fn is_rival(facts: Facts, device: DeviceIdentity) -> bool {
+    matches!(facts, Facts::Rivals { holder, rival } if holder == Some(device) || rival == Some(device))
+}
+
+/// Attribute 5 of the Identity object.
+const STATUS: AttributeId = AttributeId(5);
+/// Bits 8-11: minor and major faults.
+const FAULTS: u16 = 0x0F00;
+/// Bits 9 and 11.
+const UNRECOVERABLE: u16 = 0x0A00;
+/// Attribute 4 of the DeviceNet object.
+const BUS_OFF_COUNTER: AttributeId = AttributeId(4);
+/// Two checks of two devices within this time are both under way.
+const BOTH_CHECK: Duration = Duration::from_secs(2);
+/// A node that restarts for so many times more than once is in trouble.
+const OFTEN: u32 = 2;
+const FEWEST_REQUESTS: u16 = 3;
+/// A client waits a second for an answer and asks again; after this time it has given up.
+const NO_ANSWER: Duration = Duration::from_millis(2_500);
+const MOST_UNASKED: u16 = 3;
+/// Of a node of which no command was ever seen.
+const MOST_UNASKED_AT_ALL: u16 = 10;
+const UNASKED_WITHIN: Duration = Duration::from_secs(10);

@@ -1,0 +1,57 @@
+//! Findings as one flat object.
+
+use core::fmt;
+
+use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
+
+use super::finding::{Evidence, Finding};
+
+/// Absent fields are left out; times are nanoseconds:
+///
+/// `id`, `rule`, `severity`, `node`, `scanner_status`, `since`, `last`, `until`, `count`, `frames`, `facts`, `first_cause`,
+/// `text`, `advice`.
+impl Serialize for Finding {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("id", &self.id)?;
+        map.serialize_entry("rule", &self.rule)?;
+        map.serialize_entry("severity", &self.severity)?;
+        optional(&mut map, "node", self.node)?;
+        optional(&mut map, "scanner_status", self.scanner_status())?;
+        map.serialize_entry("since", &self.since)?;
+        map.serialize_entry("last", &self.last)?;
+        optional(&mut map, "until", self.until)?;
+        map.serialize_entry("count", &self.count)?;
+        map.serialize_entry("frames", &self.evidence)?;
+        map.serialize_entry("facts", &self.facts)?;
+        optional(&mut map, "first_cause", self.first_cause)?;
+        map.serialize_entry("text", &Words(self))?;
+        map.serialize_entry("advice", &Words(self.advice()))?;
+        map.end()
+    }
+}
+
+impl Serialize for Evidence {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut sequence = serializer.serialize_seq(Some(self.frames().len()))?;
+        self.frames().iter().try_for_each(|n| sequence.serialize_element(n))?;
+        sequence.end()
+    }
+}
+
+fn optional<M: SerializeMap, T: Serialize>(
+    map: &mut M,
+    key: &'static str,
+    value: Option<T>,
+) -> Result<(), M::Error> {
+    value.map_or(Ok(()), |value| map.serialize_entry(key, &value))
+}
+
+/// Serialises what `Display` prints.
+struct Words<T>(T);
+
+impl<T: fmt::Display> Serialize for Words<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(&self.0)
+    }
+}

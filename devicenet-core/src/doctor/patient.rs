@@ -1,0 +1,154 @@
+//! What the doctor keeps in mind of a node.
+
+use core::time::Duration;
+
+use link_core::Instant;
+
+use super::config::ExpectedNode;
+use crate::id::MacId;
+use crate::message::DeviceIdentity;
+use crate::monitor::{Predefined, Told};
+
+/// A frame, and when it was.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Seen {
+    pub(super) n: u64,
+    pub(super) at: Instant,
+}
+
+/// One kind of I/O of a node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Lane {
+    /// The first command that is not answered.
+    pub(super) since: Option<Seen>,
+    /// The last one.
+    pub(super) newest: Option<Seen>,
+    /// How many.
+    pub(super) unanswered: u16,
+    /// The last answer, or what it has produced by itself.
+    pub(super) last: Option<Seen>,
+    /// Answers in time since the last slow one.
+    pub(super) prompt: u8,
+}
+
+/// Requests to a node that has been silent since the first of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Asked {
+    pub(super) first: Seen,
+    pub(super) last: Seen,
+    pub(super) by: Option<MacId>,
+    pub(super) count: u16,
+}
+
+/// A duplicate MAC ID check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Check {
+    pub(super) seen: Seen,
+    pub(super) device: DeviceIdentity,
+}
+
+/// A refusal that is part of an orderly start, if the next attempt succeeds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Refused {
+    pub(super) seen: Seen,
+    pub(super) sign: super::ledger::Sign,
+}
+
+/// Answers that nobody has asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Unasked {
+    pub(super) first: Seen,
+    pub(super) count: u16,
+}
+
+/// What the doctor keeps in mind of a node.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct Patient {
+    lanes: [Lane; 4],
+    pub(super) asked: Option<Asked>,
+    pub(super) was_heard: bool,
+    pub(super) check: Option<Check>,
+    pub(super) told: Told,
+    pub(super) owner: Option<MacId>,
+    pub(super) refused: Option<Refused>,
+    pub(super) unasked: Option<Unasked>,
+    pub(super) expected: Option<ExpectedNode>,
+    /// It was heard while the doctor was learning.
+    pub(super) is_learned: bool,
+}
+
+impl Lane {
+    const NEW: Self = Self { since: None, newest: None, unanswered: 0, last: None, prompt: 0 };
+
+    /// A command that wants an answer.
+    pub(super) fn command(&mut self, seen: Seen) {
+        self.since.get_or_insert(seen);
+        self.newest = Some(seen);
+        self.unanswered = self.unanswered.saturating_add(1);
+    }
+
+    /// An answer; returns the first command that had none before.
+    pub(super) fn answer(&mut self, seen: Seen) -> Option<Seen> {
+        self.last = Some(seen);
+        self.unanswered = 0;
+        self.since.take()
+    }
+
+    /// No command waits.
+    pub(super) fn settle(&mut self) {
+        (self.since, self.unanswered) = (None, 0);
+    }
+
+    /// For how long nothing has been answered, if that is more than a single command.
+    pub(super) fn silence(&self, now: Instant) -> Option<Duration> {
+        let since = self.since.filter(|_| self.unanswered >= FEWEST_COMMANDS)?;
+        Some(now.saturating_since(since.at))
+    }
+}
+
+impl Patient {
+    pub(super) const NEW: Self = Self {
+        lanes: [Lane::NEW; 4],
+        asked: None,
+        was_heard: false,
+        check: None,
+        told: Told { vendor: None, device_type: None, product: None, revision: None, serial: None },
+        owner: None,
+        refused: None,
+        unasked: None,
+        expected: None,
+        is_learned: false,
+    };
+
+    /// Its I/O; explicit messages have no lane.
+    pub(super) fn lane(&mut self, which: Predefined) -> &mut Lane {
+        let [poll, strobe, changes, multicast] = &mut self.lanes;
+        match which {
+            Predefined::Poll | Predefined::Explicit => poll,
+            Predefined::BitStrobe => strobe,
+            Predefined::CosCyclic => changes,
+            Predefined::MulticastPoll => multicast,
+        }
+    }
+
+    pub(super) const fn peek(&self, which: Predefined) -> &Lane {
+        let [poll, strobe, changes, multicast] = &self.lanes;
+        match which {
+            Predefined::Poll | Predefined::Explicit => poll,
+            Predefined::BitStrobe => strobe,
+            Predefined::CosCyclic => changes,
+            Predefined::MulticastPoll => multicast,
+        }
+    }
+
+    /// Its connections begin anew.
+    pub(super) fn begin_anew(&mut self) {
+        self.lanes.iter_mut().for_each(|lane| {
+            lane.settle();
+            lane.last = None;
+        });
+    }
+}
+
+/// One command can be lost; the slave need not have been.
+const FEWEST_COMMANDS: u16 = 2;
