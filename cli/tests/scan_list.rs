@@ -36,8 +36,20 @@ fn the_scan_list_of_the_plant_is_rebuilt_from_its_traffic() {
     for rebuilt in &rebuilt {
         let planned = planned.iter().find(|entry| entry.mac_id == rebuilt.mac_id).expect(&list);
         assert_eq!(
-            (rebuilt.mac_id, rebuilt.poll, rebuilt.bit_strobe, rebuilt.state_change, rebuilt.multicast_poll),
-            (planned.mac_id, planned.poll, planned.bit_strobe, planned.state_change, planned.multicast_poll),
+            (
+                rebuilt.mac_id,
+                rebuilt.poll,
+                rebuilt.bit_strobe,
+                rebuilt.change_of_state,
+                rebuilt.multicast_poll
+            ),
+            (
+                planned.mac_id,
+                planned.poll,
+                planned.bit_strobe,
+                planned.change_of_state,
+                planned.multicast_poll
+            ),
             "{list}"
         );
         assert!(planned.key.product_code.is_none_or(|code| rebuilt.key.product_code == Some(code)), "{list}");

@@ -85,13 +85,13 @@ impl Exchange {
                 for (name, sizes) in [
                     (ConnectionName::Poll, slave.poll),
                     (ConnectionName::BitStrobe, slave.bit_strobe),
-                    (ConnectionName::ChangeOfState, slave.state_change),
+                    (ConnectionName::ChangeOfState, slave.change_of_state),
                     (ConnectionName::MulticastPoll, slave.multicast_poll),
                 ] {
                     exchange.produced.insert(name.instance(), sizes.produce.into());
                     // What comes by change of state comes over the instance of poll.
                     let consumed = match name {
-                        ConnectionName::Poll => sizes.consume.max(slave.state_change.consume),
+                        ConnectionName::Poll => sizes.consume.max(slave.change_of_state.consume),
                         ConnectionName::ChangeOfState => 0,
                         _ => sizes.consume,
                     };

@@ -82,7 +82,7 @@ fn a_master_and_three_slaves() {
         "slave 12: Configuring -> Running",
         "slave 10: poll: input data 01 02 03",
         "slave 11: poll: input data 01 02 03 04 05 06 07 08 09 0A 0B 0C",
-        "slave 12: change-of-state or cyclic: input data 05",
+        "slave 12: COS/cyclic: input data 05",
     ] {
         assert!(master.contains(line), "{line} is missing in\n{master}");
     }

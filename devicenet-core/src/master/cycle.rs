@@ -219,7 +219,7 @@ pub(super) fn takes_part<const N: usize>(slot: &Slot<N>, instance: IoInstance) -
             IoInstance::Poll => slot.entry.poll.is_some(),
             IoInstance::BitStrobe => slot.entry.bit_strobe.is_some(),
             IoInstance::MulticastPoll => slot.entry.multicast_poll.is_some(),
-            IoInstance::StateChange => false,
+            IoInstance::ChangeOfState => false,
         }
 }
 

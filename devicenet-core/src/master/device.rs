@@ -3,7 +3,7 @@
 use cip_core::scan::{self, DeviceKey, IoType, IoTypes, ScanConnection};
 
 use super::scan_list::{
-    BitStrobeConnection, ElectronicKey, PollConnection, ScanEntry, StateChangeConnection,
+    BitStrobeConnection, ChangeOfStateConnection, ElectronicKey, PollConnection, ScanEntry,
 };
 use crate::id::MacId;
 
@@ -95,7 +95,7 @@ impl ScanEntry {
                 self.bit_strobe = Some(BitStrobeConnection { produce, expected_packet_rate });
             }
             IoType::ChangeOfState | IoType::Cyclic => {
-                self.state_change = Some(StateChangeConnection {
+                self.change_of_state = Some(ChangeOfStateConnection {
                     cyclic: connection.ty == IoType::Cyclic,
                     acknowledged: true,
                     produce,
@@ -164,7 +164,7 @@ mod tests {
         let change = |cyclic| {
             let (produce, consume) = (2, 3);
             let rate = 75;
-            Some(StateChangeConnection {
+            Some(ChangeOfStateConnection {
                 cyclic,
                 acknowledged: true,
                 produce,
@@ -181,10 +181,10 @@ mod tests {
             entry(IoTypes::POLL | IoTypes::BIT_STROBE),
             ScanEntry { poll, bit_strobe: strobe, ..none }
         );
-        assert_eq!(entry(IoTypes::CHANGE_OF_STATE), ScanEntry { state_change: change(false), ..none });
+        assert_eq!(entry(IoTypes::CHANGE_OF_STATE), ScanEntry { change_of_state: change(false), ..none });
         assert_eq!(
             entry(IoTypes::CYCLIC | IoTypes::POLL),
-            ScanEntry { poll, state_change: change(true), ..none }
+            ScanEntry { poll, change_of_state: change(true), ..none }
         );
         assert_eq!(entry(IoTypes::MULTICAST_POLL), ScanEntry { multicast_poll: poll, ..none });
     }

@@ -159,8 +159,8 @@ pub use event::{Counters, MasterEvent, SlaveCounters, SlaveEvent};
 pub use machine::Master;
 pub use replacement::{Replacement, ReplacementMode};
 pub use scan_list::{
-    BitStrobeConnection, ElectronicKey, IoInstance, PollConnection, ScanEntry, ScanListError, ScanRate,
-    StateChangeConnection,
+    BitStrobeConnection, ChangeOfStateConnection, ElectronicKey, IoInstance, PollConnection, ScanEntry,
+    ScanListError, ScanRate,
 };
 pub use state::{Cause, EDGES, Edge, SlaveState};
 pub use status::ScannerStatus;

@@ -30,7 +30,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             _ if !self.on_line => {}
             Purpose::PollResponse => self.io(slave, IoInstance::Poll, frame.data()),
             Purpose::BitStrobeResponse => self.io(slave, IoInstance::BitStrobe, frame.data()),
-            Purpose::ChangeOfState => self.io(slave, IoInstance::StateChange, frame.data()),
+            Purpose::ChangeOfState => self.io(slave, IoInstance::ChangeOfState, frame.data()),
             Purpose::MulticastPollResponse => self.io(slave, IoInstance::MulticastPoll, frame.data()),
             Purpose::ExplicitResponse | Purpose::UnconnectedResponse if self.broadcast(slave, frame) => {}
             Purpose::ExplicitResponse if self.is_others_allocation(frame) => {
@@ -172,8 +172,8 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
 impl<const N: usize> Slot<N> {
     /// Takes a frame of an I/O message; true if the message is complete, and whatever became of it.
     fn io_message(&mut self, instance: IoInstance, size: usize, data: &[u8], run: bool) -> bool {
-        let acknowledged = instance == IoInstance::StateChange
-            && self.entry.state_change.is_some_and(|change| change.acknowledged);
+        let acknowledged = instance == IoInstance::ChangeOfState
+            && self.entry.change_of_state.is_some_and(|change| change.acknowledged);
         let Some(input) = self.inputs.get_mut(instance.index()) else { return false };
         let message = if size > IO_UNFRAGMENTED_LEN {
             match input.reassembly.frame(data) {

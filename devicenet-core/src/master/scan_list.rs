@@ -23,7 +23,7 @@ pub struct ScanEntry {
     /// Bit-strobe.
     pub bit_strobe: Option<BitStrobeConnection>,
     /// Change of state, or cyclic.
-    pub state_change: Option<StateChangeConnection>,
+    pub change_of_state: Option<ChangeOfStateConnection>,
     /// Multicast poll; the master's MAC ID names the group.
     pub multicast_poll: Option<PollConnection>,
     /// Whether its polls are sent in every scan.
@@ -83,7 +83,7 @@ pub struct BitStrobeConnection {
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct StateChangeConnection {
+pub struct ChangeOfStateConnection {
     /// Cyclic instead of change of state.
     pub cyclic: bool,
     /// Whether each message is acknowledged.
@@ -168,14 +168,14 @@ pub enum IoInstance {
     /// Instance 3.
     BitStrobe,
     /// Instance 4.
-    StateChange,
+    ChangeOfState,
     /// Instance 5.
     MulticastPoll,
 }
 
 impl IoInstance {
     /// In the order of their instance numbers.
-    pub const ALL: [Self; 4] = [Self::Poll, Self::BitStrobe, Self::StateChange, Self::MulticastPoll];
+    pub const ALL: [Self; 4] = [Self::Poll, Self::BitStrobe, Self::ChangeOfState, Self::MulticastPoll];
 
     /// The instance of the Connection object.
     #[must_use]
@@ -183,7 +183,7 @@ impl IoInstance {
         InstanceId(match self {
             Self::Poll => 2,
             Self::BitStrobe => 3,
-            Self::StateChange => 4,
+            Self::ChangeOfState => 4,
             Self::MulticastPoll => 5,
         })
     }
@@ -192,7 +192,7 @@ impl IoInstance {
         match self {
             Self::Poll => 0,
             Self::BitStrobe => 1,
-            Self::StateChange => 2,
+            Self::ChangeOfState => 2,
             Self::MulticastPoll => 3,
         }
     }
@@ -203,7 +203,7 @@ impl core::fmt::Display for IoInstance {
         f.write_str(match self {
             Self::Poll => "poll",
             Self::BitStrobe => "bit-strobe",
-            Self::StateChange => "change-of-state or cyclic",
+            Self::ChangeOfState => "COS/cyclic",
             Self::MulticastPoll => "multicast poll",
         })
     }
@@ -227,7 +227,7 @@ impl ScanEntry {
             key: ElectronicKey::default(),
             poll: None,
             bit_strobe: None,
-            state_change: None,
+            change_of_state: None,
             multicast_poll: None,
             rate: ScanRate::Foreground,
             replaceable: false,
@@ -241,7 +241,7 @@ impl ScanEntry {
         choice.set(AllocationChoice::POLL, self.poll.is_some());
         choice.set(AllocationChoice::BIT_STROBE, self.bit_strobe.is_some());
         choice.set(AllocationChoice::MULTICAST_POLL, self.multicast_poll.is_some());
-        if let Some(change) = self.state_change {
+        if let Some(change) = self.change_of_state {
             choice.set(AllocationChoice::CYCLIC, change.cyclic);
             choice.set(AllocationChoice::CHANGE_OF_STATE, !change.cyclic);
             choice.set(AllocationChoice::ACK_SUPPRESSION, !change.acknowledged);
@@ -258,7 +258,7 @@ impl ScanEntry {
             inhibit: 0,
         };
         match instance {
-            IoInstance::Poll => match (self.poll, self.state_change) {
+            IoInstance::Poll => match (self.poll, self.change_of_state) {
                 (Some(poll), _) => Some(polled(poll)),
                 (None, Some(change)) => Some(Agreed {
                     produce: None,
@@ -274,7 +274,7 @@ impl ScanEntry {
                 expected_packet_rate: strobe.expected_packet_rate,
                 inhibit: 0,
             }),
-            IoInstance::StateChange => self.state_change.map(|change| Agreed {
+            IoInstance::ChangeOfState => self.change_of_state.map(|change| Agreed {
                 produce: Some(change.produce),
                 consume: None,
                 expected_packet_rate: change.expected_packet_rate,
@@ -296,7 +296,7 @@ impl ScanEntry {
             let Some(agreed) = self.agreed(instance) else { continue };
             let most = match instance {
                 IoInstance::BitStrobe => BIT_STROBE_MAX.min(room),
-                IoInstance::Poll | IoInstance::StateChange | IoInstance::MulticastPoll => {
+                IoInstance::Poll | IoInstance::ChangeOfState | IoInstance::MulticastPoll => {
                     IO_MESSAGE_MAX.min(room)
                 }
             };

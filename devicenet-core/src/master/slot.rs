@@ -127,7 +127,7 @@ impl TimerKey<8> for SlotTimer {
         Self::Retry,
         Self::Watchdog(IoInstance::Poll),
         Self::Watchdog(IoInstance::BitStrobe),
-        Self::Watchdog(IoInstance::StateChange),
+        Self::Watchdog(IoInstance::ChangeOfState),
         Self::Watchdog(IoInstance::MulticastPoll),
         Self::Trigger,
         Self::Restart,
@@ -211,7 +211,7 @@ impl<const N: usize> Slot<N> {
 
     /// Whether the output data are sent by themselves instead of with a poll command.
     pub(super) const fn sends_output(&self) -> bool {
-        self.entry.poll.is_none() && self.entry.state_change.is_some()
+        self.entry.poll.is_none() && self.entry.change_of_state.is_some()
     }
 
     /// The one door between states.

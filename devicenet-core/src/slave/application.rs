@@ -227,7 +227,7 @@ impl core::fmt::Display for IoKind {
         f.pad(match self {
             Self::Poll => "poll",
             Self::BitStrobe => "bit-strobe",
-            Self::ChangeOfState => "change of state",
+            Self::ChangeOfState => "COS/cyclic",
             Self::MulticastPoll => "multicast poll",
         })
     }

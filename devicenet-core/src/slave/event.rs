@@ -284,7 +284,7 @@ impl fmt::Display for SlaveEvent {
             Self::BitRateDetected(rate) => write!(f, "bit rate {rate} detected"),
             Self::NetworkStatus(status) => write!(f, "network status {status}"),
             Self::ModuleStatus(status) => write!(f, "module status {status}"),
-            Self::NotAcknowledged => f.write_str("change of state not acknowledged"),
+            Self::NotAcknowledged => f.write_str("COS/cyclic message not acknowledged"),
             Self::ResponseAbandoned { instance } => {
                 write!(f, "explicit connection {instance}: response given up, not acknowledged")
             }

@@ -2,7 +2,7 @@
 
 use cip_core::code::VendorId;
 use devicenet_core::master::{
-    BitStrobeConnection, ElectronicKey, PollConnection, ScanEntry, StateChangeConnection,
+    BitStrobeConnection, ChangeOfStateConnection, ElectronicKey, PollConnection, ScanEntry,
 };
 use devicenet_core::{Identifier, MacId};
 use link_core::Frame;
@@ -22,7 +22,7 @@ pub(super) fn entry(number: u8) -> ScanEntry {
             ..base
         },
         _ => {
-            let change = StateChangeConnection {
+            let change = ChangeOfStateConnection {
                 cyclic: false,
                 acknowledged: true,
                 produce: 2,
@@ -30,7 +30,7 @@ pub(super) fn entry(number: u8) -> ScanEntry {
                 expected_packet_rate: 0,
                 inhibit: 0,
             };
-            ScanEntry { state_change: Some(change), ..base }
+            ScanEntry { change_of_state: Some(change), ..base }
         }
     }
 }

@@ -6,8 +6,8 @@ use core::time::Duration;
 use cip_core::code::{AttributeId, ClassId, DeviceType, InstanceId, VendorId};
 use devicenet_core::MacId;
 use devicenet_core::master::{
-    BitStrobeConnection, ElectronicKey, FirstContact, PollConnection, ReplacementMode, ScanEntry, ScanRate,
-    StateChangeConnection,
+    BitStrobeConnection, ChangeOfStateConnection, ElectronicKey, FirstContact, PollConnection,
+    ReplacementMode, ScanEntry, ScanRate,
 };
 use toml::Spanned;
 
@@ -108,7 +108,7 @@ impl Checker<'_> {
             );
         }
         entry.bit_strobe = raw.bit_strobe.as_ref().map(|io| self.strobe(io, raw)).transpose()?;
-        entry.state_change = self.state_change(raw)?;
+        entry.change_of_state = self.change_of_state(raw)?;
         if is_set(raw.background.as_ref()) {
             entry.rate = ScanRate::Background;
         }
@@ -177,7 +177,7 @@ impl Checker<'_> {
         })
     }
 
-    fn state_change(&self, entry: &RawScan) -> Result<Option<StateChangeConnection>, ScenarioError> {
+    fn change_of_state(&self, entry: &RawScan) -> Result<Option<ChangeOfStateConnection>, ScenarioError> {
         let (name, io) = match (&entry.cos, &entry.cyclic) {
             (None, None) => return Ok(None),
             (Some(io), None) => (ConnectionName::ChangeOfState, io),
@@ -210,7 +210,7 @@ impl Checker<'_> {
                 format!("`inhibit` is {inhibit}ms, longer than `epr`; expected at most {rate}ms"),
             );
         }
-        Ok(Some(StateChangeConnection {
+        Ok(Some(ChangeOfStateConnection {
             cyclic: name == ConnectionName::Cyclic,
             acknowledged: raw.acknowledged.as_ref().is_none_or(|flag| *flag.get_ref()),
             produce: sizes.produce,

@@ -21,7 +21,7 @@ impl Checker<'_> {
             offers: AllocationChoice::empty(),
             poll: Sizes::default(),
             bit_strobe: Sizes::default(),
-            state_change: Sizes::default(),
+            change_of_state: Sizes::default(),
             multicast_poll: Sizes::default(),
             input: Vec::new(),
             ucmm: is_set(raw.ucmm.as_ref()),
@@ -47,12 +47,12 @@ impl Checker<'_> {
                 ConnectionName::MulticastPoll => slave.multicast_poll = sizes,
                 ConnectionName::ChangeOfState | ConnectionName::Cyclic => {
                     self.shared(&slave, name, io, sizes)?;
-                    slave.state_change = sizes;
+                    slave.change_of_state = sizes;
                 }
             }
             slave.offers |= name.choice();
         }
-        if slave.offers.intersects(STATE_CHANGE) {
+        if slave.offers.intersects(CHANGE_OF_STATE) {
             slave.offers |= AllocationChoice::ACK_SUPPRESSION;
         }
         slave.input = match &raw.input {
@@ -70,7 +70,7 @@ impl Checker<'_> {
         io: &Spanned<RawIo>,
         sizes: Sizes,
     ) -> Result<(), ScenarioError> {
-        if slave.offers.intersects(STATE_CHANGE) && slave.state_change != sizes {
+        if slave.offers.intersects(CHANGE_OF_STATE) && slave.change_of_state != sizes {
             return self.fail(
                 &io.span(),
                 "`cyclic` and `cos` are one connection, allocated in two ways; expected the same sizes of both",
@@ -167,4 +167,4 @@ fn connections(raw: &RawNode) -> impl Iterator<Item = (ConnectionName, &Spanned<
     .filter_map(|(name, io)| Some((name, io.as_ref()?)))
 }
 
-const STATE_CHANGE: AllocationChoice = AllocationChoice::CHANGE_OF_STATE.union(AllocationChoice::CYCLIC);
+const CHANGE_OF_STATE: AllocationChoice = AllocationChoice::CHANGE_OF_STATE.union(AllocationChoice::CYCLIC);

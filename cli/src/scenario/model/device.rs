@@ -49,7 +49,7 @@ pub struct SlaveNode {
     /// Instance 3; it consumes one bit.
     pub bit_strobe: Sizes,
     /// Instance 4; what it consumes comes over instance 2.
-    pub state_change: Sizes,
+    pub change_of_state: Sizes,
     /// Instance 5.
     pub multicast_poll: Sizes,
     /// The input data, of which each connection sends the first bytes.

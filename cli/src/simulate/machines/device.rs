@@ -27,11 +27,11 @@ pub(in crate::simulate) struct Device {
 impl Device {
     pub(super) fn new(node: &SlaveNode) -> Self {
         // What a master sends by change of state comes over instance 2.
-        let consume = node.poll.consume.max(node.state_change.consume);
+        let consume = node.poll.consume.max(node.change_of_state.consume);
         let sizes = [
             Sizes { consume, ..node.poll },
             node.bit_strobe,
-            Sizes { consume: 0, ..node.state_change },
+            Sizes { consume: 0, ..node.change_of_state },
             node.multicast_poll,
         ];
         Self {

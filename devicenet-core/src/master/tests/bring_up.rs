@@ -321,7 +321,7 @@ fn entries_that_cannot_work_are_refused() {
     let long = ScanEntry { bit_strobe: Some(strobe), ..ScanEntry::explicit_only(mac(10)) };
     let refused = master.add_slave(now, long).unwrap_err();
     assert_eq!(refused.to_string(), "bit-strobe connection of 9 bytes: at most 8 fit");
-    let change = StateChangeConnection {
+    let change = ChangeOfStateConnection {
         cyclic: false,
         acknowledged: true,
         produce: 1,
@@ -329,7 +329,7 @@ fn entries_that_cannot_work_are_refused() {
         expected_packet_rate: 100,
         inhibit: 101,
     };
-    let slow = ScanEntry { state_change: Some(change), ..ScanEntry::explicit_only(mac(10)) };
+    let slow = ScanEntry { change_of_state: Some(change), ..ScanEntry::explicit_only(mac(10)) };
     assert_eq!(master.add_slave(now, slow), Err(ScanListError::InhibitTooLong { inhibit: 101, rate: 100 }));
     let listed: std::vec::Vec<u8> = master.scan_list().map(|entry| entry.mac_id.number()).collect();
     assert_eq!(listed, [11, 12, 63]);

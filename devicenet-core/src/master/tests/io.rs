@@ -17,8 +17,8 @@ pub(super) fn entry() -> ScanEntry {
     ScanEntry::explicit_only(mac(10))
 }
 
-pub(super) fn cos(acknowledged: bool, consume: u16) -> StateChangeConnection {
-    StateChangeConnection {
+pub(super) fn cos(acknowledged: bool, consume: u16) -> ChangeOfStateConnection {
+    ChangeOfStateConnection {
         cyclic: false,
         acknowledged,
         produce: 1,
@@ -170,8 +170,8 @@ fn the_status_is_that_of_the_worst_instance() {
 /// New data while the first fragment of the old is in flight: the old message is finished, then the new one is sent.
 #[test]
 fn a_change_during_a_fragmented_message_is_not_lost() {
-    let change = StateChangeConnection { expected_packet_rate: 0, ..cos(true, 9) };
-    let mut bus = running(ScanEntry { state_change: Some(change), ..entry() });
+    let change = ChangeOfStateConnection { expected_packet_rate: 0, ..cos(true, 9) };
+    let mut bus = running(ScanEntry { change_of_state: Some(change), ..entry() });
     bus.sends("455:");
     bus.command(|master, _| {
         master.set_run(true);
@@ -193,8 +193,8 @@ fn a_change_during_a_fragmented_message_is_not_lost() {
 /// Without a packet rate there is no second chance: what the controller gave back is sent again, a little later.
 #[test]
 fn outputs_that_were_given_back_are_sent_again() {
-    let change = StateChangeConnection { expected_packet_rate: 0, ..cos(false, 1) };
-    let mut bus = running(ScanEntry { state_change: Some(change), ..entry() });
+    let change = ChangeOfStateConnection { expected_packet_rate: 0, ..cos(false, 1) };
+    let mut bus = running(ScanEntry { change_of_state: Some(change), ..entry() });
     for _ in 0..3 {
         bus.drops("455:");
         bus.sends_nothing();
@@ -209,7 +209,7 @@ fn outputs_that_were_given_back_are_sent_again() {
 #[test]
 fn acknowledges_take_turns() {
     let entries = [10, 11].map(|number| ScanEntry {
-        state_change: Some(cos(true, 0)),
+        change_of_state: Some(cos(true, 0)),
         ..ScanEntry::explicit_only(mac(number))
     });
     let mut bus = Bus::online(Config { deferred_delete: false, ..config() }, &entries);
@@ -232,10 +232,10 @@ fn acknowledges_take_turns() {
 #[test]
 fn changes_are_acknowledged_unless_that_is_suppressed() {
     for acknowledged in [true, false] {
-        let mut bus = running(ScanEntry { state_change: Some(cos(acknowledged, 0)), ..entry() });
+        let mut bus = running(ScanEntry { change_of_state: Some(cos(acknowledged, 0)), ..entry() });
         bus.sends("455:");
         bus.hears("34A: 01");
-        assert_eq!(bus.master.input_data(mac(10), IoInstance::StateChange), Some(&[1][..]));
+        assert_eq!(bus.master.input_data(mac(10), IoInstance::ChangeOfState), Some(&[1][..]));
         assert_eq!(bus.try_sends("452:"), acknowledged);
         bus.sends_nothing();
     }
@@ -244,7 +244,7 @@ fn changes_are_acknowledged_unless_that_is_suppressed() {
 /// The slave's watchdog of instance 2 is fed by the master's own data, at the expected packet rate and on change.
 #[test]
 fn outputs_without_poll_are_sent_on_change_and_at_the_packet_rate() {
-    let mut bus = running(ScanEntry { state_change: Some(cos(true, 1)), ..entry() });
+    let mut bus = running(ScanEntry { change_of_state: Some(cos(true, 1)), ..entry() });
     bus.command(|master, _| master.set_run(true));
     bus.sends("455:");
     bus.sends("455: 00");

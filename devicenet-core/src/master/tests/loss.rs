@@ -57,7 +57,7 @@ fn outputs_on_their_way_to_a_lost_slave_are_withdrawn() {
 /// fragment, though the withdrawn one may still be in the controller.
 #[test]
 fn a_stale_fragment_does_not_tear_the_next_message() {
-    let mut entry = ScanEntry { state_change: Some(cos(true, 9)), ..entry() };
+    let mut entry = ScanEntry { change_of_state: Some(cos(true, 9)), ..entry() };
     entry.key = ElectronicKey::default();
     let mut bus = running(entry);
     bus.sends("455:");
