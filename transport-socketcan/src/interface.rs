@@ -69,9 +69,19 @@ impl Interface {
     /// Whether it is there and up.
     #[must_use]
     pub fn is_up(&self) -> bool {
+        self.flags() & IFF_UP != 0
+    }
+
+    /// Whether it echoes a frame when that was on the bus, as controllers do. For one that does not, such as `vcan`, the
+    /// kernel makes the echo when the interface has taken the frame.
+    #[must_use]
+    pub fn has_echo(&self) -> bool {
+        self.flags() & IFF_ECHO != 0
+    }
+
+    fn flags(&self) -> u32 {
         let flags = fs::read_to_string(format!("{CLASS_NET}/{}/flags", self.name)).unwrap_or_default();
-        let flags = flags.trim().trim_start_matches("0x");
-        u32::from_str_radix(flags, 16).is_ok_and(|flags| flags & IFF_UP != 0)
+        u32::from_str_radix(flags.trim().trim_start_matches("0x"), 16).unwrap_or(0)
     }
 
     /// What it is, and in which mode.
@@ -155,6 +165,7 @@ const CLASS_NET: &str = "/sys/class/net";
 const ARPHRD_CAN: u32 = 280;
 /// linux/if.h
 const IFF_UP: u32 = 1;
+const IFF_ECHO: u32 = 1 << 18;
 
 #[cfg(test)]
 mod tests {

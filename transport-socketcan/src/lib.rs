@@ -22,6 +22,7 @@
 //! |---|---|
 //! | a frame, with the kernel's time | [`Input::Frame`](link_core::Input::Frame) of that moment |
 //! | the echo of an own frame, marked `MSG_CONFIRM` | [`TxDone(_, Sent)`](link_core::TxOutcome::Sent): it was on the bus and acknowledged |
+//! | a frame taken by an interface without an echo (`vcan`) | `TxDone(_, Sent)`, of the last known moment |
 //! | the same frame from a twin, unmarked | `Input::Frame`: an echo is never recognised by its content |
 //! | error frame, class bus-off | [`LinkEvent::BusOff`](link_core::LinkEvent::BusOff); frames in flight are `Dropped` |
 //! | error frame, restarted | `Up`; before it `BusOff`, if the news of that was lost |

@@ -31,6 +31,10 @@ pub(crate) struct Link {
     messages: Vec<Message>,
     /// There may be more in the socket than was taken.
     more: bool,
+    /// Frames that were answered as sent since the socket was last looked into.
+    unheard: usize,
+    /// The interface tells itself what it has sent. Where it does not, the kernel's echo would only say that it took the frame.
+    has_echo: bool,
     listen_only: bool,
     /// The same for good, whatever a machine asks for.
     never_send: bool,
@@ -57,8 +61,9 @@ enum State {
 impl Link {
     pub(crate) fn open(name: &str) -> Result<Self, Error> {
         let interface = Interface::find(name)?;
+        let has_echo = interface.has_echo();
         let mut link = Self {
-            socket: open(&interface)?,
+            socket: open(&interface, has_echo)?,
             generation: 0,
             state: State::Down(Instant::ZERO),
             interface,
@@ -67,6 +72,8 @@ impl Link {
             inputs: VecDeque::new(),
             messages: Vec::with_capacity(BATCH),
             more: false,
+            unheard: 0,
+            has_echo,
             listen_only: false,
             never_send: false,
             filters: None,
@@ -200,6 +207,11 @@ impl Link {
             if let Some(input) = self.inputs.pop_front() {
                 return Ok(Some(input));
             }
+            // A machine that always has something to send must hear of others all the same.
+            if self.unheard >= BATCH && self.is_open() {
+                self.receive(Patience::None)?;
+                continue;
+            }
             if let Some((token, outcome)) = self.outbox.answer() {
                 return Ok(Some((self.stamps.last(), Input::TxDone(token, outcome))));
             }
@@ -261,11 +273,13 @@ impl Link {
         while let Some(&frame) = self.outbox.next() {
             self.let_the_echo_pass(&frame)?;
             match self.socket.send(&frame) {
-                Ok(true) => {
+                Ok(true) if self.has_echo => {
                     self.outbox.hand_over();
                     self.echo_lost = None;
-                    // On a virtual interface the echo is there at once.
-                    self.more = true;
+                }
+                Ok(true) => {
+                    self.outbox.sent();
+                    self.unheard = self.unheard.saturating_add(1);
                 }
                 Ok(false) => {
                     self.retry_at = Some(self.now().saturating_add(RETRY_AFTER));
@@ -283,7 +297,7 @@ impl Link {
     }
 
     fn let_the_echo_pass(&mut self, frame: &Frame) -> Result<(), Error> {
-        let Some(filters) = &self.filters else { return Ok(()) };
+        let Some(filters) = self.filters.as_ref().filter(|_| self.has_echo) else { return Ok(()) };
         let exact = Filter::exact(frame.id());
         if filters.accepts(frame) || self.sent.iter().any(|filter| filter.accepts(frame.id())) {
             return Ok(());
@@ -328,13 +342,14 @@ impl Link {
     /// Begins with a new socket: an interface that was unplugged comes back with another index, and one that went down has
     /// left an error in the old one.
     fn renew(&mut self) -> Result<(), Error> {
-        let socket = open(&self.interface)?;
+        let has_echo = self.interface.has_echo();
+        let socket = open(&self.interface, has_echo)?;
         if let Some(filters) = &self.filters {
             socket
                 .set_filters(filters, &[])
                 .map_err(|source| self.failed("cannot set the acceptance filter", source))?;
         }
-        self.socket = socket;
+        (self.socket, self.has_echo) = (socket, has_echo);
         self.generation = self.generation.wrapping_add(1);
         self.lost = 0;
         self.sent.clear();
@@ -358,12 +373,12 @@ impl AsFd for Link {
     }
 }
 
-fn open(interface: &Interface) -> Result<Socket, Error> {
+fn open(interface: &Interface, has_echo: bool) -> Result<Socket, Error> {
     let name = || interface.name().to_owned();
     let Some(index) = interface.index() else {
         return Err(Error::NoInterface { name: name(), present: Interface::names() });
     };
-    Socket::open(index).map_err(|(what, source)| match source.raw_os_error() {
+    Socket::open(index, has_echo).map_err(|(what, source)| match source.raw_os_error() {
         Some(libc::EAFNOSUPPORT | libc::EPROTONOSUPPORT) => Error::NoSocketCan,
         _ => Error::Socket { name: name(), what, source },
     })

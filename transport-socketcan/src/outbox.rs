@@ -37,6 +37,13 @@ impl Outbox {
         self.handed_over = self.waiting.pop();
     }
 
+    /// The kernel has taken that frame, and that is all that it will tell.
+    pub(crate) fn sent(&mut self) {
+        if let Some(pending) = self.waiting.pop() {
+            self.answers.push_back((pending.token, TxOutcome::Sent));
+        }
+    }
+
     /// That frame can never be sent.
     pub(crate) fn refuse(&mut self) {
         if let Some(pending) = self.waiting.pop() {

@@ -18,18 +18,18 @@ pub(crate) struct Socket {
 }
 
 impl Socket {
-    /// Opens a socket on an interface, up or down.
-    pub(crate) fn open(index: u32) -> Result<Self, (&'static str, io::Error)> {
+    /// Opens a socket on an interface, up or down; with the echoes of the frames that it sends.
+    pub(crate) fn open(index: u32, with_echoes: bool) -> Result<Self, (&'static str, io::Error)> {
         let inner = CanSocket::open_iface(index).map_err(|error| ("cannot open a CAN socket", error))?;
         let socket = Self { inner };
-        socket.set_options().map_err(|error| ("cannot set the options of the socket", error))?;
+        socket.set_options(with_echoes).map_err(|error| ("cannot set the options of the socket", error))?;
         Ok(socket)
     }
 
-    fn set_options(&self) -> io::Result<()> {
+    fn set_options(&self, with_echoes: bool) -> io::Result<()> {
         let (socket, level) = (&self.inner, libc::SOL_SOCKET);
         socket.set_read_timeout(SHORT)?;
-        socket.set_recv_own_msgs(true)?;
+        socket.set_recv_own_msgs(with_echoes)?;
         socket.set_error_filter(ERR_MASK_ALL)?;
         socket.set_socket_option_int(level, libc::SO_TIMESTAMPNS, 1)?;
         socket.set_socket_option_int(level, libc::SO_RXQ_OVFL, 1)?;

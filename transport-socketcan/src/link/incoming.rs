@@ -17,6 +17,7 @@ impl Link {
         let result = self.socket.receive(patience, &mut messages);
         // A full batch may not have been all.
         self.more = messages.len() >= BATCH;
+        self.unheard = 0;
         messages.iter().for_each(|message| self.take(message));
         self.messages = messages;
         match result {

@@ -26,19 +26,6 @@ fn down_and_up_again_in_the_middle() {
 
 #[test]
 #[ignore = "needs vcan"]
-fn what_was_received_before_the_interface_went_down_is_told_before_that() {
-    let bus = Interface::new("vcan36");
-    let (mut port, mut other) = (bus.port(), bus.port());
-    other.transmit(TxToken(1), frame(0x200, &[])).unwrap();
-    port.transmit(TxToken(2), frame(0x100, &[])).unwrap();
-    bus.set("down");
-    assert_eq!(input(&mut port), Input::Frame(frame(0x200, &[])));
-    assert_eq!(input(&mut port), sent(2));
-    assert_eq!(input(&mut port), Input::Link(LinkEvent::Down));
-}
-
-#[test]
-#[ignore = "needs vcan"]
 fn an_adapter_that_is_unplugged_comes_back_with_its_filter() {
     let bus = Interface::new("vcan31");
     let mut port = bus.port();

@@ -33,6 +33,49 @@ fn a_frame_is_sent_when_it_has_left_the_queue() {
     assert!(at >= before + Duration::from_millis(100), "{before} {at}");
 }
 
+/// Two nodes with one MAC ID send the same duplicate MAC ID check: neither may take the other's for its own.
+#[test]
+#[ignore = "needs vcan"]
+fn a_twins_identical_frame_is_not_the_echo() {
+    let bus = Interface::new("vcan65");
+    let (mut one, mut twin) = (bus.port(), bus.port());
+    let check = frame(0x52F, &[0, 0x34, 0x12, 0x45, 0x23, 0, 0]);
+    twin.transmit(TxToken(1), check).unwrap();
+    one.transmit(TxToken(2), check).unwrap();
+    assert_eq!(input(&mut one), Input::Frame(check), "the twin's, which was first");
+    assert_eq!(input(&mut one), sent(2));
+    assert_eq!(input(&mut twin), sent(1));
+    assert_eq!(input(&mut twin), Input::Frame(check));
+}
+
+/// The first of three is with the kernel before the others come; of these, the more urgent goes first.
+#[test]
+#[ignore = "needs vcan"]
+fn the_most_urgent_frame_goes_first() {
+    let bus = Interface::new("vcan66");
+    let (mut one, mut other) = (bus.port(), bus.port());
+    for (token, id) in [(1, 0x600), (2, 0x500), (3, 0x100)] {
+        one.transmit(TxToken(token), frame(id, &[])).unwrap();
+    }
+    let order: Vec<Input> = (0..3).map(|_| input(&mut one)).collect();
+    assert_eq!(order, [sent(1), sent(3), sent(2)]);
+    let ids: Vec<Input> = (0..3).map(|_| input(&mut other)).collect();
+    assert_eq!(ids, [0x600, 0x100, 0x500].map(|id| Input::Frame(frame(id, &[]))));
+}
+
+#[test]
+#[ignore = "needs vcan"]
+fn what_was_received_before_the_interface_went_down_is_told_before_that() {
+    let bus = Interface::new("vcan67");
+    let (mut port, mut other) = (bus.port(), bus.port());
+    other.transmit(TxToken(1), frame(0x200, &[])).unwrap();
+    port.transmit(TxToken(2), frame(0x100, &[])).unwrap();
+    bus.set("down");
+    assert_eq!(input(&mut port), Input::Frame(frame(0x200, &[])));
+    assert_eq!(input(&mut port), sent(2));
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::Down));
+}
+
 /// A node changes its filter when it goes on line, or when a connection comes; a frame may be on its way then.
 #[test]
 #[ignore = "needs vcan"]
