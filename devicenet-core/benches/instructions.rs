@@ -75,6 +75,18 @@ const CASES: &[Case] = &[
         budget: Some(250),
     },
     Case {
+        name: "get-allocation",
+        words: "Get_Attribute_Single: allocation information",
+        requests: &[(0x5FC, &[0x04, 0x0E, 0x03, 0x01, 0x05])],
+        budget: Some(250),
+    },
+    Case {
+        name: "get-refused",
+        words: "Get_Attribute_Single: an attribute that is not there",
+        requests: &[(0x5FC, &[0x04, 0x0E, 0x03, 0x01, 0x63])],
+        budget: None,
+    },
+    Case {
         name: "set",
         words: "Set_Attribute_Single: expected packet rate of the poll connection",
         requests: &[(0x5FC, &[0x04, 0x10, 0x05, 0x02, 0x09, 0xC8, 0x00])],

@@ -114,6 +114,18 @@ impl ExplicitConnection {
         self.settings.set_watchdog_action(action, &EXPLICIT_ACTIONS)
     }
 
+    /// What [`handle`](Self::handle) does with a message, which is all that most connections ever meet.
+    #[inline]
+    pub fn message(&mut self) -> Watchdog {
+        match self.state {
+            ExplicitState::Established | ExplicitState::DeferredDelete => {
+                self.enter(ExplicitState::Established, ExplicitCause::Message);
+                self.watchdog()
+            }
+            ExplicitState::NonExistent => Watchdog::Keep,
+        }
+    }
+
     /// The state machine. An error is the general status of the response to the service that was the cause; messages and
     /// time-outs that a state does not know change nothing.
     pub fn handle(&mut self, cause: ExplicitCause) -> Result<Watchdog, GeneralStatus> {
@@ -164,6 +176,7 @@ impl ExplicitConnection {
         self.state = next;
     }
 
+    #[inline]
     const fn watchdog(&self) -> Watchdog {
         Watchdog::start(time_out(self.settings.expected_packet_rate, self.settings.multiplier))
     }

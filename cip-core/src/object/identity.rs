@@ -129,6 +129,26 @@ impl<'a> Identity<'a> {
         }
     }
 
+    /// Writes an attribute of instance 1, wherever an attribute that the device does not have is written as unknown.
+    // What a device is asked most: a call would take a tenth of its instructions.
+    #[inline(always)]
+    pub fn emit_attribute(&self, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
+        let word = match attribute.0 {
+            1 => self.device.vendor.0,
+            2 => self.device.device_type.0,
+            3 => self.device.product_code,
+            4 => u16::from_le_bytes([self.device.revision.major, self.device.revision.minor]),
+            5 => self.status.bits(),
+            6 => return Ok(out.u32(self.device.serial)?),
+            7 => return Ok(self.device.name.emit(out)?),
+            8 => return Ok(out.u8(self.state.unwrap_or(DeviceState::NOT_IMPLEMENTED).0)?),
+            9 => self.configuration_consistency.unwrap_or(0),
+            10 => return Ok(out.u8(self.heartbeat_interval.unwrap_or(0))?),
+            _ => return Err(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED.into()),
+        };
+        Ok(out.u16(word)?)
+    }
+
     fn reset(&self, call: &Call<'_>) -> Result<Effects, Failure> {
         let kind = match call.data {
             [] => ResetType::POWER_CYCLE,
@@ -174,23 +194,8 @@ impl Object for Identity<'_> {
         rules.get(start..end)
     }
 
-    // What a device is asked most: a call would take a tenth of its instructions.
-    #[inline]
     fn get(&self, _: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
-        let word = match attribute.0 {
-            1 => self.device.vendor.0,
-            2 => self.device.device_type.0,
-            3 => self.device.product_code,
-            4 => u16::from_le_bytes([self.device.revision.major, self.device.revision.minor]),
-            5 => self.status.bits(),
-            9 => self.configuration_consistency.unwrap_or(0),
-            6 => return Ok(out.u32(self.device.serial)?),
-            7 => return Ok(self.device.name.emit(out)?),
-            8 => return Ok(out.u8(self.state.unwrap_or(DeviceState::NOT_IMPLEMENTED).0)?),
-            10 => return Ok(out.u8(self.heartbeat_interval.unwrap_or(0))?),
-            _ => return Err(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED.into()),
-        };
-        Ok(out.u16(word)?)
+        self.emit_attribute(attribute, out)
     }
 
     fn set(

@@ -3,7 +3,7 @@
 use link_core::{Action, Frame, LinkCommand};
 
 use super::event::{AccessEvent, Outgoing};
-use super::machine::{Access, Fate, InFlight, Listening, Timer};
+use super::machine::{Access, Fate, InFlight, Timer};
 use super::state::{SecondRequest, SendStage, State, WhoAnswer};
 use crate::id::Identifier;
 use crate::message::{self, Direction, DuplicateMacCheck, IdentifyResponse, WhoResponse};
@@ -16,23 +16,16 @@ impl Access {
     }
 
     /// Whether there is anything to do. On line there mostly is not, and that is seen quickly.
-    #[inline]
     pub(crate) fn has_output(&self) -> bool {
-        let settled = State::OnLine { response_due: false, second_request: SecondRequest::Done };
-        let nothing = self.state == settled
-            && !self.has_news()
-            && self.in_flight.is_none()
-            && self.told == Some(Listening::Check(self.mac_id));
-        !nothing && self.has_output_after_all()
+        self.has_output_except_transmit() || self.wants_to_transmit()
     }
 
-    #[inline(never)]
-    fn has_output_after_all(&self) -> bool {
-        self.has_news()
-            || self.must_withdraw()
-            || self.must_restart_controller()
-            || self.must_set_filter()
-            || self.wanted().is_some()
+    pub(crate) fn has_output_except_transmit(&self) -> bool {
+        self.has_news() || self.must_withdraw() || self.must_restart_controller() || self.must_set_filter()
+    }
+
+    pub(crate) fn wants_to_transmit(&self) -> bool {
+        self.wanted().is_some()
     }
 
     /// All that [`poll`](link_core::Machine::poll) does but hand out frames, so that a node can put others before them.

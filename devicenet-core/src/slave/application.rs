@@ -83,7 +83,7 @@ bitflags::bitflags! {
     /// What a slave can do and a small one may do without. What a part does is decided by [`Config`](super::Config) as
     /// ever, if the part is there.
     #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-    pub struct Parts: u8 {
+    pub struct Parts: u16 {
         /// The offline connection set: [`offline_set`](crate::access::Config::offline_set). Without it that is off.
         const OFFLINE_SET = 1 << 0;
         /// Automatic bit rate detection: [`detect`](super::BitRateConfig::detect).
@@ -104,13 +104,15 @@ bitflags::bitflags! {
         /// What a Connection object need not have: the services Delete, Apply_Attributes and Find_Next_Object_Instance, and
         /// the Reset of all instances. With dynamic connections it has them all the same.
         const OPTIONAL_SERVICES = 1 << 7;
+        /// A shorter way for what a slave is asked most, Get_Attribute_Single: half the instructions, for more code.
+        const FAST_GET = 1 << 8;
     }
 }
 
 #[cfg(feature = "defmt")]
 impl defmt::Format for Parts {
     fn format(&self, f: defmt::Formatter<'_>) {
-        defmt::write!(f, "{=u8:#04x}", self.bits());
+        defmt::write!(f, "{=u16:#06x}", self.bits());
     }
 }
 

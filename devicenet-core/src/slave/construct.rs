@@ -12,7 +12,7 @@ use super::detection::Detection;
 use super::devicenet_object::Port;
 use super::indicator::ModuleStatus;
 use super::io::{LongMessages, Slots};
-use super::machine::{DynamicTransfer, Slave};
+use super::machine::{DynamicTransfer, Errand, Slave};
 use super::node::{Node, bits_of};
 use super::transfer::Transfer;
 use crate::access::{Access, NetworkStatus};
@@ -106,7 +106,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             answers: Queue::new(),
             detection: Detection::new(config.bit_rate.detect),
             heartbeat_due: false,
-            mode_due: false,
+            errand: Errand::None,
             online: false,
             shown: NetworkStatus::Off,
             module,

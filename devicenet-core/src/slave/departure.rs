@@ -7,7 +7,7 @@ use super::allocation::Door;
 use super::application::{Application, Parts};
 use super::config::Options;
 use super::event::{Ignored, SlaveEvent};
-use super::machine::Slave;
+use super::machine::{Errand, Slave};
 use crate::access::MacIdSource;
 use crate::id::MacId;
 
@@ -84,6 +84,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             Some(Departure { why: Why::MacId(mac), .. }) => {
                 // That it can be set was checked when the request was answered.
                 let _ = self.access.set_mac_id(now, mac);
+                self.look_for_errands();
             }
             Some(Departure { why: Why::Reset(kind), .. }) => {
                 let mac = self.reset_configuration(kind);
@@ -107,15 +108,17 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     pub fn set_mac_id(&mut self, now: Instant, mac: MacId) -> Result<(), crate::access::CommandError> {
         self.node.advance(now);
         self.access.set_mac_id(now, mac)?;
+        self.look_for_errands();
         self.follow(now);
         Ok(())
     }
 
     fn reset_with(&mut self, now: Instant, mac: MacId) {
         self.node.advance(now);
+        self.look_for_errands();
         if self.port.active != self.port.stored {
             self.port.active = self.port.stored;
-            self.mode_due = true;
+            self.errand = Errand::Mode;
         }
         self.node.acknowledge = cip_core::object::AcknowledgeSettings::default();
         self.access.reset_with_switches(now, mac);

@@ -10,7 +10,7 @@ use link_core::{Input, Instant, LinkEvent, link::LinkCommandKind};
 use super::application::Application;
 use super::bit_rate;
 use super::event::SlaveEvent;
-use super::machine::Slave;
+use super::machine::{Errand, Slave};
 use super::timer::Timer;
 
 /// How far it is.
@@ -47,6 +47,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// An input while the bit rate is being detected.
     #[inline(never)]
     pub(super) fn detect(&mut self, now: Instant, input: Input) {
+        self.look_for_errands();
         // A frame at the end of the second counts before it.
         match (self.detection, input) {
             (Detection::Waiting, Input::Link(LinkEvent::Up)) => self.tune(),
@@ -57,7 +58,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             (Detection::Listening, Input::Frame(_)) => {
                 self.node.timers.clear(Timer::Heartbeat);
                 self.detection = Detection::Joining;
-                self.mode_due = true;
+                self.errand = Errand::Mode;
                 self.node.events.raise(SlaveEvent::BitRateDetected(self.port.active));
             }
             (Detection::Listening, Input::Link(LinkEvent::BusError(_))) => self.next_rate(),
@@ -68,7 +69,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             (_, Input::Link(LinkEvent::Refused(LinkCommandKind::SetMode))) => self.end_detection(now),
             (_, Input::Link(LinkEvent::Down)) => {
                 self.node.timers.clear(Timer::Heartbeat);
-                self.mode_due = false;
+                self.errand = Errand::Perhaps;
                 self.detection = Detection::Waiting;
             }
             _ => {}
@@ -91,12 +92,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     fn tune(&mut self) {
         self.node.timers.clear(Timer::Heartbeat);
         self.detection = Detection::Tuning;
-        self.mode_due = true;
+        self.errand = Errand::Mode;
     }
 
     fn end_detection(&mut self, now: Instant) {
         self.node.timers.clear(Timer::Heartbeat);
-        self.mode_due = false;
+        self.errand = Errand::Perhaps;
         self.detection = Detection::Done;
         self.port.stored = self.port.active;
         self.tell_access(now, Input::Link(LinkEvent::Up));

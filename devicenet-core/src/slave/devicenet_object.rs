@@ -10,8 +10,9 @@ use super::bit_rate::{self, BIT_RATES};
 use super::config::Options;
 use super::departure::Departure;
 use super::event::SlaveEvent;
+use super::node::Node;
 use super::server::Server;
-use crate::access::MacIdSource;
+use crate::access::{Access, MacIdSource};
 use crate::counter::count;
 use crate::id::MacId;
 
@@ -96,25 +97,15 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
     fn get(&self, _: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
         let (access, node, port) = (&*self.0.access, &*self.0.node, &*self.0.port);
         let byte = match attribute.0 {
-            1 => access.mac_id().number(),
-            2 if node.options.contains(Options::READ_ACTIVE_BIT_RATE) => bit_rate::number(port.active),
-            2 => bit_rate::number(port.stored),
-            3 => access.bus_off_interrupt().into(),
-            4 => access.bus_off_counter(),
-            5 => {
-                let master = node.master.map_or(NOT_ALLOCATED, MacId::number);
-                return Ok(out.bytes(&[node.choice().bits(), master])?);
-            }
-            _ if !A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) => {
-                return Err(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED.into());
-            }
+            ..=5 => return emit_mandatory(access, node, port, attribute, out),
+            _ if !A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) => return Err(ABSENT),
             6 => port.switches.is_some_and(|read| read.mac_id != access.mac_id().number()).into(),
             7 => port.switches.is_some_and(|read| read.bit_rate != bit_rate::number(port.active)).into(),
             8 => port.switches.map_or(0, |read| read.mac_id),
             9 => port.switches.map_or(0, |read| read.bit_rate),
             10 => access.quick_connect().into(),
             12 => return port.diagnostics.emit(out),
-            _ => return Err(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED.into()),
+            _ => return Err(ABSENT),
         };
         Ok(out.u8(byte)?)
     }
@@ -215,6 +206,30 @@ impl Diagnostics {
 }
 
 /// A BOOL: 0 or 1.
+/// Writes an attribute that every device has: 1 to 5.
+#[inline]
+pub(super) fn emit_mandatory<A: Application, const DYNAMIC: usize>(
+    access: &Access,
+    node: &Node<A, DYNAMIC>,
+    port: &Port,
+    attribute: AttributeId,
+    out: &mut Writer<'_>,
+) -> Result<(), Failure> {
+    let byte = match attribute.0 {
+        1 => access.mac_id().number(),
+        2 if node.options.contains(Options::READ_ACTIVE_BIT_RATE) => bit_rate::number(port.active),
+        2 => bit_rate::number(port.stored),
+        3 => access.bus_off_interrupt().into(),
+        4 => access.bus_off_counter(),
+        5 => {
+            let master = node.master.map_or(NOT_ALLOCATED, MacId::number);
+            return Ok(out.bytes(&[node.choice().bits(), master])?);
+        }
+        _ => return Err(ABSENT),
+    };
+    Ok(out.u8(byte)?)
+}
+
 fn boolean(value: &[u8]) -> Result<bool, Failure> {
     match exact(value)? {
         [0] => Ok(false),
@@ -242,6 +257,7 @@ static RULES: [AttributeRule; 11] = [
 const MANDATORY_ATTRIBUTES: usize = 5;
 /// Those before 6 to 9.
 const ATTRIBUTES_WITHOUT_SWITCHES: usize = 7;
+const ABSENT: Failure = Failure::new(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED);
 const NOT_SETTABLE: Failure = Failure::new(GeneralStatus::ATTRIBUTE_NOT_SETTABLE);
 /// The MAC ID of the master while there is none.
 const NOT_ALLOCATED: u8 = 255;

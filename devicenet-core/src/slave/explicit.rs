@@ -4,7 +4,7 @@ use cip_core::connection::{ExplicitCause, ExplicitState};
 use cip_core::message::BodyFormat;
 
 use super::allocation::{Door, Requester};
-use super::application::Application;
+use super::application::{Application, Parts};
 use super::event::Ignored;
 use super::machine::Slave;
 use crate::id::Identifier;
@@ -13,6 +13,13 @@ use crate::message::ExplicitHeader;
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
     #[inline(never)]
     pub(super) fn explicit_frame(&mut self, id: Identifier, field: &[u8]) {
+        if !A::PARTS.contains(Parts::FAST_GET) || !self.fast_get(field) {
+            self.any_explicit_frame(id, field);
+        }
+    }
+
+    #[inline(never)]
+    fn any_explicit_frame(&mut self, id: Identifier, field: &[u8]) {
         if let Err(why) = self.explicit_message(field) {
             self.node.events.ignored(id, why);
         }

@@ -36,6 +36,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if self.node.changed.is_empty() {
             return;
         }
+        self.look_for_errands();
         if self.node.changed.contains(Changed::CONNECTIONS) {
             self.node.settle();
             self.close_transfers();
@@ -58,6 +59,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     fn go_offline(&mut self, now: Instant) {
+        self.look_for_errands();
         let dropped = self.access.is_off_the_bus();
         self.node.lines.stop_all(dropped);
         self.node.lose_network();
@@ -70,6 +72,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.answers.clear();
         self.heartbeat_due = false;
         self.node.timers.clear(Timer::Heartbeat);
+        // Network access has its own, and that of the slave is set anew on line.
+        self.node.changed.remove(Changed::FILTER);
         // Whoever wanted to leave has left by other means; what was accepted is carried out all the same.
         self.leave(now);
     }

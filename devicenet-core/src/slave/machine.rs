@@ -36,8 +36,7 @@ pub struct Slave<A: Application, const MESSAGE: usize, const DYNAMIC: usize> {
     pub(super) answers: Queue<Answer, 3>,
     pub(super) detection: Detection,
     pub(super) heartbeat_due: bool,
-    /// The bit rate is to be told to the controller.
-    pub(super) mode_due: bool,
+    pub(super) errand: Errand,
     pub(super) online: bool,
     pub(super) shown: NetworkStatus,
     pub(super) module: ModuleStatus,
@@ -54,6 +53,18 @@ pub(super) struct DynamicTransfer<const MESSAGE: usize> {
     pub(super) in_flight: bool,
     pub(super) piece: Option<Piece>,
     pub(super) unwanted: bool,
+}
+
+/// Whether there may be something to do before messages are sent: a withdrawal, a command to the controller, an event of
+/// network access.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) enum Errand {
+    /// Nothing has happened since there was none.
+    None,
+    /// Something has happened from which one may follow.
+    Perhaps,
+    /// The bit rate is to be told to the controller; there may be others.
+    Mode,
 }
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
@@ -110,6 +121,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             Some(id) if id == Identifier::poll_command(self.access.mac_id()) && !self.is_dynamic(id) => {
                 self.command(id, IoKind::Poll, frame.data());
             }
+            Some(id) if id == Identifier::explicit_request(self.access.mac_id()) && !self.is_dynamic(id) => {
+                self.explicit_frame(id, frame.data());
+            }
             Some(id) => self.frame_besides_poll(now, id, frame),
             None => self.tell_access(now, Input::Frame(*frame)),
         }
@@ -123,7 +137,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         // In group 2 the Message ID is below the MAC ID.
         let own = Identifier::bit_strobe_command(self.access.mac_id());
         match id.raw() ^ own.raw() {
-            4 => self.explicit_frame(id, frame.data()),
             6 => self.unconnected_frame(id, frame.data()),
             7 => self.tell_access(now, Input::Frame(*frame)),
             2 if changes::<A>() => self.change_of_state_acknowledged(id),
@@ -148,12 +161,19 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if DYNAMIC > 0 { self.dynamic_frame(id, field) } else { self.foreign() }
     }
 
+    pub(super) fn look_for_errands(&mut self) {
+        if self.errand == Errand::None {
+            self.errand = Errand::Perhaps;
+        }
+    }
+
     pub(super) fn foreign(&mut self) {
         count_wide(&mut self.node.events.counters.foreign);
     }
 
     #[inline(never)]
     pub(super) fn tell_access(&mut self, now: Instant, input: Input) {
+        self.look_for_errands();
         if A::PARTS.contains(Parts::OFFLINE_SET) {
             self.access.take_input::<true>(now, input);
         } else {

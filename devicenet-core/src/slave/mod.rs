@@ -144,6 +144,7 @@ mod devicenet_object;
 mod dynamic;
 mod event;
 mod explicit;
+mod fast_get;
 mod follow;
 mod indicator;
 mod io;

@@ -190,6 +190,22 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         Ok(used)
     }
 
+    /// A valid message on the predefined explicit connection while it is established. It changes no state, but the time-out.
+    #[inline]
+    pub(super) fn explicit_message(&mut self) {
+        #[cfg(test)]
+        super::tests::edges::record_explicit(
+            ExplicitState::Established,
+            ExplicitCause::Message,
+            ExplicitState::Established,
+        );
+        match self.explicit.message() {
+            Watchdog::Start { millis } => self.timers.set_after_millis_inline(Timer::Explicit, millis),
+            Watchdog::Stop => self.timers.clear(Timer::Explicit),
+            Watchdog::Keep => {}
+        }
+    }
+
     /// The one door of the predefined explicit connection.
     pub(super) fn explicit_step(&mut self, cause: ExplicitCause) -> Result<(), GeneralStatus> {
         let from = self.explicit.state();

@@ -8,8 +8,9 @@ use super::dynamic;
 use super::event::{Event, SlaveEvent};
 use super::indicator::ModuleStatus;
 use super::lines::{self, Line, Sent};
-use super::machine::Slave;
+use super::machine::{Errand, Slave};
 use super::node::Changed;
+use super::transfer::Piece;
 use crate::access::NetworkStatus;
 use crate::id::{Identifier, MessageGroup};
 
@@ -30,11 +31,29 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     #[inline(never)]
     fn output_besides_io(&mut self, now: Instant) -> Option<Action<Event>> {
-        self.node.advance_inline(now);
-        if self.must_manage()
-            && let Some(action) = self.manage()
+        debug_assert!(
+            self.errand != Errand::None || !self.has_errand(),
+            "what an errand follows from is marked"
+        );
+        if A::PARTS.contains(Parts::FAST_GET)
+            && self.errand == Errand::None
+            && self.answers.is_empty()
+            && self.node.lines.is_free(Line::EXPLICIT)
+            && let Some(frame) = self.explicit.take_whole(Identifier::explicit_response(self.access.mac_id()))
         {
-            return Some(action);
+            return Some(self.explicit_action(Sent::Piece(Piece::Response), frame));
+        }
+        self.output_by_turns(now)
+    }
+
+    #[inline(never)]
+    fn output_by_turns(&mut self, now: Instant) -> Option<Action<Event>> {
+        self.node.advance_inline(now);
+        if self.errand != Errand::None {
+            if let Some(action) = self.manage() {
+                return Some(action);
+            }
+            self.errand = Errand::None;
         }
         if self.is_explicit_ready() { self.send_explicit() } else { self.other_output() }
     }
@@ -59,8 +78,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     /// Whether the controller may have to be told something before the next response.
-    fn must_manage(&self) -> bool {
-        self.node.lines.must_withdraw() || self.mode_due || self.must_set_filter() || self.access.has_output()
+    /// Whether [`manage`](Self::manage) has something to do.
+    fn has_errand(&self) -> bool {
+        self.node.lines.must_withdraw()
+            || self.errand == Errand::Mode
+            || self.must_set_filter()
+            || self.access.has_output_except_transmit()
     }
 
     /// What the controller must be told, and what network access tells.
@@ -69,7 +92,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if let Some(token) = self.withdraw() {
             return Some(Action::Withdraw(token));
         }
-        if core::mem::take(&mut self.mode_due) {
+        if self.errand == Errand::Mode {
+            self.errand = Errand::Perhaps;
             let listen_only = self.detection.listens();
             return Some(Action::Link(LinkCommand::SetMode(Mode {
                 bit_rate: self.port.active,
@@ -87,10 +111,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     pub(crate) fn has_output(&self) -> bool {
         let lines = &self.node.lines;
         lines.ready::<A>().is_some()
-            || lines.must_withdraw()
-            || self.mode_due
-            || self.access.has_output()
-            || self.must_set_filter()
+            || (self.errand != Errand::None && self.has_errand())
+            || self.access.wants_to_transmit()
             || !self.node.events.is_empty()
             || (A::PARTS.contains(Parts::INDICATOR_EVENTS)
                 && (self.shown != self.network_status() || self.module != self.module_status()))
@@ -198,9 +220,14 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     #[inline(never)]
     fn send_explicit(&mut self) -> Option<Action<Event>> {
         let (sent, frame) = self.next_explicit(Identifier::explicit_response(self.access.mac_id()))?;
+        Some(self.explicit_action(sent, frame))
+    }
+
+    #[inline]
+    fn explicit_action(&mut self, sent: Sent, frame: Frame) -> Action<Event> {
         self.node.lines.in_flight.insert(Line::EXPLICIT);
         self.node.lines.explicit = Some(sent);
-        Some(Action::Transmit(lines::token(Line::EXPLICIT), frame))
+        Action::Transmit(lines::token(Line::EXPLICIT), frame)
     }
 
     /// Acknowledges of fragments first, so that they precede the response.

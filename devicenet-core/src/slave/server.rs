@@ -6,8 +6,7 @@ use cip_core::fragment::IO_UNFRAGMENTED_LEN;
 use cip_core::identity::IdentityStatus;
 use cip_core::message::{AllocationChoice, BodyFormat, Request};
 use cip_core::object::{
-    AcknowledgeHandler, Call, Effect, Effects, Failure, Identity, ObjectSet, perform, read, respond_with,
-    serve,
+    AcknowledgeHandler, Call, Effect, Effects, Failure, Identity, ObjectSet, respond_with, serve,
 };
 
 use super::allocation::Requester;
@@ -61,7 +60,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
         }
         count(&mut self.node.events.counters.requests);
         let done = match self.call(body)? {
-            Ok(call) if call.service == ServiceCode::GET_ATTRIBUTE_SINGLE => self.read(&call, out),
             Ok(call) => self.perform(&call, out).map(|effects| self.carry_out(&call, effects)),
             Err(failure) => {
                 // Three bytes, for which every buffer has room.
@@ -76,30 +74,20 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
     }
 
     /// Answers Get_Attribute_Single, which is what a device is asked most. It leaves nothing to be done.
-    #[inline]
-    fn read(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<(), Failure> {
-        respond_with(call, self.node.failures(), out, |out| match call.class {
-            ClassId::IDENTITY => read(&self.identity(), call, out),
-            ClassId::DEVICENET => self.read_devicenet(call, out),
-            ClassId::CONNECTION => self.read_connection(call, out),
-            _ => self.serve_others(call, out).map(|_| ()),
-        })
-    }
-
     /// Answers any other service.
     #[inline(never)]
     pub(super) fn perform(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
         respond_with(call, self.node.failures(), out, |out| match call.class {
             ClassId::IDENTITY => {
                 let mut identity = self.identity();
-                let effects = perform(&mut identity, call, out)?;
+                let effects = serve(&mut identity, call, out)?;
                 self.node.heartbeat_interval = identity.heartbeat_interval;
                 Ok(effects)
             }
-            ClassId::DEVICENET => perform(&mut DeviceNetObject(self), call, out),
+            ClassId::DEVICENET => serve(&mut DeviceNetObject(self), call, out),
             ClassId::CONNECTION => {
-                let consumed_size = 0; // It is only read.
-                perform(&mut ConnectionObject { server: self, consumed_size }, call, out)
+                let consumed_size = self.consumed_size(call);
+                serve(&mut ConnectionObject { server: self, consumed_size }, call, out)
             }
             _ => self.serve_others(call, out),
         })
@@ -151,28 +139,16 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
     }
 
     fn identity(&self) -> Identity<'_> {
-        let mut identity = self.application.identity();
-        if self.node.master.is_some() {
-            identity.status.insert(IdentityStatus::OWNED);
-        }
-        identity.heartbeat_interval = self.node.heartbeat_interval;
-        identity
+        identity(self.application, self.node)
     }
 
-    #[inline(never)]
-    fn read_devicenet(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<(), Failure> {
-        read(&DeviceNetObject(self), call, out)
-    }
-
-    #[inline(never)]
-    fn read_connection(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<(), Failure> {
-        let kind = IoKind::of_instance(call.instance).and_then(IoKind::offered::<A>);
-        let consumed_size = match kind {
+    /// Attribute 8 of the instance of the Connection object that is asked, if it is for I/O.
+    fn consumed_size(&mut self, call: &Call<'_>) -> usize {
+        match IoKind::of_instance(call.instance).and_then(IoKind::offered::<A>) {
             Some(kind @ (IoKind::Poll | IoKind::MulticastPoll)) => self.application.consumed(kind).len(),
             Some(IoKind::BitStrobe) => IO_UNFRAGMENTED_LEN,
             Some(IoKind::ChangeOfState) | None => 0,
-        };
-        read(&ConnectionObject { server: self, consumed_size }, call, out)
+        }
     }
 
     #[inline(never)]
@@ -190,6 +166,20 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
 }
 
 /// A service that changes nothing.
+/// The Identity object: what the application says, and what the slave knows.
+#[inline]
+pub(super) fn identity<'a, A: Application, const DYNAMIC: usize>(
+    application: &'a A,
+    node: &Node<A, DYNAMIC>,
+) -> Identity<'a> {
+    let mut identity = application.identity();
+    if node.master.is_some() {
+        identity.status.insert(IdentityStatus::OWNED);
+    }
+    identity.heartbeat_interval = node.heartbeat_interval;
+    identity
+}
+
 fn is_question(service: ServiceCode) -> bool {
     matches!(
         service,

@@ -128,12 +128,39 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
         };
         let mut out = Writer::new(&mut self.message.bytes);
         let served = serve(request, &mut out);
-        self.message.len = short(out.len());
+        let len = out.len();
         served?;
-        self.header = ExplicitHeader::complete(header.xid, header.mac).into();
+        self.respond(header, len);
+        Ok(())
+    }
+
+    /// No request has begun to arrive, nothing is remembered of one, and nothing is to be sent.
+    #[inline]
+    pub(super) const fn is_idle(&self) -> bool {
+        matches!(self.stage, Stage::Idle) && self.receive.is_idle() && self.acknowledge.is_none()
+    }
+
+    /// Where a response goes while the connection is [idle](Self::is_idle).
+    #[inline]
+    pub(super) const fn writer(&mut self) -> Writer<'_> {
+        Writer::new(&mut self.message.bytes)
+    }
+
+    /// So many bytes were written while it was idle: they are a response in one frame.
+    #[inline]
+    pub(super) fn respond_whole(&mut self, to: ExplicitHeader, len: usize) {
+        self.message.len = short(len);
+        self.header = ExplicitHeader::complete(to.xid, to.mac).into();
+        self.stage = Stage::Due;
+    }
+
+    /// So many bytes were written to the message: they are the response.
+    #[inline]
+    pub(super) fn respond(&mut self, to: ExplicitHeader, len: usize) {
+        self.message.len = short(len);
+        self.header = ExplicitHeader::complete(to.xid, to.mac).into();
         self.stage = Stage::Due;
         self.transmit.start(self.message.body());
-        Ok(())
     }
 
     /// Takes what follows the header in a fragment; true if the request is complete.
@@ -203,6 +230,16 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
         self.acknowledge.is_some()
     }
 
+    /// The next frame, if it is a response that needs no other.
+    #[inline]
+    pub(super) fn take_whole(&mut self, id: Identifier) -> Option<Frame> {
+        if self.stage != Stage::Due || self.acknowledge.is_some() || self.transmit.is_sending() {
+            return None;
+        }
+        self.stage = Stage::Handed;
+        self.whole(id)
+    }
+
     /// The next frame, under the identifier of the connection.
     pub(super) fn take(&mut self, id: Identifier) -> Option<(Piece, Frame)> {
         if let Some(acknowledge) = self.acknowledge.take() {
@@ -220,13 +257,16 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
                 place.get_mut(..fragment.data.len())?.copy_from_slice(fragment.data);
                 id.frame_of(field, fragment.data.len().saturating_add(2))
             }
-            None => {
-                let [a, b, c, d, e, f, g] = *self.message.bytes.first_chunk()?;
-                let len = usize::from(self.message.len).saturating_add(1);
-                id.frame_of([self.header, a, b, c, d, e, f, g], len)
-            }
+            None => self.whole(id),
         };
         Some((Piece::Response, frame?))
+    }
+
+    #[inline]
+    fn whole(&self, id: Identifier) -> Option<Frame> {
+        let [a, b, c, d, e, f, g] = *self.message.bytes.first_chunk()?;
+        let len = usize::from(self.message.len).saturating_add(1);
+        id.frame_of([self.header, a, b, c, d, e, f, g], len)
     }
 
     /// The frame that was handed out is with the controller no longer: sent, or given back.

@@ -12,17 +12,17 @@ use devicenet_core::slave::{Application, Config, Group2OnlyServer, IoKind, Parts
 use crate::drive;
 
 /// The slave with the parts that these bits stand for.
-pub type Server<const PARTS: u8> = Group2OnlyServer<Block<PARTS>, 32>;
+pub type Server<const PARTS: u16> = Group2OnlyServer<Block<PARTS>, 32>;
 
 /// Its application.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
-pub struct Block<const PARTS: u8> {
+pub struct Block<const PARTS: u16> {
     device: DeviceIdentity,
     inputs: [u8; 2],
     outputs: [u8; 1],
 }
 
-impl<const PARTS: u8> Application for Block<PARTS> {
+impl<const PARTS: u16> Application for Block<PARTS> {
     const IO: AllocationChoice = AllocationChoice::POLL;
     const PARTS: Parts = Parts::from_bits_truncate(PARTS);
     type Long = PollOnly;
@@ -40,7 +40,7 @@ impl<const PARTS: u8> Application for Block<PARTS> {
     }
 }
 
-impl<const PARTS: u8> Block<PARTS> {
+impl<const PARTS: u16> Block<PARTS> {
     /// A fictitious device.
     #[must_use]
     pub fn new() -> Self {
@@ -57,7 +57,7 @@ impl<const PARTS: u8> Block<PARTS> {
 }
 
 /// Runs it for ever.
-pub fn run<const PARTS: u8>() -> ! {
+pub fn run<const PARTS: u16>() -> ! {
     let block = Block::new();
     let config = Config::new(&block.device, MacId::DEFAULT);
     let Ok(mut slave) = Server::<PARTS>::new(config, block) else { loop {} };

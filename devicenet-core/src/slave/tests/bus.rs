@@ -325,6 +325,11 @@ impl<A: Application, const DYNAMIC: usize> Bus<A, DYNAMIC> {
         frame.data().to_vec()
     }
 
+    /// All frames since they were looked at last.
+    pub(super) fn take_transmits(&mut self) -> Vec<Frame> {
+        self.transmits.drain(..).collect()
+    }
+
     /// Some frame.
     #[track_caller]
     pub(super) fn skip(&mut self) {

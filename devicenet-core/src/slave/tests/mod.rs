@@ -4,6 +4,7 @@ mod allocation;
 mod bus;
 pub(super) mod edges;
 mod explicit;
+mod fast_get;
 mod network;
 mod objects;
 mod other_io;

@@ -15,7 +15,7 @@ fn main() -> ! {
     run::<PARTS>()
 }
 
-const PARTS: u8 = Parts::all().bits();
+const PARTS: u16 = Parts::all().bits();
 
 /// The RAM of the machine without its application, as the size of a symbol.
 #[used]

@@ -14,7 +14,7 @@ fn main() -> ! {
     run::<PARTS>()
 }
 
-const PARTS: u8 = Parts::empty().bits();
+const PARTS: u16 = Parts::empty().bits();
 
 /// The RAM of the machine without its application, as the size of a symbol.
 #[used]
