@@ -19,10 +19,12 @@
 //! | [`output`], [`exit`] | standard output, messages, exit codes |
 
 pub mod args;
+mod bus_time;
 pub mod decode;
 pub mod eds;
 mod excerpt;
 pub mod exit;
+mod histogram;
 pub mod live;
 pub mod output;
 pub mod recording;

@@ -1,7 +1,6 @@
 //! `decode --summary`: what each node and each connection did, and which problems there were, in constant memory.
 
 mod connection;
-mod histogram;
 mod json;
 mod problems;
 mod text;
@@ -12,9 +11,10 @@ use devicenet_core::monitor::{ConnectionState, Kind, Monitor, NodeRecord};
 use link_core::Instant;
 
 use super::decoder::Meaning;
+use crate::bus_time;
+use crate::histogram::Histogram;
 use crate::recording::{Content, RecordedFrame};
 use connection::ConnectionKey;
-use histogram::Histogram;
 use problems::Problems;
 
 /// The counts of a recording.
@@ -182,7 +182,7 @@ impl Bus {
 /// The bits that an entry took on the bus, with the intermission; those of error and CAN FD frames are not known.
 fn bits_of(content: &Content) -> u32 {
     match content {
-        Content::Classic(frame) => frame.bit_len() + INTERMISSION,
+        Content::Classic(frame) => bus_time::bits(frame),
         Content::Error(_) | Content::Fd(_) => 0,
     }
 }
@@ -227,8 +227,6 @@ impl Count {
     }
 }
 
-/// Bits between two frames.
-const INTERMISSION: u32 = 3;
 /// Rows in the table of connections before those opened by UCMM are no longer kept apart; the predefined set of a full
 /// network needs fewer. A tool that connects anew for every request can open any number.
 const MOST_CONNECTIONS: usize = 1024;

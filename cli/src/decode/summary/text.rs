@@ -1,11 +1,9 @@
 //! The summary as tables for people.
 
-use core::time::Duration;
-
 use devicenet_core::monitor::NodeRecord;
 
-use super::histogram;
 use super::{Bus, Connection, Count, Node, Summary};
+use crate::histogram;
 use crate::table::{Cell, Table};
 use crate::text::{count, printable};
 
@@ -70,14 +68,8 @@ impl Count {
     /// The cells below [`COUNT_COLUMNS`].
     fn cells(&self, load: Option<f64>) -> Vec<Cell> {
         let responses = &self.responses;
-        let milliseconds = |span: Duration, decimals: usize| match responses.count() {
-            0 => "-".to_owned(),
-            _ => format!("{:.decimals$} ms", span.as_secs_f64() * 1000.0),
-        };
-        let percentile = |percent| {
-            let span = responses.percentile(percent);
-            milliseconds(span, histogram::decimals_of_milliseconds(span).unwrap_or(MICROSECONDS))
-        };
+        let time = |words: &dyn Fn() -> String| if responses.count() == 0 { "-".to_owned() } else { words() };
+        let percentile = |percent| time(&|| histogram::milliseconds(responses.percentile(percent)));
         vec![
             Cell::right(self.frames.to_string()),
             Cell::right(self.bytes.to_string()),
@@ -85,7 +77,7 @@ impl Count {
             Cell::right(percent(load)),
             Cell::right(percentile(50)),
             Cell::right(percentile(99)),
-            Cell::right(milliseconds(responses.max(), MICROSECONDS)),
+            Cell::right(time(&|| histogram::exact_milliseconds(responses.max()))),
         ]
     }
 }
@@ -107,6 +99,4 @@ fn percent(load: Option<f64>) -> String {
     load.map_or_else(|| "-".to_owned(), |load| format!("{:.2} %", load * 100.0))
 }
 
-/// Decimals of milliseconds.
-const MICROSECONDS: usize = 3;
 const COUNT_COLUMNS: [&str; 7] = ["frames", "bytes", "problems", "load", "response p50", "p99", "max"];

@@ -5,7 +5,7 @@ use core::time::Duration;
 /// Counts durations in buckets that are at most 1/128 of their value wide, so that a percentile has two significant digits,
 /// the second of which is at most one off.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Histogram {
+pub(crate) struct Histogram {
     /// Empty until there is something to count.
     buckets: Vec<u32>,
     count: u64,
@@ -14,7 +14,7 @@ pub(super) struct Histogram {
 }
 
 impl Histogram {
-    pub(super) fn record(&mut self, span: Duration) {
+    pub(crate) fn record(&mut self, span: Duration) {
         if self.buckets.is_empty() {
             self.buckets.resize(BUCKETS, 0);
         }
@@ -25,18 +25,18 @@ impl Histogram {
         self.max = self.max.max(span);
     }
 
-    pub(super) fn count(&self) -> u64 {
+    pub(crate) fn count(&self) -> u64 {
         self.count
     }
 
     /// The longest, exactly.
-    pub(super) fn max(&self) -> Duration {
+    pub(crate) fn max(&self) -> Duration {
         self.max
     }
 
     /// The duration that `percent` of all do not exceed, rounded to two significant digits; exactly, if it is the shortest
     /// or the longest.
-    pub(super) fn percentile(&self, percent: u64) -> Duration {
+    pub(crate) fn percentile(&self, percent: u64) -> Duration {
         let rank = (self.count * percent).div_ceil(100).max(1);
         if rank >= self.count {
             return self.max;
@@ -62,8 +62,19 @@ impl Histogram {
     }
 }
 
+/// `0.30 ms`: a percentile with its two digits, or what is exact to the microsecond.
+pub(crate) fn milliseconds(span: Duration) -> String {
+    let decimals = decimals_of_milliseconds(span).unwrap_or(MICROSECONDS);
+    format!("{:.decimals$} ms", span.as_secs_f64() * 1000.0)
+}
+
+/// `0.300 ms`: to the microsecond.
+pub(crate) fn exact_milliseconds(span: Duration) -> String {
+    format!("{:.MICROSECONDS$} ms", span.as_secs_f64() * 1000.0)
+}
+
 /// The decimals of a number of milliseconds that has two significant digits; `None` if it has more.
-pub(super) fn decimals_of_milliseconds(span: Duration) -> Option<usize> {
+fn decimals_of_milliseconds(span: Duration) -> Option<usize> {
     let nanos = nanos(span);
     let second = second_digit(nanos);
     (rounded(nanos) == nanos).then(|| if nanos == 0 { 0 } else { 6_usize.saturating_sub(second as usize) })
@@ -102,6 +113,8 @@ fn nanos(span: Duration) -> u64 {
     u64::try_from(span.as_nanos()).unwrap_or(u64::MAX)
 }
 
+/// Decimals of milliseconds.
+const MICROSECONDS: usize = 3;
 const SUB_BITS: u32 = 7;
 const SUB_BUCKETS: usize = 1 << SUB_BITS;
 /// Up to 2^37 ns, which is over two minutes; what is longer counts as that.
