@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use devicenet_core::monitor::Kind;
 
 use crate::eds::EdsArgs;
-use crate::live::{GetArgs, RecordArgs, RecoverArgs, RunArgs, ScanArgs, SetArgs};
+use crate::live::{GetArgs, MonitorArgs, RecordArgs, RecoverArgs, RunArgs, ScanArgs, SetArgs};
 use crate::scenario::Time;
 use crate::simulate::SimulateArgs;
 use crate::standard::is_standard;
@@ -29,6 +29,7 @@ Examples:
   devicenet decode recording.log
   devicenet eds check valve.eds
   devicenet simulate
+  devicenet monitor can0
   devicenet scan can0
   devicenet get can0 10 1/1/7 --allow-tx"
 )]
@@ -52,6 +53,8 @@ pub enum Command {
     Get(GetArgs),
     /// Be a master on a live bus
     Master(RunArgs),
+    /// Watch a live bus: nodes, load, response times, what is wrong
+    Monitor(MonitorArgs),
     /// Record a live bus when something happens, with what came before
     Record(RecordArgs),
     /// Give nodes that are silent for a duplicate MAC ID another one
@@ -210,7 +213,7 @@ fn parse_eds_file(text: &str) -> Result<EdsFile, String> {
 }
 
 /// `125k`, `125000`, `125_000`, `1M`.
-fn parse_bit_rate(text: &str) -> Result<u32, String> {
+pub(crate) fn parse_bit_rate(text: &str) -> Result<u32, String> {
     let plain = text.replace('_', "");
     let (digits, scale) = match plain.as_bytes().last() {
         Some(b'k' | b'K') => (&plain[..plain.len() - 1], 1_000),

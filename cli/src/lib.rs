@@ -11,7 +11,7 @@
 //! | [`args`] | the command line |
 //! | [`decode`] | `devicenet decode` |
 //! | [`eds`] | `devicenet eds` |
-//! | [`live`] | `devicenet scan`, `get`, `set`, `slave`, `master`, `record`, `recover`: on an interface, on the simulated bus, over a recording |
+//! | [`live`] | `devicenet monitor`, `scan`, `get`, `set`, `slave`, `master`, `record`, `recover`: on an interface, on the simulated bus, over a recording |
 //! | [`recording`] | readers and writers of recordings of a CAN bus, streaming, the format found in the content |
 //! | [`scenario`] | scenario files: model, parser, diagnostics |
 //! | [`simulate`] | `devicenet simulate` |
@@ -48,6 +48,7 @@ pub fn run(cli: &Cli) -> Result<Exit, Failure> {
         Command::Eds(args) => eds::run(args, cli.json),
         Command::Get(args) => live::get(args, cli.json),
         Command::Master(args) => live::master(args, cli.json),
+        Command::Monitor(args) => live::monitor(args, cli.json),
         Command::Record(args) => live::record(args),
         Command::Recover(args) => live::recover(args, cli.json),
         Command::Scan(args) => live::scan(args, cli.json),

@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::io::{self, IsTerminal, Read, StdinLock, StdoutLock, Write};
 use std::rc::Rc;
+use std::sync::{Mutex, PoisonError};
 
 use anstream::ColorChoice;
 use anstyle::{AnsiColor, Style};
@@ -107,10 +108,47 @@ pub fn error(message: impl core::fmt::Display) {
     say(AnsiColor::Red, "error", message);
 }
 
-fn say(colour: AnsiColor, word: &str, message: impl core::fmt::Display) {
+/// Keeps notes, warnings and errors back, until what it returns is dropped: for as long as a screen has the terminal.
+#[must_use]
+pub fn hold() -> Held {
+    *HELD.lock().unwrap_or_else(PoisonError::into_inner) = Some(Vec::new());
+    Held(())
+}
+
+/// Messages are kept back. See [`hold`].
+#[derive(Debug)]
+pub struct Held(());
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        let held = HELD.lock().unwrap_or_else(PoisonError::into_inner).take().unwrap_or_default();
+        let (first, rest) = held.split_at(held.len().min(MOST_HELD));
+        for (colour, word, message) in first {
+            say(*colour, word, message);
+        }
+        if !rest.is_empty() {
+            say(AnsiColor::Cyan, "note", "further messages are left out");
+        }
+    }
+}
+
+/// Colour and text of its first word, and the rest.
+type Message = (AnsiColor, &'static str, String);
+
+fn say(colour: AnsiColor, word: &'static str, message: impl core::fmt::Display) {
+    if let Some(held) = &mut *HELD.lock().unwrap_or_else(PoisonError::into_inner) {
+        if held.len() <= MOST_HELD {
+            held.push((colour, word, message.to_string()));
+        }
+        return;
+    }
     let style: Style = colour.on_default().bold();
     // When even this fails there is nobody left to tell.
     let _ = writeln!(anstream::stderr().lock(), "{style}{word}{style:#}: {message}");
 }
 
+/// What is kept back.
+static HELD: Mutex<Option<Vec<Message>>> = Mutex::new(None);
+/// One more is kept, to know that there are more.
+const MOST_HELD: usize = 100;
 const BUFFER: usize = 64 * 1024;

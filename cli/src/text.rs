@@ -61,6 +61,12 @@ pub(crate) fn printable(name: &str) -> Cow<'_, str> {
     }
 }
 
+/// The product name of an Identity object, in ISO 8859-1, if there is one.
+pub(crate) fn product_name(bytes: &[u8]) -> Option<String> {
+    let name: String = bytes.iter().map(|&byte| char::from(byte)).collect();
+    Some(printable(name.trim()).into_owned()).filter(|name| !name.is_empty())
+}
+
 /// `1 frame`, `2 frames`.
 pub(crate) fn count(number: u64, what: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };

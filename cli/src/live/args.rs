@@ -1,5 +1,6 @@
 //! The live commands on the command line.
 
+use core::time::Duration;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -8,7 +9,7 @@ use super::assignment::{Assignment, Device};
 use super::attribute::AttributePath;
 use super::endpoint::Endpoint;
 use super::trigger::Trigger;
-use crate::args::parse_mac_id;
+use crate::args::{parse_bit_rate, parse_mac_id};
 use crate::scenario::Time;
 
 /// Whether a command may send on a bus.
@@ -34,6 +35,49 @@ pub struct NodeArgs {
     /// The MAC ID that the command itself takes while it works (0 to 63); it must be free
     #[arg(long, value_name = "N", default_value = "62", value_parser = parse_mac_id)]
     pub own_mac: u8,
+}
+
+/// `devicenet monitor`.
+#[derive(Args, Clone, Debug)]
+#[command(after_long_help = "\
+Listens, and sends nothing. On a terminal it is a screen: the nodes with their connections, load and response times, what the bus \
+is used for, and what is wrong with it; `?` lists the keys. Elsewhere, and with --json or --text, it is lines: what happens when it \
+happens, and a summary at every --interval and at the end. On the screen a scenario or a recording is played at its own pace; `+` \
+is faster. As lines it is read as fast as possible.
+
+Exit codes:
+  0  healthy until --for, Ctrl-C, or the end
+  1  something is or was wrong
+  2  wrong usage or bad file
+  3  the interface failed, is down, or is bus-off
+
+Examples:
+  devicenet monitor can0
+  devicenet monitor sim:plant.toml
+  devicenet monitor log:recording.log
+  devicenet monitor can0 --for 1h --interval 1min > shift.txt
+  devicenet monitor can0 --json | jq -c 'select(.event == \"finding\")'")]
+pub struct MonitorArgs {
+    /// A CAN interface such as can0, sim:FILE for a scenario, log:FILE for a recording
+    pub endpoint: Endpoint,
+    /// How often to sum up, as lines
+    #[arg(long, value_name = "TIME", default_value = "10s", value_parser = parse_interval)]
+    pub interval: Time,
+    /// How long to listen; without, until Ctrl-C, or until the scenario or the recording ends
+    #[arg(long = "for", value_name = "TIME")]
+    pub span: Option<Time>,
+    /// The bit rate of the bus, from which the load is computed, where neither a scenario nor a controller tells it: 125k
+    /// unless told otherwise
+    #[arg(long, value_name = "RATE", value_parser = parse_bit_rate)]
+    pub bit_rate: Option<u32>,
+    /// Lines instead of the screen, on a terminal too
+    #[arg(long)]
+    pub text: bool,
+}
+
+fn parse_interval(text: &str) -> Result<Time, String> {
+    let time: Time = text.parse().map_err(|error: crate::scenario::TimeError| error.to_string())?;
+    if time.0 < SHORTEST_INTERVAL { Err("at least 10ms".to_owned()) } else { Ok(time) }
 }
 
 /// `devicenet record`.
@@ -236,3 +280,6 @@ pub struct SetArgs {
     #[arg(allow_hyphen_values = true)]
     pub value: String,
 }
+
+/// Of two summaries.
+const SHORTEST_INTERVAL: Duration = Duration::from_millis(10);

@@ -16,20 +16,25 @@ mod attribute;
 mod endpoint;
 mod errand;
 mod listen;
+mod monitor;
 mod permit;
 mod port;
 mod record;
+mod recorded;
 mod recover;
 mod run;
 mod scan;
 mod trigger;
 mod visit;
 
-pub use args::{AskArgs, GetArgs, NodeArgs, PermitArgs, RecordArgs, RecoverArgs, RunArgs, ScanArgs, SetArgs};
+pub use args::{
+    AskArgs, GetArgs, MonitorArgs, NodeArgs, PermitArgs, RecordArgs, RecoverArgs, RunArgs, ScanArgs, SetArgs,
+};
 pub use ask::{get, set};
 pub use assignment::{Assignment, Device};
 pub use attribute::AttributePath;
 pub use endpoint::Endpoint;
+pub use monitor::monitor;
 pub use record::record;
 pub use recover::recover;
 pub use run::{master, slave};

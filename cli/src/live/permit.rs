@@ -50,11 +50,13 @@ fn announce(endpoint: &Endpoint, args: &PermitArgs, own: MacId, what: &str) -> R
 pub(super) fn link(endpoint: &Endpoint, heard: &Heard) -> Result<(), Failure> {
     match heard.link() {
         Link::Up => Ok(()),
-        Link::Down => {
-            Err(Failure::Transport(format!("{endpoint} is down; as root: ip link set {endpoint} up")))
-        }
+        Link::Down => Err(down(endpoint)),
         Link::BusOff => Err(bus_off(endpoint)),
     }
+}
+
+pub(super) fn down(endpoint: &Endpoint) -> Failure {
+    Failure::Transport(format!("{endpoint} is down; as root: ip link set {endpoint} up"))
 }
 
 pub(super) fn bus_off(endpoint: &Endpoint) -> Failure {

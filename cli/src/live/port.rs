@@ -2,21 +2,22 @@
 
 use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
-use std::collections::VecDeque;
 
 use link_core::machine::Deadline;
-use link_core::{Frame, Input, Instant, LinkCommand, LinkEvent, Port, TxToken};
+use link_core::{BitRate, Frame, Input, Instant, LinkCommand, Port, TxToken};
 use transport_mock::{Ignore, NetworkPort, NodeConfig};
 
 use super::endpoint::Endpoint;
+use super::recorded::Recorded;
 use crate::exit::Failure;
-use crate::recording::{Content, Recording};
 use crate::scenario::Scenario;
 use crate::simulate::{self, NodeEvent};
 
 /// The bus of an endpoint.
 pub(super) struct LivePort {
     bus: Bus,
+    /// Of a scenario.
+    bit_rate: Option<BitRate>,
     /// Waiting ends here.
     until: Instant,
     /// So does it when this is set.
@@ -45,13 +46,24 @@ pub(super) enum PortError {
 impl LivePort {
     /// Opens an endpoint for a machine that has so many frames in flight.
     pub(super) fn open(endpoint: &Endpoint, max_in_flight: usize) -> Result<Self, Failure> {
+        Self::with(endpoint, NodeConfig::named("devicenet"), max_in_flight)
+    }
+
+    /// Opens an endpoint to listen to: on the simulated bus nothing is changed by it, not even by an acknowledge.
+    pub(super) fn open_listen_only(endpoint: &Endpoint) -> Result<Self, Failure> {
+        let config = NodeConfig { listen_only: true, ..NodeConfig::named("devicenet") };
+        Self::with(endpoint, config, NONE_IN_FLIGHT)
+    }
+
+    fn with(endpoint: &Endpoint, config: NodeConfig, max_in_flight: usize) -> Result<Self, Failure> {
+        let mut bit_rate = None;
         let bus = match endpoint {
             Endpoint::Interface(name) => interface(name)?,
             Endpoint::Scenario(path) => {
                 let scenario = Scenario::load(path).map_err(|error| Failure::Usage(error.to_string()))?;
                 let network = simulate::network(&scenario);
                 let end = Instant::ZERO + scenario.bus.duration;
-                let config = NodeConfig::named("devicenet");
+                bit_rate = Some(scenario.bus.bit_rate);
                 Bus::Simulated(Box::new(
                     NetworkPort::attach(network, config, max_in_flight, Ignore).until(end),
                 ))
@@ -60,6 +72,7 @@ impl LivePort {
         };
         Ok(Self {
             bus,
+            bit_rate,
             until: Instant::MAX,
             interrupted: None,
             #[cfg(target_os = "linux")]
@@ -87,6 +100,18 @@ impl LivePort {
             Bus::Interface(port) => port.wait(deadline).map_err(failed),
             Bus::Simulated(port) => port.wait(deadline).map_err(|_| PortError::Over),
             Bus::Recorded(recorded) => recorded.next(deadline),
+        }
+    }
+
+    /// The bit rate, if it is known: that of a scenario, or of a controller.
+    pub(super) fn bit_rate(&self) -> Option<BitRate> {
+        match &self.bus {
+            #[cfg(target_os = "linux")]
+            Bus::Interface(port) => match port.interface().kind() {
+                Ok(transport_socketcan::Kind::Controller { bit_rate, .. }) => bit_rate,
+                Ok(transport_socketcan::Kind::WithoutBitRate) | Err(_) => None,
+            },
+            Bus::Simulated(_) | Bus::Recorded(_) => self.bit_rate,
         }
     }
 
@@ -129,7 +154,7 @@ impl Port for LivePort {
             #[cfg(target_os = "linux")]
             Bus::Interface(port) => port.now(),
             Bus::Simulated(port) => port.now(),
-            Bus::Recorded(recorded) => recorded.now,
+            Bus::Recorded(recorded) => recorded.now(),
         }
     }
 
@@ -193,58 +218,6 @@ impl Port for LivePort {
 #[cfg(target_os = "linux")]
 fn failed(error: transport_socketcan::Error) -> PortError {
     PortError::Failed(Failure::Transport(error.to_string()))
-}
-
-/// A recording that is played to a listener, as fast as it is read. Its bad lines are told.
-struct Recorded {
-    file: String,
-    recording: Recording,
-    now: Instant,
-    first: Option<Instant>,
-    ahead: VecDeque<(Instant, Frame)>,
-}
-
-impl Recorded {
-    fn open(path: &std::path::Path) -> Result<Self, Failure> {
-        let file = crate::standard::shown(path, "<stdin>");
-        let recording = Recording::open(path).map_err(|error| Failure::Usage(format!("{file}: {error}")))?;
-        Ok(Self { file, recording, now: Instant::ZERO, first: None, ahead: VecDeque::new() })
-    }
-
-    fn next(&mut self, deadline: Option<Deadline>) -> Result<(Instant, Input), PortError> {
-        if self.first.is_none() {
-            self.first = Some(self.peek()?.map_or(Instant::ZERO, |(at, _)| at));
-            return Ok((self.now, Input::Link(LinkEvent::Up)));
-        }
-        let Some((at, frame)) = self.peek()? else { return Err(PortError::Over) };
-        // From its first frame on, as on a bus that one has just come to.
-        let at = Instant::ZERO + at.saturating_since(self.first.unwrap_or(Instant::ZERO));
-        if let Some(deadline) = deadline.filter(|deadline| deadline.at < at) {
-            self.now = deadline.at;
-            return Ok((self.now, Input::Tick));
-        }
-        self.ahead.pop_front();
-        self.now = self.now.max(at);
-        Ok((self.now, Input::Frame(frame)))
-    }
-
-    fn peek(&mut self) -> Result<Option<(Instant, Frame)>, PortError> {
-        while self.ahead.is_empty() {
-            match self.recording.next() {
-                None => return Ok(None),
-                Some(Ok(frame)) => {
-                    if let Content::Classic(classic) = frame.content {
-                        self.ahead.push_back((frame.at, classic));
-                    }
-                }
-                Some(Err(error)) if error.is_fatal() => {
-                    return Err(PortError::Failed(Failure::Usage(format!("{}: {error}", self.file))));
-                }
-                Some(Err(error)) => crate::output::warn(format_args!("{}:{error}", self.file)),
-            }
-        }
-        Ok(self.ahead.front().copied())
-    }
 }
 
 /// How often an interruption is looked for.

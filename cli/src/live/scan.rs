@@ -55,7 +55,9 @@ pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
         };
         let mut heard = Heard::new();
         heard.listen(&mut port, until)?;
-        permit::link(endpoint, &heard)?;
+        if matches!(endpoint, Endpoint::Interface(_)) {
+            permit::link(endpoint, &heard)?;
+        }
         (heard, Vec::new())
     };
     conclude(args, &heard, reports, json)

@@ -24,6 +24,7 @@
 
 mod asc;
 mod candump;
+mod controller;
 mod detect;
 mod error;
 mod fields;

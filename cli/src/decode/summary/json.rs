@@ -3,8 +3,8 @@
 use devicenet_core::monitor::NodeRecord;
 use serde::Serialize;
 
-use super::text::product_name;
 use super::{Connection, Count, Node, Summary};
+use crate::text::product_name;
 
 impl Summary {
     /// As JSON, one object a line: first the bus, then its nodes, its connections, its problems.
@@ -103,7 +103,7 @@ impl Record<'_> {
             self.access = Some(record.access.name());
             (self.vendor, self.serial) = (record.vendor.map(|vendor| vendor.0), record.serial);
             self.product = record.product;
-            self.product_name = product_name(record);
+            self.product_name = product_name(&record.product_name);
         }
         self
     }

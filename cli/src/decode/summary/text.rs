@@ -5,7 +5,7 @@ use devicenet_core::monitor::NodeRecord;
 use super::{Bus, Connection, Count, Node, Summary};
 use crate::histogram;
 use crate::table::{Cell, Table};
-use crate::text::{count, printable};
+use crate::text::{count, printable, product_name};
 
 impl Summary {
     /// As tables for people.
@@ -86,13 +86,7 @@ impl Count {
 fn device(record: &NodeRecord) -> String {
     let vendor = record.vendor.map(|vendor| format!("vendor {}", vendor.0));
     let serial = record.serial.map(|serial| format!("serial 0x{serial:08X}"));
-    [product_name(record), vendor, serial].into_iter().flatten().collect::<Vec<_>>().join(", ")
-}
-
-/// The name in the Identity object, with a replacement for what would command a terminal.
-pub(super) fn product_name(record: &NodeRecord) -> Option<String> {
-    let name: String = record.product_name.iter().map(|&byte| char::from(byte)).collect();
-    Some(printable(name.trim()).into_owned()).filter(|name| !name.is_empty())
+    [product_name(&record.product_name), vendor, serial].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 fn percent(load: Option<f64>) -> String {

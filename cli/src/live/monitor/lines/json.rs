@@ -1,0 +1,143 @@
+//! One object a line.
+//!
+//! | `event` | when | further fields |
+//! |---|---|---|
+//! | `link` | the interface goes up or down, or its controller changes its state | `state`: `down`, `error_active`, `error_warning`, `error_passive`, `bus_off` |
+//! | `access` | a node comes, goes, is silenced | `mac`, `from`, `to`: `unknown`, `first_check`, `second_check`, `online`, `suspected_duplicate`, `comm_fault`, `offline` |
+//! | `connection` | a connection changes its state | `mac` of the server, `client` if known, `connection`, `from`, `to`: `unknown`, `non_existent`, `configuring`, `waiting_for_connection_id`, `established`, `timed_out`, `deferred_delete` |
+//! | `lost` | the interface lost frames | `frames`; 0 if it does not count them |
+//! | `summary` | every interval, and at the end with `"last": true` | below |
+//!
+//! All have `t`, in seconds since the beginning, and all but `summary` have `text`, the words of the text output.
+//!
+//! | field of `summary` | value |
+//! |---|---|
+//! | `bit_rate` | bit/s |
+//! | `link`, `tec`, `rec` | of the interface; counters where it tells them |
+//! | `frames`, `error_frames`, `lost`, `problems` | since the beginning |
+//! | `span` | seconds since the last summary |
+//! | `load`, `load_total` | of that span and since the beginning: `all`, and each purpose, parts of 1 |
+//! | `nodes` | per node `mac`, `state`, `master`, identity as far as it is known, `silent` (seconds since it was last heard), `frames`, `load`, `load_total`, `io` and `explicit` (`count`, `p50`, `p99`, `max` in seconds), `limit` (EPR x 4 in seconds), `connections` |
+
+use core::time::Duration;
+
+use devicenet_core::monitor::ConnectionRecord;
+use serde_json::{Map, Value, json};
+
+use crate::live::monitor::model::{Happening, Load, NodePicture, Picture, Purpose, Times};
+use crate::text::product_name;
+
+pub(super) fn event(at: Duration, what: &Happening) -> Value {
+    let mut object = json!({ "event": what.name(), "t": seconds(at), "text": what.to_string() });
+    if let Some(mac) = what.mac() {
+        object["mac"] = mac.number().into();
+    }
+    match what {
+        Happening::Link(state) => object["state"] = state.name().into(),
+        Happening::Access { from, to, .. } => {
+            object["from"] = from.name().into();
+            object["to"] = to.name().into();
+        }
+        Happening::Connection { client, name, from, to, .. } => {
+            object["connection"] = name.to_string().into();
+            object["from"] = from.name().into();
+            object["to"] = to.name().into();
+            if let Some(client) = client {
+                object["client"] = client.number().into();
+            }
+        }
+        Happening::Lost(frames) => object["frames"] = (*frames).into(),
+    }
+    object
+}
+
+pub(super) fn summary(picture: &Picture, is_last: bool) -> Value {
+    let mut object = json!({
+        "event": "summary",
+        "t": seconds(picture.at),
+        "bit_rate": picture.bit_rate.0,
+        "link": picture.link.name(),
+        "frames": picture.counters.frames,
+        "error_frames": picture.counters.error_frames,
+        "lost": picture.counters.lost,
+        "problems": picture.counters.problems,
+        "span": seconds(picture.span),
+        "load": load(&picture.load),
+        "load_total": load(&picture.total),
+        "nodes": picture.nodes.iter().map(node).collect::<Vec<_>>(),
+    });
+    if is_last {
+        object["last"] = true.into();
+    }
+    put(&mut object, "tec", picture.counters.tec);
+    put(&mut object, "rec", picture.counters.rec);
+    object
+}
+
+fn load(load: &Load) -> Value {
+    let mut object = Map::new();
+    object.insert("all".into(), part(load.all));
+    for (purpose, share) in Purpose::ALL.into_iter().zip(load.by_purpose) {
+        object.insert(purpose.name().into(), part(share));
+    }
+    object.into()
+}
+
+fn node(node: &NodePicture) -> Value {
+    let NodePicture { record, .. } = node;
+    let mut object = json!({
+        "mac": record.mac.number(),
+        "state": record.access.name(),
+        "frames": record.frames,
+        "load": part(node.load),
+        "load_total": part(node.total),
+        "connections": node.connections.iter().map(connection).collect::<Vec<_>>(),
+    });
+    put(&mut object, "vendor", record.vendor.map(|vendor| vendor.0));
+    put(&mut object, "device_type", record.device_type.map(|device| device.0));
+    put(&mut object, "product", record.product);
+    put(&mut object, "revision", record.revision.map(|(major, minor)| format!("{major}.{minor}")));
+    put(&mut object, "serial", record.serial);
+    put(&mut object, "product_name", product_name(&node.record.product_name));
+    put(&mut object, "master", record.master.map(|master| master.number()));
+    put(&mut object, "silent", node.silent.map(seconds));
+    put(&mut object, "io", node.io.map(times));
+    put(&mut object, "explicit", node.explicit.map(times));
+    put(&mut object, "limit", node.limit.map(seconds));
+    object
+}
+
+fn connection(record: &ConnectionRecord) -> Value {
+    let mut object = json!({
+        "connection": record.name.to_string(),
+        "state": record.state.name(),
+        "frames": record.frames,
+    });
+    put(&mut object, "client", record.client.map(|client| client.number()));
+    put(&mut object, "epr", record.epr);
+    put(&mut object, "watchdog", record.watchdog_action);
+    put(&mut object, "inhibit", record.inhibit);
+    put(&mut object, "consumes", record.consumed_size);
+    put(&mut object, "produces", record.produced_size);
+    object
+}
+
+fn times(times: Times) -> Value {
+    let Times { count, p50, p99, max } = times;
+    json!({ "count": count, "p50": seconds(p50), "p99": seconds(p99), "max": seconds(max) })
+}
+
+fn put(object: &mut Value, key: &str, value: Option<impl Into<Value>>) {
+    if let Some(value) = value {
+        object[key] = value.into();
+    }
+}
+
+fn seconds(span: Duration) -> f64 {
+    span.as_nanos() as f64 / 1e9
+}
+
+/// Six decimals, which is less than a bit in a second.
+fn part(share: f64) -> Value {
+    ((share * 1e6).round() / 1e6).into()
+}

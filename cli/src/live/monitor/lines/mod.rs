@@ -1,0 +1,104 @@
+//! Lines: what happens when it happens, and a summary from time to time.
+
+mod json;
+mod text;
+
+use core::time::Duration;
+
+use link_core::machine::Deadline;
+use link_core::{Input, Instant, Port as _};
+
+use super::model::{Event, Model, Picture};
+use crate::exit::Failure;
+use crate::live::args::MonitorArgs;
+use crate::live::port::{LivePort, PortError};
+use crate::output::Output;
+
+/// Watches until the end, and tells.
+pub(super) fn run(
+    args: &MonitorArgs,
+    port: &mut LivePort,
+    model: &mut Model,
+    output: Output,
+    json: bool,
+) -> Result<(), Failure> {
+    let begin = port.now();
+    let mut lines = Lines { output, json };
+    let mut report_at = begin.saturating_add(args.interval.0);
+    let mut look_at = begin;
+    let ended = loop {
+        look_at = report_at.min(look_at.saturating_add(LOOK_EVERY));
+        match port.wait(Some(Deadline { at: look_at, why: "a look" })) {
+            Ok((at, input)) => {
+                if at >= report_at {
+                    lines.see(model, report_at, Input::Tick);
+                    lines.report(&model.report(), false)?;
+                    while report_at <= at {
+                        report_at = report_at.saturating_add(args.interval.0);
+                    }
+                }
+                lines.see(model, at, input);
+                look_at = look_at.max(at);
+                lines.show(input)?;
+            }
+            Err(error) => break error,
+        }
+    };
+    lines.report(&model.report(), true)?;
+    match ended {
+        PortError::Over => Ok(()),
+        PortError::Failed(failure) => Err(failure),
+    }
+}
+
+/// Prints the last summary as text.
+pub(super) fn last_words(picture: &Picture) -> Result<(), Failure> {
+    Lines { output: Output::new(), json: false }.report(picture, true)
+}
+
+struct Lines {
+    output: Output,
+    json: bool,
+}
+
+impl Lines {
+    fn see(&mut self, model: &mut Model, at: Instant, input: Input) {
+        let begin = model.begin().unwrap_or(at);
+        model.see(at, input, |event: Event| {
+            let at = event.at.saturating_since(begin);
+            let line = if self.json {
+                json::event(at, &event.what).to_string()
+            } else {
+                text::event(at, &event.what)
+            };
+            self.line(&line);
+        });
+    }
+
+    fn report(&mut self, picture: &Picture, is_last: bool) -> Result<(), Failure> {
+        let text = if self.json {
+            json::summary(picture, is_last).to_string()
+        } else {
+            text::summary(picture, is_last)
+        };
+        self.line(text.trim_end());
+        Ok(self.output.flush()?)
+    }
+
+    /// A person or a program that waits sees what happened, when the bus is silent or time has passed.
+    fn show(&mut self, input: Input) -> Result<(), Failure> {
+        match input {
+            Input::Tick if !self.output.buffer.is_empty() => self.output.flush()?,
+            _ => self.output.line_done()?,
+        }
+        Ok(())
+    }
+
+    fn line(&mut self, line: &str) {
+        self.output.buffer.extend_from_slice(line.as_bytes());
+        self.output.buffer.push(b'\n');
+    }
+}
+
+/// How often time alone is given the word.
+const LOOK_EVERY: Duration = Duration::from_millis(100);

@@ -1,0 +1,62 @@
+//! `devicenet monitor`: a bus at a glance.
+//!
+//! ```text
+//! port ─▶ model ─▶ picture ─┬─▶ lines: text or JSON, for a file, a pipe, a log
+//!                           └─▶ screen
+//! ```
+
+mod lines;
+mod model;
+mod screen;
+mod words;
+
+use std::io::{self, IsTerminal as _};
+
+use link_core::{BitRate, Port as _};
+
+use super::args::MonitorArgs;
+use super::endpoint::Endpoint;
+use super::permit;
+use super::port::LivePort;
+use crate::exit::{Exit, Failure};
+use crate::output::Output;
+use crate::simulate;
+use model::{LinkState, Model};
+use screen::Theme;
+
+/// Watches a bus.
+///
+/// # Errors
+/// [`Failure`] when the endpoint cannot be used or fails, or the output cannot be written.
+pub fn monitor(args: &MonitorArgs, json: bool) -> Result<Exit, Failure> {
+    let mut port = LivePort::open_listen_only(&args.endpoint)?;
+    let interrupted = simulate::interruption()?;
+    port.set_interruption(interrupted);
+    if let Some(span) = args.span {
+        let end = port.now() + span.0;
+        port.set_end(end);
+    }
+    let chosen = args.bit_rate.map(BitRate);
+    let mut model = Model::new(port.bit_rate().or(chosen).unwrap_or(BitRate::K125));
+    let output = Output::new();
+    if json || args.text || !output.is_terminal() || !io::stdin().is_terminal() {
+        lines::run(args, &mut port, &mut model, output, json)?;
+    } else {
+        let theme = Theme { is_coloured: output.is_coloured() };
+        // The screen writes to the same standard output.
+        drop(output);
+        screen::run(args, &mut port, &mut model, interrupted, theme)?;
+        lines::last_words(&model.report())?;
+    }
+    conclude(&args.endpoint, &model)
+}
+
+/// How it ends.
+fn conclude(endpoint: &Endpoint, model: &Model) -> Result<Exit, Failure> {
+    match (endpoint, model.link()) {
+        (Endpoint::Interface(_), LinkState::Down) => Err(permit::down(endpoint)),
+        (Endpoint::Interface(_), LinkState::BusOff) => Err(permit::bus_off(endpoint)),
+        _ if model.has_findings() => Ok(Exit::Findings),
+        _ => Ok(Exit::Done),
+    }
+}

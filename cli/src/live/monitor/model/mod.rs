@@ -1,0 +1,303 @@
+//! What is known of the bus, in memory that does not grow.
+//!
+//! ```text
+//! frames, link events ─▶ decoder ─▶ load by node and purpose, response times, counters
+//!                           │
+//!                           └─ looked at ─▶ events       picture ─▶ text, JSON, screen
+//! ```
+
+mod changes;
+mod event;
+mod link;
+mod load;
+mod picture;
+mod purpose;
+mod times;
+
+use core::time::Duration;
+
+use devicenet_core::MacId;
+use devicenet_core::monitor::{
+    ConnectionName, ConnectionRecord, ConnectionState, Kind, Monitor, MonitorConfig, NodeRecord, Predefined,
+    Reading,
+};
+use link_core::{BitRate, Input, Instant, LinkEvent};
+
+use crate::bus_time;
+use crate::histogram::Histogram;
+use changes::Changes;
+use load::{History, Tally, Window};
+
+pub(super) use event::{Event, Happening, words};
+pub(super) use link::LinkState;
+pub(super) use load::Load;
+use picture::Counters;
+pub(super) use picture::{FindingPicture, NodePicture, Picture, Severity};
+pub(super) use purpose::Purpose;
+pub(super) use times::Times;
+
+/// What is known of the bus.
+#[derive(Clone, Debug)]
+pub(super) struct Model {
+    monitor: Box<Monitor>,
+    bit_rate: BitRate,
+    /// When it began to listen.
+    begin: Option<Instant>,
+    now: Instant,
+    link: LinkState,
+    counters: Counters,
+    total: Tally,
+    /// Since the last report.
+    interval: Tally,
+    interval_began: Instant,
+    window: Window,
+    history: History,
+    /// By MAC ID.
+    responses: Vec<Responses>,
+    changes: Changes,
+    look_at: Instant,
+}
+
+/// The response times of a node.
+#[derive(Clone, Debug, Default)]
+struct Responses {
+    io: Histogram,
+    explicit: Histogram,
+}
+
+impl Model {
+    pub(super) fn new(bit_rate: BitRate) -> Self {
+        Self {
+            monitor: Box::new(Monitor::new(MonitorConfig::default())),
+            bit_rate,
+            begin: None,
+            now: Instant::ZERO,
+            link: LinkState::Down,
+            counters: Counters::default(),
+            total: Tally::default(),
+            interval: Tally::default(),
+            interval_began: Instant::ZERO,
+            window: Window::new(),
+            history: History::new(),
+            responses: vec![Responses::default(); MacId::COUNT],
+            changes: Changes::new(),
+            look_at: Instant::ZERO,
+        }
+    }
+
+    /// Takes an input of the interface, and tells what follows.
+    pub(super) fn see(&mut self, at: Instant, input: Input, mut tell: impl FnMut(Event)) {
+        self.pass(at);
+        let is_news = match input {
+            Input::Frame(frame) => {
+                self.counters.frames += 1;
+                let reading = self.monitor.observe(at, self.counters.frames, &frame);
+                let seen = Seen::of(&reading);
+                self.count(at, bus_time::bits(&frame), &seen);
+                seen.is_news
+            }
+            Input::Link(event) => {
+                self.link_event(at, event, &mut tell);
+                false
+            }
+            Input::Tick | Input::TxDone(..) => false,
+        };
+        if is_news || at >= self.look_at {
+            self.look_at = at + LOOK_EVERY;
+            self.changes.look(&self.monitor, |what| tell(Event { at, what }));
+        }
+    }
+
+    /// When it began to listen; `None` before the first input.
+    pub(super) const fn begin(&self) -> Option<Instant> {
+        self.begin
+    }
+
+    pub(super) const fn link(&self) -> LinkState {
+        self.link
+    }
+
+    /// Whether something is or was wrong.
+    pub(super) const fn has_findings(&self) -> bool {
+        self.counters.problems + self.counters.error_frames + self.counters.lost > 0
+    }
+
+    /// What there is to show, with the load of the last second.
+    pub(super) fn picture(&self) -> Picture {
+        let begin = self.begin.unwrap_or(self.now);
+        let load = self.window.load(begin, self.now);
+        self.picture_with(load, self.now.saturating_since(begin).min(Duration::from_secs(1)))
+    }
+
+    /// What there is to report, with the load since the last report.
+    pub(super) fn report(&mut self) -> Picture {
+        let span = self.now.saturating_since(self.interval_began);
+        let picture = self.picture_with(self.interval.load(span), span);
+        self.interval = Tally::default();
+        self.interval_began = self.now;
+        picture
+    }
+
+    /// It is so late.
+    fn pass(&mut self, at: Instant) {
+        self.now = self.now.max(at);
+        if self.begin.is_none() {
+            self.begin = Some(at);
+            self.interval_began = at;
+            self.look_at = at + LOOK_EVERY;
+            self.window.0.begin(at);
+            self.history.0.begin(at);
+        }
+        self.window.0.advance(self.now);
+        self.history.0.advance(self.now);
+    }
+
+    fn count(&mut self, at: Instant, bits: u32, seen: &Seen) {
+        self.counters.problems += u64::from(seen.has_problem);
+        self.occupy(at, bits, seen.source.map_or(MacId::COUNT, index), seen.purpose);
+        if let (Some(source), Some(latency)) = (seen.source, seen.latency) {
+            let responses = &mut self.responses[index(source)];
+            match seen.purpose {
+                Purpose::Explicit => responses.explicit.record(latency),
+                Purpose::Poll | Purpose::Strobe | Purpose::OtherIo => responses.io.record(latency),
+                // An acknowledge is the master's, and there is none to a check.
+                Purpose::Change
+                | Purpose::Access
+                | Purpose::Heartbeat
+                | Purpose::Offline
+                | Purpose::Foreign
+                | Purpose::Errors => {}
+            }
+        }
+    }
+
+    /// Something that ends at a moment has taken so many bits of the bus.
+    fn occupy(&mut self, at: Instant, bits: u32, node: usize, purpose: Purpose) {
+        let busy = u64::from(bits) * self.bit_rate.bit_time_nanos().unwrap_or_default();
+        self.total.add(busy, node, purpose);
+        self.interval.add(busy, node, purpose);
+        let from = at.saturating_sub(Duration::from_nanos(busy));
+        self.window.0.spread(from, at, |tally, busy| tally.add(busy, node, purpose));
+        self.history.0.spread(from, at, |cell, busy| cell[purpose.index()] += busy);
+    }
+
+    fn link_event(&mut self, at: Instant, event: LinkEvent, tell: &mut impl FnMut(Event)) {
+        match event {
+            LinkEvent::BusError(_) => {
+                self.counters.error_frames += 1;
+                self.occupy(at, bus_time::ERROR_FRAME, MacId::COUNT, Purpose::Errors);
+            }
+            LinkEvent::Counters { tec, rec } => {
+                (self.counters.tec, self.counters.rec) = (Some(tec), Some(rec))
+            }
+            LinkEvent::Overrun { lost } => {
+                // One that does not count has lost one at least.
+                self.counters.lost += u64::from(lost.max(1));
+                tell(Event { at, what: Happening::Lost(lost) });
+            }
+            LinkEvent::ModeSet(mode) => self.bit_rate = mode.bit_rate,
+            LinkEvent::Up
+            | LinkEvent::Down
+            | LinkEvent::ErrorWarning
+            | LinkEvent::ErrorPassive
+            | LinkEvent::ErrorActive
+            | LinkEvent::BusOff
+            | LinkEvent::FilterSet
+            | LinkEvent::Refused(_) => {}
+        }
+        if let Some(state) = LinkState::after(event).filter(|state| *state != self.link) {
+            self.link = state;
+            tell(Event { at, what: Happening::Link(state) });
+        }
+    }
+
+    fn picture_with(&self, load: Load, span: Duration) -> Picture {
+        let elapsed = self.now.saturating_since(self.begin.unwrap_or(self.now));
+        let total = self.total.load(elapsed);
+        let mut nodes: Vec<NodePicture> =
+            self.monitor.nodes().map(|record| self.node(record, &load, &total)).collect();
+        for connection in self.monitor.connections() {
+            if let Ok(at) = nodes.binary_search_by_key(&connection.server, NodePicture::mac) {
+                nodes[at].connections.push(connection);
+            }
+        }
+        nodes.iter_mut().for_each(|node| node.limit = limit(&node.connections));
+        Picture {
+            at: elapsed,
+            bit_rate: self.bit_rate,
+            link: self.link,
+            counters: self.counters,
+            span,
+            load,
+            total,
+            history: self.history.shares(),
+            nodes,
+            findings: Vec::new(),
+        }
+    }
+
+    fn node(&self, record: NodeRecord, load: &Load, total: &Load) -> NodePicture {
+        let mac = index(record.mac);
+        NodePicture {
+            connections: Vec::new(),
+            load: load.by_node[mac],
+            total: total.by_node[mac],
+            io: Times::of(&self.responses[mac].io),
+            explicit: Times::of(&self.responses[mac].explicit),
+            limit: None,
+            silent: record.last_seen.map(|last| self.now.saturating_since(last)),
+            record,
+        }
+    }
+}
+
+/// What is counted of a frame.
+struct Seen {
+    source: Option<MacId>,
+    purpose: Purpose,
+    latency: Option<Duration>,
+    has_problem: bool,
+    /// It can change what is known of nodes and connections.
+    is_news: bool,
+}
+
+impl Seen {
+    fn of(reading: &Reading<'_>) -> Self {
+        let is_answer = reading.kind != Kind::FragmentAck;
+        let is_news = match reading.kind {
+            Kind::Fragment => reading.message.is_some(),
+            Kind::FragmentAck | Kind::Heartbeat | Kind::Foreign | Kind::Invalid | Kind::Reserved => false,
+            kind => !kind.is_io(),
+        };
+        Self {
+            source: reading.src,
+            purpose: Purpose::of(reading.kind),
+            latency: reading.request.filter(|_| is_answer).map(|request| request.latency),
+            has_problem: reading.problem.is_some(),
+            is_news,
+        }
+    }
+}
+
+/// See [`NodePicture::limit`].
+fn limit(connections: &[ConnectionRecord]) -> Option<Duration> {
+    let answers = |connection: &&ConnectionRecord| {
+        let is_answering = match connection.name {
+            ConnectionName::Predefined(
+                Predefined::Poll | Predefined::BitStrobe | Predefined::MulticastPoll,
+            ) => true,
+            ConnectionName::Predefined(Predefined::Explicit | Predefined::CosCyclic)
+            | ConnectionName::Dynamic { .. } => false,
+        };
+        is_answering && connection.state != ConnectionState::NonExistent
+    };
+    let rates = connections.iter().filter(answers).filter_map(|connection| connection.epr);
+    rates.filter(|rate| *rate > 0).min().map(|rate| Duration::from_millis(u64::from(rate) * 4))
+}
+
+fn index(mac: MacId) -> usize {
+    usize::from(mac.number())
+}
+
+/// How often nodes and connections are looked at for what time alone has changed.
+const LOOK_EVERY: Duration = Duration::from_millis(100);

@@ -1,0 +1,97 @@
+//! Interface, bit rate, state; load and counters.
+
+use ratatui::Frame;
+use ratatui::layout::{Constraint, Layout, Rect};
+use ratatui::style::Modifier;
+use ratatui::text::{Line, Span};
+use ratatui::widgets::Paragraph;
+
+use super::bar::bar;
+use crate::live::monitor::model::Severity;
+use crate::live::monitor::screen::Scene;
+use crate::live::monitor::screen::player::{Playback, Speed};
+use crate::live::monitor::words::{clock, percent};
+use crate::text::{count, printable};
+
+pub(super) fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, area: Rect) {
+    let [first, second] = area.layout(&Layout::vertical([Constraint::Length(1); 2]));
+    let right = state(scene);
+    let [left, end] =
+        first.layout(&Layout::horizontal([Constraint::Fill(1), Constraint::Length(right.width() as u16)]));
+    frame.render_widget(Paragraph::new(title(scene)), left);
+    frame.render_widget(Paragraph::new(right), end);
+    frame.render_widget(Paragraph::new(figures(scene, second.width)), second);
+}
+
+fn title<'a>(scene: &Scene<'_>) -> Line<'a> {
+    let Scene { theme, picture, .. } = scene;
+    Line::from(vec![
+        Span::styled(" DeviceNet ", theme.title().add_modifier(Modifier::REVERSED)),
+        Span::styled(format!(" {} ", printable(scene.title)), theme.heading()),
+        Span::styled(format!(" {} ", picture.bit_rate), theme.dim()),
+    ])
+}
+
+fn state<'a>(scene: &Scene<'_>) -> Line<'a> {
+    let Scene { theme, picture, .. } = scene;
+    let playback = match scene.playback {
+        Playback::Live => "live".to_owned(),
+        Playback::Frozen => "PAUSED, the bus goes on".to_owned(),
+        Playback::Playing(speed) => format!("playing {}", speed_words(speed)),
+        Playback::Paused(speed) => format!("PAUSED {}", speed_words(speed)),
+        Playback::Ended => "END".to_owned(),
+    };
+    let is_moving = matches!(scene.playback, Playback::Live | Playback::Playing(_));
+    let counters = match (picture.counters.tec, picture.counters.rec) {
+        (Some(tec), Some(rec)) => format!(" TEC {tec} REC {rec}"),
+        _ => String::new(),
+    };
+    Line::from(vec![
+        Span::styled(picture.link.to_string(), theme.link(picture.link)),
+        Span::styled(counters, theme.dim()),
+        Span::raw("   "),
+        Span::styled(clock(picture.at), theme.heading()),
+        Span::raw("  "),
+        Span::styled(playback, if is_moving { theme.dim() } else { theme.severity(Severity::Warning) }),
+        Span::raw(" "),
+    ])
+}
+
+fn figures<'a>(scene: &Scene<'_>, width: u16) -> Line<'a> {
+    let Scene { theme, picture, view, .. } = scene;
+    let counters = picture.counters;
+    let load = picture.load.all;
+    let findings = picture.findings.iter().filter(|finding| finding.until.is_none()).count();
+    let worst = view.findings(picture).into_iter().next().filter(|finding| finding.until.is_none());
+    let findings_style = worst.map_or(theme.good(), |finding| theme.severity(finding.severity));
+    let counted = |number: u64, what: &str| {
+        let style = if number == 0 { theme.dim() } else { theme.severity(Severity::Warning) };
+        Span::styled(format!("  {number} {what}"), style)
+    };
+    let health = match findings {
+        0 => "  healthy".to_owned(),
+        number => format!("  {}", count(number as u64, "finding")),
+    };
+    let mut spans = vec![
+        Span::styled(" load ", theme.dim()),
+        Span::styled("▕", theme.dim()),
+        Span::styled(bar(load, usize::from(width / 5)), theme.bar(load)),
+        Span::styled("▏", theme.dim()),
+        Span::styled(format!("{:>7}", percent(load)), theme.bar(load).add_modifier(Modifier::BOLD)),
+        Span::styled(format!("  {}", count(counters.frames, "frame")), theme.dim()),
+        counted(counters.error_frames, "errors"),
+        counted(counters.lost, "lost"),
+        Span::styled(health, findings_style.add_modifier(Modifier::BOLD)),
+    ];
+    if width >= 110 {
+        spans.push(counted(counters.problems, "frames with a problem"));
+    }
+    Line::from(spans)
+}
+
+fn speed_words(speed: Speed) -> String {
+    match speed {
+        Speed::Times(times) => format!("{times}x"),
+        Speed::Full => "at full speed".to_owned(),
+    }
+}

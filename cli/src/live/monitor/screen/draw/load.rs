@@ -1,0 +1,53 @@
+//! What the bus is used for.
+
+use ratatui::Frame;
+use ratatui::layout::Rect;
+use ratatui::style::Style;
+use ratatui::text::{Line, Span};
+use ratatui::widgets::Paragraph;
+
+use super::bar::curve;
+use super::pane;
+use crate::live::monitor::model::{Purpose, Severity};
+use crate::live::monitor::screen::Scene;
+use crate::live::monitor::words::percent;
+
+pub(super) fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, area: Rect) {
+    let Scene { theme, picture, .. } = scene;
+    let block = pane(*theme, "Bus load by purpose".to_owned(), false);
+    let inner = block.inner(area);
+    frame.render_widget(block, area);
+    let width = usize::from(inner.width).saturating_sub(NAME + FIGURE + 1);
+    let all = |second: &[f64; Purpose::COUNT]| second.iter().sum::<f64>();
+    let recent = &picture.history[picture.history.len().saturating_sub(width)..];
+    let most = recent.iter().map(all).fold(0.0, f64::max);
+    let line = |name: &str, share: f64, style: Style, values: Vec<f64>| {
+        Line::from(vec![
+            Span::raw(format!("{name:<NAME$}")),
+            Span::raw(format!("{:>FIGURE$} ", percent(share))),
+            Span::styled(curve(values.into_iter(), most, width), style),
+        ])
+    };
+    let mut lines =
+        vec![line("all", picture.load.all, theme.bar(picture.load.all), recent.iter().map(all).collect())];
+    let mut used: Vec<Purpose> =
+        Purpose::ALL.into_iter().filter(|purpose| picture.total.by_purpose[purpose.index()] > 0.0).collect();
+    // The largest first, if there is no room for all.
+    if used.len() + 1 > usize::from(inner.height) {
+        let share = |purpose: &Purpose| picture.total.by_purpose[purpose.index()];
+        used.sort_by(|a, b| share(b).total_cmp(&share(a)));
+    }
+    for purpose in used {
+        let style = match purpose {
+            Purpose::Errors | Purpose::Foreign => theme.severity(Severity::Warning),
+            _ => theme.border(true),
+        };
+        let values = recent.iter().map(|second| second[purpose.index()]).collect();
+        lines.push(line(purpose.words(), picture.load.by_purpose[purpose.index()], style, values));
+    }
+    frame.render_widget(Paragraph::new(lines), inner);
+}
+
+/// Columns of the names and of the percentages.
+const NAME: usize = 12;
+const FIGURE: usize = 7;

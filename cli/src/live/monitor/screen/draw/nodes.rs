@@ -1,0 +1,118 @@
+//! The table of the nodes.
+
+use ratatui::Frame;
+use ratatui::layout::{Constraint, Rect};
+use ratatui::text::{Line, Span};
+use ratatui::widgets::{Cell, Row, Table, TableState};
+
+use super::bar::{bar, position};
+use super::{nothing, pane};
+use crate::live::monitor::model::{NodePicture, words};
+use crate::live::monitor::screen::Scene;
+use crate::live::monitor::screen::view::Focus;
+use crate::live::monitor::words::{clock, connections, device, fit, or_dash, percent, time};
+
+pub(super) fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, area: Rect) {
+    let Scene { theme, view, picture, .. } = scene;
+    let nodes = view.nodes(picture);
+    let is_focused = view.focus == Focus::Nodes;
+    let block = pane(*theme, format!("Nodes {} · {}", nodes.len(), view.sort.words()), is_focused);
+    if nodes.is_empty() {
+        let inner = block.inner(area);
+        frame.render_widget(block, area);
+        return frame.render_widget(nothing(*theme, "nobody was heard yet"), inner);
+    }
+    let widths = Widths::of(area.width);
+    let place = view.place(&nodes);
+    let mut heading = vec!["MAC", "state", "device"];
+    heading.extend(widths.owner.then_some("owner"));
+    heading.extend(["connections", "  load", widths.response, "fault"]);
+    let rows = nodes.iter().map(|node| row(scene, node, &widths));
+    let table = Table::new(rows, widths.constraints())
+        .header(Row::new(heading.into_iter().map(Cell::from)).style(theme.heading()))
+        .column_spacing(1)
+        .row_highlight_style(theme.selected(is_focused))
+        .block(block);
+    let mut state = TableState::new().with_selected(place);
+    frame.render_stateful_widget(table, area, &mut state);
+}
+
+fn row<'a>(scene: &Scene<'_>, node: &NodePicture, widths: &Widths) -> Row<'a> {
+    let Scene { theme, view, picture, .. } = scene;
+    let access = node.record.access;
+    let mut cells = vec![
+        Cell::from(format!("{:>3}", node.mac().number())),
+        Cell::from(Span::styled(words(access), theme.access(access))),
+        Cell::from(device(node, widths.device.into())),
+    ];
+    if widths.owner {
+        cells.push(Cell::from(format!("{:>5}", or_dash(node.record.master))));
+    }
+    let fault = view.fault(picture, node.mac()).map_or_else(Span::default, |fault| {
+        let words = match fault.until {
+            None => fault.title(),
+            Some(until) => format!("{} until {}", fault.title(), clock(until)),
+        };
+        let style = if fault.until.is_none() { theme.severity(fault.severity) } else { theme.dim() };
+        Span::styled(words, style)
+    });
+    cells.extend([
+        Cell::from(fit(&connections(node), widths.connections.into())),
+        Cell::from(format!("{:>6}", percent(node.load).replace(' ', ""))),
+        Cell::from(response(scene, node, widths)),
+        Cell::from(fault),
+    ]);
+    Row::new(cells)
+}
+
+/// The longest response time, as a bar and in words.
+fn response<'a>(scene: &Scene<'_>, node: &NodePicture, widths: &Widths) -> Line<'a> {
+    let theme = scene.theme;
+    let Some(times) = node.io.or(node.explicit) else { return Line::styled("-", theme.dim()) };
+    let text = time(Some(times.max));
+    match node.worst() {
+        Some(worst) => {
+            let share = position(worst);
+            Line::from(vec![
+                Span::styled(bar(share, widths.bar.into()), theme.bar(worst)),
+                Span::raw(format!("{text:>9}")),
+            ])
+        }
+        None => Line::from(format!("{:>width$}", text, width = usize::from(widths.bar) + 9)),
+    }
+}
+
+/// What there is room for.
+struct Widths {
+    device: u16,
+    owner: bool,
+    connections: u16,
+    bar: u16,
+    /// The heading of the bar.
+    response: &'static str,
+}
+
+impl Widths {
+    fn of(width: u16) -> Self {
+        match width {
+            0..=99 => Self { device: 13, owner: false, connections: 14, bar: 4, response: "slowest" },
+            100..=129 => {
+                Self { device: 20, owner: true, connections: 18, bar: 8, response: "slowest of 4 x EPR" }
+            }
+            _ => Self { device: 24, owner: true, connections: 24, bar: 8, response: "slowest of 4 x EPR" },
+        }
+    }
+
+    fn constraints(&self) -> Vec<Constraint> {
+        let mut columns =
+            vec![Constraint::Length(3), Constraint::Length(10), Constraint::Length(self.device)];
+        columns.extend(self.owner.then_some(Constraint::Length(5)));
+        columns.extend([
+            Constraint::Length(self.connections),
+            Constraint::Length(6),
+            Constraint::Length(self.bar + 9),
+            Constraint::Fill(1),
+        ]);
+        columns
+    }
+}

@@ -1,0 +1,123 @@
+//! The screen: a terminal that shows the bus as it is.
+
+mod draw;
+mod player;
+mod style;
+mod view;
+
+use core::sync::atomic::{AtomicBool, Ordering};
+use core::time::Duration;
+use std::io;
+
+use ratatui::DefaultTerminal;
+use ratatui::crossterm::event::{self, Event};
+
+use super::model::{Model, Picture};
+use crate::exit::Failure;
+use crate::live::args::MonitorArgs;
+use crate::live::endpoint::Endpoint;
+use crate::live::port::LivePort;
+use crate::output;
+use player::{Playback, Player};
+use view::{Command, View};
+
+pub(super) use style::Theme;
+
+/// Shows the bus until the user has seen enough.
+pub(super) fn run(
+    args: &MonitorArgs,
+    port: &mut LivePort,
+    model: &mut Model,
+    interrupted: &'static AtomicBool,
+    theme: Theme,
+) -> Result<(), Failure> {
+    // What is said meanwhile would be in the picture.
+    let held = output::hold();
+    let mut terminal = Terminal::open()?;
+    let player = match args.endpoint {
+        Endpoint::Interface(_) => Player::live(),
+        Endpoint::Scenario(_) | Endpoint::Recording(_) => Player::recorded(args.span.is_none()),
+    };
+    let screen = Screen { title: args.endpoint.to_string(), player, view: View::default(), theme };
+    let ended = screen.run(&mut terminal.0, port, model, interrupted);
+    drop(terminal);
+    drop(held);
+    ended
+}
+
+/// What a frame of the screen is drawn from.
+pub(super) struct Scene<'a> {
+    pub(super) title: &'a str,
+    pub(super) picture: &'a Picture,
+    pub(super) view: &'a View,
+    pub(super) playback: Playback,
+    pub(super) theme: Theme,
+}
+
+struct Screen {
+    title: String,
+    player: Player,
+    view: View,
+    theme: Theme,
+}
+
+impl Screen {
+    fn run(
+        mut self,
+        terminal: &mut DefaultTerminal,
+        port: &mut LivePort,
+        model: &mut Model,
+        interrupted: &AtomicBool,
+    ) -> Result<(), Failure> {
+        let mut picture = model.picture();
+        loop {
+            if !self.player.is_frozen() {
+                picture = model.picture();
+            }
+            terminal.draw(|frame| draw::draw(frame, &self.scene(&picture)))?;
+            self.player.play(port, model)?;
+            while event::poll(Duration::ZERO)? {
+                if self.key(&event::read()?, &picture) {
+                    return Ok(());
+                }
+            }
+            if self.player.is_over() || interrupted.load(Ordering::Relaxed) {
+                return Ok(());
+            }
+        }
+    }
+
+    fn scene<'a>(&'a self, picture: &'a Picture) -> Scene<'a> {
+        let Self { title, player, view, theme } = self;
+        Scene { title, picture, view, playback: player.playback(), theme: *theme }
+    }
+
+    /// True if the user has seen enough.
+    fn key(&mut self, event: &Event, picture: &Picture) -> bool {
+        let Event::Key(key) = event else { return false };
+        match self.view.key(key, picture) {
+            Some(Command::Quit) => return true,
+            Some(Command::Pause) => self.player.pause(),
+            Some(Command::Faster) => self.player.faster(),
+            Some(Command::Slower) => self.player.slower(),
+            Some(Command::Step) => self.player.step(),
+            None => {}
+        }
+        false
+    }
+}
+
+/// A terminal that is as it was when this is gone, also after a panic.
+struct Terminal(DefaultTerminal);
+
+impl Terminal {
+    fn open() -> io::Result<Self> {
+        Ok(Self(ratatui::try_init()?))
+    }
+}
+
+impl Drop for Terminal {
+    fn drop(&mut self) {
+        ratatui::restore();
+    }
+}

@@ -1,0 +1,70 @@
+//! A recording as a bus to listen to.
+
+use std::collections::VecDeque;
+use std::path::Path;
+
+use link_core::machine::Deadline;
+use link_core::{Input, Instant, LinkEvent};
+
+use super::port::PortError;
+use crate::exit::Failure;
+use crate::recording::{Content, RecordedFrame, Recording};
+
+/// A recording that is played to a listener, as fast as it is read. Its bad lines are told.
+pub(super) struct Recorded {
+    file: String,
+    recording: Recording,
+    now: Instant,
+    first: Option<Instant>,
+    ahead: VecDeque<(Instant, Input)>,
+}
+
+impl Recorded {
+    pub(super) fn open(path: &Path) -> Result<Self, Failure> {
+        let file = crate::standard::shown(path, "<stdin>");
+        let recording = Recording::open(path).map_err(|error| Failure::Usage(format!("{file}: {error}")))?;
+        Ok(Self { file, recording, now: Instant::ZERO, first: None, ahead: VecDeque::new() })
+    }
+
+    pub(super) const fn now(&self) -> Instant {
+        self.now
+    }
+
+    pub(super) fn next(&mut self, deadline: Option<Deadline>) -> Result<(Instant, Input), PortError> {
+        if self.first.is_none() {
+            self.first = Some(self.peek()?.map_or(Instant::ZERO, |(at, _)| at));
+            return Ok((self.now, Input::Link(LinkEvent::Up)));
+        }
+        let Some((at, input)) = self.peek()? else { return Err(PortError::Over) };
+        // From its first frame on, as on a bus that one has just come to.
+        let at = Instant::ZERO + at.saturating_since(self.first.unwrap_or(Instant::ZERO));
+        if let Some(deadline) = deadline.filter(|deadline| deadline.at < at) {
+            self.now = deadline.at;
+            return Ok((self.now, Input::Tick));
+        }
+        self.ahead.pop_front();
+        self.now = self.now.max(at);
+        Ok((self.now, input))
+    }
+
+    fn peek(&mut self) -> Result<Option<(Instant, Input)>, PortError> {
+        while self.ahead.is_empty() {
+            match self.recording.next() {
+                None => return Ok(None),
+                Some(Ok(RecordedFrame { at, content, .. })) => match content {
+                    Content::Classic(frame) => self.ahead.push_back((at, Input::Frame(frame))),
+                    Content::Error(error) => {
+                        self.ahead.extend(error.link_events().map(|event| (at, Input::Link(event))));
+                    }
+                    // No node of this network hears it as a frame.
+                    Content::Fd(_) => {}
+                },
+                Some(Err(error)) if error.is_fatal() => {
+                    return Err(PortError::Failed(Failure::Usage(format!("{}: {error}", self.file))));
+                }
+                Some(Err(error)) => crate::output::warn(format_args!("{}:{error}", self.file)),
+            }
+        }
+        Ok(self.ahead.front().copied())
+    }
+}
