@@ -6,6 +6,7 @@
 //! | `access` | a node comes, goes, is silenced | `mac`, `from`, `to`: `unknown`, `first_check`, `second_check`, `online`, `suspected_duplicate`, `comm_fault`, `offline` |
 //! | `connection` | a connection changes its state | `mac` of the server, `client` if known, `connection`, `from`, `to`: `unknown`, `non_existent`, `configuring`, `waiting_for_connection_id`, `established`, `timed_out`, `deferred_delete` |
 //! | `lost` | the interface lost frames | `frames`; 0 if it does not count them |
+//! | `finding` | something is wrong | `change`: `begins`, `escalates`, `ends`; and the fields of a finding, below |
 //! | `summary` | every interval, and at the end with `"last": true` | below |
 //!
 //! All have `t`, in seconds since the beginning, and all but `summary` have `text`, the words of the text output.
@@ -18,16 +19,38 @@
 //! | `span` | seconds since the last summary |
 //! | `load`, `load_total` | of that span and since the beginning: `all`, and each purpose, parts of 1 |
 //! | `nodes` | per node `mac`, `state`, `master`, identity as far as it is known, `silent` (seconds since it was last heard), `frames`, `load`, `load_total`, `io` and `explicit` (`count`, `p50`, `p99`, `max` in seconds), `limit` (EPR x 4 in seconds), `connections` |
+//! | `findings` | what is and was wrong, up to 64 |
+//!
+//! | field of a finding | value |
+//! |---|---|
+//! | `id` | its number, from 1 |
+//! | `rule`, `severity` | which rule; `info`, `warning`, `error` |
+//! | `mac` | the node; absent for what concerns the bus |
+//! | `since`, `last`, `until` | seconds since the beginning; `until` only if it is over |
+//! | `count`, `frames` | how often it was seen; numbers of the frames that show it |
+//! | `scanner_status` | the code on the display of a scanner, if there is one |
+//! | `facts`, `first_cause` | what was seen; the rule that explains it |
+//! | `text`, `advice` | in words; what to check next |
 
 use core::time::Duration;
 
+use devicenet_core::doctor::Finding;
 use devicenet_core::monitor::ConnectionRecord;
+use link_core::Instant;
 use serde_json::{Map, Value, json};
 
 use crate::live::monitor::model::{Happening, Load, NodePicture, Picture, Purpose, Times};
 use crate::text::product_name;
 
-pub(super) fn event(at: Duration, what: &Happening) -> Value {
+/// What has happened at a moment, and when the beginning was.
+pub(super) fn event(at: Duration, what: &Happening, begin: Instant) -> Value {
+    if let Happening::Finding(change) = what {
+        let mut object = finding(&change.finding, begin);
+        object["event"] = what.name().into();
+        object["t"] = seconds(at).into();
+        object["change"] = change.kind.to_string().into();
+        return object;
+    }
     let mut object = json!({ "event": what.name(), "t": seconds(at), "text": what.to_string() });
     if let Some(mac) = what.mac() {
         object["mac"] = mac.number().into();
@@ -46,6 +69,8 @@ pub(super) fn event(at: Duration, what: &Happening) -> Value {
                 object["client"] = client.number().into();
             }
         }
+        // It is an object of its own.
+        Happening::Finding(_) => {}
         Happening::Lost(frames) => object["frames"] = (*frames).into(),
     }
     object
@@ -65,12 +90,29 @@ pub(super) fn summary(picture: &Picture, is_last: bool) -> Value {
         "load": load(&picture.load),
         "load_total": load(&picture.total),
         "nodes": picture.nodes.iter().map(node).collect::<Vec<_>>(),
+        "findings": picture.findings.iter().map(|found| finding(&found.finding, picture.begin)).collect::<Vec<_>>(),
     });
     if is_last {
         object["last"] = true.into();
     }
     put(&mut object, "tec", picture.counters.tec);
     put(&mut object, "rec", picture.counters.rec);
+    object
+}
+
+/// As the doctor says it, but with times in seconds since the beginning, and `mac` as everywhere here.
+fn finding(finding: &Finding, begin: Instant) -> Value {
+    // A map with keys of text cannot fail.
+    let mut object = serde_json::to_value(finding).unwrap_or_default();
+    let time = |at: Instant| seconds(at.saturating_since(begin));
+    object["since"] = time(finding.since).into();
+    object["last"] = time(finding.last).into();
+    put(&mut object, "until", finding.until.map(time));
+    if let Some(fields) = object.as_object_mut()
+        && let Some(node) = fields.remove("node")
+    {
+        fields.insert("mac".into(), node);
+    }
     object
 }
 

@@ -67,7 +67,7 @@ impl Lines {
         model.see(at, input, |event: Event| {
             let at = event.at.saturating_since(begin);
             let line = if self.json {
-                json::event(at, &event.what).to_string()
+                json::event(at, &event.what, begin).to_string()
             } else {
                 text::event(at, &event.what)
             };

@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use crate::live::monitor::model::{Happening, NodePicture, Picture, Purpose, words};
+use crate::live::monitor::model::{FindingPicture, Happening, NodePicture, Picture, Purpose, words};
 use crate::live::monitor::words as say;
 use crate::table::{Cell, Table};
 use crate::text::count;
@@ -36,10 +36,20 @@ pub(super) fn summary(picture: &Picture, is_last: bool) -> String {
         counters.problems,
     );
     if !picture.nodes.is_empty() {
-        text += &format!("{}", nodes(picture, is_last));
+        text += &nodes(picture, is_last).to_string();
+    }
+    for found in &picture.findings {
+        text += &finding(found);
     }
     text.push('\n');
     text
+}
+
+fn finding(found: &FindingPicture) -> String {
+    let finding = &found.finding;
+    let until = found.until.map_or_else(String::new, |until| format!(" until {:.3} s", until.as_secs_f64()));
+    let since = found.since.as_secs_f64();
+    format!("{} since {since:.3} s{until}: {finding}\n    {}\n", finding.severity, finding.advice())
 }
 
 fn nodes(picture: &Picture, is_last: bool) -> Table {

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use devicenet_core::MacId;
+use devicenet_core::doctor::Change;
 use devicenet_core::monitor::{AccessState, ConnectionName, ConnectionState};
 use link_core::Instant;
 
@@ -30,6 +31,8 @@ pub(in crate::live::monitor) enum Happening {
         from: ConnectionState,
         to: ConnectionState,
     },
+    /// Something is wrong, is worse, or is over.
+    Finding(Change),
     /// The interface received frames that nobody read; 0 where it does not count them.
     Lost(u32),
 }
@@ -41,6 +44,7 @@ impl Happening {
             Self::Link(_) => "link",
             Self::Access { .. } => "access",
             Self::Connection { .. } => "connection",
+            Self::Finding(_) => "finding",
             Self::Lost(_) => "lost",
         }
     }
@@ -49,6 +53,7 @@ impl Happening {
     pub(in crate::live::monitor) const fn mac(&self) -> Option<MacId> {
         match self {
             Self::Access { mac, .. } | Self::Connection { server: mac, .. } => Some(*mac),
+            Self::Finding(change) => change.finding.node,
             Self::Link(_) | Self::Lost(_) => None,
         }
     }
@@ -66,6 +71,7 @@ impl fmt::Display for Happening {
                     None => Ok(()),
                 }
             }
+            Self::Finding(change) => change.fmt(f),
             Self::Lost(0) => f.write_str("frames were lost"),
             Self::Lost(1) => f.write_str("1 frame was lost"),
             Self::Lost(lost) => write!(f, "{lost} frames were lost"),
@@ -77,8 +83,8 @@ impl fmt::Display for Happening {
 pub(in crate::live::monitor) const fn words(state: AccessState) -> &'static str {
     match state {
         AccessState::Unknown => "not heard",
-        AccessState::FirstCheck => "first check",
-        AccessState::SecondCheck => "second check",
+        AccessState::FirstCheck => "1st check",
+        AccessState::SecondCheck => "2nd check",
         AccessState::OnLine => "online",
         AccessState::SuspectedDuplicate => "duplicate?",
         AccessState::Faulted => "comm fault",

@@ -3,6 +3,7 @@
 //! ```text
 //! frames, link events ─▶ decoder ─▶ load by node and purpose, response times, counters
 //!                           │
+//!                           ├─ doctor ─▶ findings
 //!                           └─ looked at ─▶ events       picture ─▶ text, JSON, screen
 //! ```
 
@@ -17,6 +18,7 @@ mod times;
 use core::time::Duration;
 
 use devicenet_core::MacId;
+use devicenet_core::doctor::{Doctor, DoctorConfig, Finding, Forgotten, Severity};
 use devicenet_core::monitor::{
     ConnectionName, ConnectionRecord, ConnectionState, Kind, Monitor, MonitorConfig, NodeRecord, Predefined,
     Reading,
@@ -32,7 +34,7 @@ pub(super) use event::{Event, Happening, words};
 pub(super) use link::LinkState;
 pub(super) use load::Load;
 use picture::Counters;
-pub(super) use picture::{FindingPicture, NodePicture, Picture, Severity};
+pub(super) use picture::{FindingPicture, NodePicture, Picture};
 pub(super) use purpose::Purpose;
 pub(super) use times::Times;
 
@@ -40,6 +42,7 @@ pub(super) use times::Times;
 #[derive(Clone, Debug)]
 pub(super) struct Model {
     monitor: Box<Monitor>,
+    doctor: Box<Doctor>,
     bit_rate: BitRate,
     /// When it began to listen.
     begin: Option<Instant>,
@@ -67,8 +70,11 @@ struct Responses {
 
 impl Model {
     pub(super) fn new(bit_rate: BitRate) -> Self {
+        let mut config = DoctorConfig::default();
+        config.bit_rate = Some(bit_rate);
         Self {
             monitor: Box::new(Monitor::new(MonitorConfig::default())),
+            doctor: Box::new(Doctor::new(config)),
             bit_rate,
             begin: None,
             now: Instant::ZERO,
@@ -91,20 +97,28 @@ impl Model {
         let is_news = match input {
             Input::Frame(frame) => {
                 self.counters.frames += 1;
-                let reading = self.monitor.observe(at, self.counters.frames, &frame);
+                let n = self.counters.frames;
+                let reading = self.doctor.observe(&mut self.monitor, at, n, &frame);
                 let seen = Seen::of(&reading);
                 self.count(at, bus_time::bits(&frame), &seen);
                 seen.is_news
             }
             Input::Link(event) => {
+                self.doctor.link(at, None, event);
                 self.link_event(at, event, &mut tell);
                 false
             }
-            Input::Tick | Input::TxDone(..) => false,
+            Input::Tick | Input::TxDone(..) => {
+                self.doctor.tick(&self.monitor, at);
+                false
+            }
         };
         if is_news || at >= self.look_at {
             self.look_at = at + LOOK_EVERY;
             self.changes.look(&self.monitor, |what| tell(Event { at, what }));
+        }
+        while let Some(change) = self.doctor.poll() {
+            tell(Event { at, what: Happening::Finding(change) });
         }
     }
 
@@ -118,8 +132,9 @@ impl Model {
     }
 
     /// Whether something is or was wrong.
-    pub(super) const fn has_findings(&self) -> bool {
-        self.counters.problems + self.counters.error_frames + self.counters.lost > 0
+    pub(super) fn has_findings(&self) -> bool {
+        let is_wrong = |finding: &Finding| finding.severity > Severity::Info;
+        self.doctor.findings().any(is_wrong) || self.doctor.forgotten() != Forgotten::default()
     }
 
     /// What there is to show, with the load of the last second.
@@ -212,7 +227,8 @@ impl Model {
     }
 
     fn picture_with(&self, load: Load, span: Duration) -> Picture {
-        let elapsed = self.now.saturating_since(self.begin.unwrap_or(self.now));
+        let begin = self.begin.unwrap_or(self.now);
+        let elapsed = self.now.saturating_since(begin);
         let total = self.total.load(elapsed);
         let mut nodes: Vec<NodePicture> =
             self.monitor.nodes().map(|record| self.node(record, &load, &total)).collect();
@@ -223,6 +239,7 @@ impl Model {
         }
         nodes.iter_mut().for_each(|node| node.limit = limit(&node.connections));
         Picture {
+            begin,
             at: elapsed,
             bit_rate: self.bit_rate,
             link: self.link,
@@ -232,7 +249,7 @@ impl Model {
             total,
             history: self.history.shares(),
             nodes,
-            findings: Vec::new(),
+            findings: self.doctor.findings().map(|finding| FindingPicture::new(finding, begin)).collect(),
         }
     }
 

@@ -3,8 +3,9 @@
 use core::time::Duration;
 
 use devicenet_core::MacId;
+use devicenet_core::doctor::Finding;
 use devicenet_core::monitor::{ConnectionRecord, ConnectionState, NodeRecord};
-use link_core::BitRate;
+use link_core::{BitRate, Instant};
 
 use super::link::LinkState;
 use super::load::Load;
@@ -14,7 +15,8 @@ use super::times::Times;
 /// A bus at a moment.
 #[derive(Clone, Debug)]
 pub(in crate::live::monitor) struct Picture {
-    /// Since the beginning.
+    pub(in crate::live::monitor) begin: Instant,
+    /// Since then.
     pub(in crate::live::monitor) at: Duration,
     pub(in crate::live::monitor) bit_rate: BitRate,
     pub(in crate::live::monitor) link: LinkState,
@@ -35,51 +37,20 @@ pub(in crate::live::monitor) struct Picture {
 /// Something that is or was wrong. Times are since the beginning.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(in crate::live::monitor) struct FindingPicture {
-    pub(in crate::live::monitor) id: u32,
-    pub(in crate::live::monitor) severity: Severity,
-    /// For programs.
-    pub(in crate::live::monitor) rule: &'static str,
-    pub(in crate::live::monitor) node: Option<MacId>,
+    pub(in crate::live::monitor) finding: Finding,
     pub(in crate::live::monitor) since: Duration,
-    pub(in crate::live::monitor) last: Duration,
     /// When it was over; `None` as long as it lasts.
     pub(in crate::live::monitor) until: Option<Duration>,
-    pub(in crate::live::monitor) count: u32,
-    /// The whole of it in words.
-    pub(in crate::live::monitor) words: String,
-    /// What was wrong before, and as a rule explains it.
-    pub(in crate::live::monitor) cause: Option<&'static str>,
-    /// What to check next.
-    pub(in crate::live::monitor) advice: String,
-    /// Numbers of frames that show it.
-    pub(in crate::live::monitor) frames: Vec<u64>,
-    /// What the display of a scanner shows for it.
-    pub(in crate::live::monitor) code: Option<u8>,
 }
 
 impl FindingPicture {
-    /// The rule in words.
-    pub(in crate::live::monitor) fn title(&self) -> String {
-        self.rule.replace('_', " ")
+    pub(super) fn new(finding: &Finding, begin: Instant) -> Self {
+        let since_begin = |at: Instant| at.saturating_since(begin);
+        Self { finding: *finding, since: since_begin(finding.since), until: finding.until.map(since_begin) }
     }
-}
 
-/// How bad it is.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub(in crate::live::monitor) enum Severity {
-    Info,
-    Warning,
-    Error,
-}
-
-impl Severity {
-    /// The same for programs and for people.
-    pub(in crate::live::monitor) const fn name(self) -> &'static str {
-        match self {
-            Self::Info => "info",
-            Self::Warning => "warning",
-            Self::Error => "error",
-        }
+    pub(in crate::live::monitor) const fn is_over(&self) -> bool {
+        self.until.is_some()
     }
 }
 

@@ -1,9 +1,10 @@
 //! Colours, which only decorate: all that they say is also said in words or shapes.
 
+use devicenet_core::doctor::Severity;
 use devicenet_core::monitor::{AccessState, ConnectionState};
 use ratatui::style::{Color, Modifier, Style};
 
-use crate::live::monitor::model::{LinkState, Severity};
+use crate::live::monitor::model::LinkState;
 
 /// How things look.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

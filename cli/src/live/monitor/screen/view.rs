@@ -3,9 +3,10 @@
 use core::time::Duration;
 
 use devicenet_core::MacId;
+use devicenet_core::doctor::Severity;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
-use crate::live::monitor::model::{FindingPicture, NodePicture, Picture, Severity};
+use crate::live::monitor::model::{FindingPicture, NodePicture, Picture};
 
 /// What the user looks at.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
@@ -126,7 +127,7 @@ impl View {
                 let findings = self.findings(picture);
                 let last = findings.len().saturating_sub(1);
                 let place = to(self.finding_place(&findings), last).min(last);
-                self.finding = findings.get(place).map(|finding| finding.id).or(self.finding);
+                self.finding = findings.get(place).map(|finding| finding.finding.id).or(self.finding);
             }
         }
     }
@@ -143,7 +144,7 @@ impl View {
             }
             Sort::Fault => {
                 let badness = |node: &NodePicture| {
-                    self.fault(picture, node.mac()).map(|fault| (fault.until.is_none(), fault.severity))
+                    self.fault(picture, node.mac()).map(|fault| (!fault.is_over(), fault.finding.severity))
                 };
                 nodes.sort_by_key(|node| core::cmp::Reverse(badness(node)));
             }
@@ -162,21 +163,21 @@ impl View {
             finding.until.is_none_or(|until| self.cleared.is_none_or(|cleared| until > cleared))
         };
         let mut findings: Vec<&FindingPicture> = picture.findings.iter().filter(is_shown).collect();
-        let order = |finding: &FindingPicture| (finding.until.is_none(), finding.severity, finding.since);
+        let order = |finding: &FindingPicture| (!finding.is_over(), finding.finding.severity, finding.since);
         findings.sort_by_key(|finding| core::cmp::Reverse(order(finding)));
         findings
     }
 
     /// Where the selected finding is among them.
     pub(super) fn finding_place(&self, findings: &[&FindingPicture]) -> usize {
-        findings.iter().position(|finding| Some(finding.id) == self.finding).unwrap_or_default()
+        findings.iter().position(|finding| Some(finding.finding.id) == self.finding).unwrap_or_default()
     }
 
     /// The finding to show beside a node: the worst that lasts, or else the last.
     pub(super) fn fault<'a>(&self, picture: &'a Picture, mac: MacId) -> Option<&'a FindingPicture> {
         self.findings(picture)
             .into_iter()
-            .find(|finding| finding.node == Some(mac) && finding.severity > Severity::Info)
+            .find(|finding| finding.finding.node == Some(mac) && finding.finding.severity > Severity::Info)
     }
 }
 

@@ -1,5 +1,6 @@
 //! What is wrong, since when, why, and what to check.
 
+use devicenet_core::doctor::Severity;
 use ratatui::Frame;
 use ratatui::layout::Rect;
 use ratatui::style::Style;
@@ -7,7 +8,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::Paragraph;
 
 use super::{indented, nothing, pane};
-use crate::live::monitor::model::{FindingPicture, Severity};
+use crate::live::monitor::model::FindingPicture;
 use crate::live::monitor::screen::Scene;
 use crate::live::monitor::screen::view::Focus;
 use crate::live::monitor::words::{clock, fit};
@@ -16,7 +17,7 @@ pub(super) fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, area: Rect) {
     let Scene { theme, view, picture, .. } = scene;
     let findings = view.findings(picture);
     let is_focused = view.focus == Focus::Findings;
-    let open = findings.iter().filter(|finding| finding.until.is_none()).count();
+    let open = findings.iter().filter(|finding| !finding.is_over()).count();
     let title = match findings.len() - open {
         0 => format!("Findings {open}"),
         over => format!("Findings {open} · {over} over"),
@@ -47,20 +48,19 @@ fn first(place: usize, height: u16) -> usize {
 
 fn headline<'a>(scene: &Scene<'_>, finding: &FindingPicture, width: u16) -> Line<'a> {
     let theme = scene.theme;
-    let mark = match finding.severity {
+    let mark = match finding.finding.severity {
         Severity::Error => "✖",
         Severity::Warning => "▲",
         Severity::Info => "●",
     };
-    let is_over = finding.until.is_some();
-    let style = if is_over { theme.dim() } else { theme.severity(finding.severity) };
-    let who = finding.node.map_or_else(|| "bus".to_owned(), |node| format!("node {node}"));
+    let style = if finding.is_over() { theme.dim() } else { theme.severity(finding.finding.severity) };
+    let who = finding.finding.node.map_or_else(|| "bus".to_owned(), |node| format!("node {node}"));
     let when = match finding.until {
         None => format!("since {}", clock(finding.since)),
         Some(until) => format!("over {}", clock(until)),
     };
     let room = usize::from(width).saturating_sub(when.chars().count() + 3);
-    let words = fit(&format!("{who}: {}", finding.title()), room);
+    let words = fit(&format!("{who}: {}", finding.finding.rule.words()), room);
     let gap = room.saturating_sub(words.chars().count());
     Line::from(vec![
         Span::styled(format!("{mark} "), style),
@@ -71,24 +71,20 @@ fn headline<'a>(scene: &Scene<'_>, finding: &FindingPicture, width: u16) -> Line
 
 fn explanation<'a>(scene: &Scene<'_>, finding: &FindingPicture, width: u16) -> Vec<Line<'a>> {
     let theme = scene.theme;
-    let mut lines = indented(Span::raw("  "), &finding.words, width, Style::new());
-    if let Some(cause) = finding.cause {
-        lines.extend(indented(
-            Span::raw("  "),
-            &format!("caused by {}", cause.replace('_', " ")),
-            width,
-            Style::new(),
-        ));
+    let finding = &finding.finding;
+    let mut lines = indented(Span::raw("  "), &finding.to_string(), width, Style::new());
+    lines.extend(indented(
+        Span::styled("  → ", theme.good()),
+        &finding.advice().to_string(),
+        width,
+        theme.good(),
+    ));
+    let mut facts = vec![finding.severity.name().to_owned(), format!("seen {} x", finding.count)];
+    facts.extend(finding.scanner_status().map(|status| format!("scanner code {}", status.0)));
+    let frames: Vec<String> = finding.evidence.frames().iter().map(|n| format!("#{n}")).collect();
+    if !frames.is_empty() {
+        facts.push(format!("frames {}", frames.join(" ")));
     }
-    lines.extend(indented(Span::styled("  → ", theme.good()), &finding.advice, width, theme.good()));
-    if scene.view.is_large || width >= 70 {
-        let mut facts = vec![finding.severity.name().to_owned(), format!("seen {} x", finding.count)];
-        facts.extend(finding.code.map(|code| format!("scanner code {code}")));
-        let frames: Vec<String> = finding.frames.iter().map(|n| format!("#{n}")).collect();
-        if !frames.is_empty() {
-            facts.push(format!("frames {}", frames.join(" ")));
-        }
-        lines.extend(indented(Span::raw("  "), &facts.join(" · "), width, theme.dim()));
-    }
+    lines.extend(indented(Span::raw("  "), &facts.join(", "), width, theme.dim()));
     lines
 }

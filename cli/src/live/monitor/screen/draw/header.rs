@@ -1,5 +1,6 @@
 //! Interface, bit rate, state; load and counters.
 
+use devicenet_core::doctor::Severity;
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::Modifier;
@@ -7,7 +8,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::Paragraph;
 
 use super::bar::bar;
-use crate::live::monitor::model::Severity;
+use crate::live::monitor::model::FindingPicture;
 use crate::live::monitor::screen::Scene;
 use crate::live::monitor::screen::player::{Playback, Speed};
 use crate::live::monitor::words::{clock, percent};
@@ -61,9 +62,11 @@ fn figures<'a>(scene: &Scene<'_>, width: u16) -> Line<'a> {
     let Scene { theme, picture, view, .. } = scene;
     let counters = picture.counters;
     let load = picture.load.all;
-    let findings = picture.findings.iter().filter(|finding| finding.until.is_none()).count();
-    let worst = view.findings(picture).into_iter().next().filter(|finding| finding.until.is_none());
-    let findings_style = worst.map_or(theme.good(), |finding| theme.severity(finding.severity));
+    let is_wrong =
+        |finding: &&FindingPicture| !finding.is_over() && finding.finding.severity > Severity::Info;
+    let findings = picture.findings.iter().filter(is_wrong).count();
+    let worst = view.findings(picture).into_iter().find(is_wrong);
+    let findings_style = worst.map_or(theme.good(), |finding| theme.severity(finding.finding.severity));
     let counted = |number: u64, what: &str| {
         let style = if number == 0 { theme.dim() } else { theme.severity(Severity::Warning) };
         Span::styled(format!("  {number} {what}"), style)

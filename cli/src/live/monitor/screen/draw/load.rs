@@ -1,5 +1,6 @@
 //! What the bus is used for.
 
+use devicenet_core::doctor::Severity;
 use ratatui::Frame;
 use ratatui::layout::Rect;
 use ratatui::style::Style;
@@ -8,7 +9,7 @@ use ratatui::widgets::Paragraph;
 
 use super::bar::curve;
 use super::pane;
-use crate::live::monitor::model::{Purpose, Severity};
+use crate::live::monitor::model::Purpose;
 use crate::live::monitor::screen::Scene;
 use crate::live::monitor::words::percent;
 

@@ -49,12 +49,13 @@ fn row<'a>(scene: &Scene<'_>, node: &NodePicture, widths: &Widths) -> Row<'a> {
         cells.push(Cell::from(format!("{:>5}", or_dash(node.record.master))));
     }
     let fault = view.fault(picture, node.mac()).map_or_else(Span::default, |fault| {
+        let title = fault.finding.rule.words();
         let words = match fault.until {
-            None => fault.title(),
-            Some(until) => format!("{} until {}", fault.title(), clock(until)),
+            None => title.to_owned(),
+            Some(until) => format!("{title}, over {}", clock(until)),
         };
-        let style = if fault.until.is_none() { theme.severity(fault.severity) } else { theme.dim() };
-        Span::styled(words, style)
+        let style = if fault.is_over() { theme.dim() } else { theme.severity(fault.finding.severity) };
+        Span::styled(fit(&words, widths.fault.into()), style)
     });
     cells.extend([
         Cell::from(fit(&connections(node), widths.connections.into())),
@@ -88,31 +89,37 @@ struct Widths {
     owner: bool,
     connections: u16,
     bar: u16,
+    /// What the others leave.
+    fault: u16,
     /// The heading of the bar.
     response: &'static str,
 }
 
 impl Widths {
     fn of(width: u16) -> Self {
-        match width {
-            0..=99 => Self { device: 13, owner: false, connections: 14, bar: 4, response: "slowest" },
-            100..=129 => {
-                Self { device: 20, owner: true, connections: 18, bar: 8, response: "slowest of 4 x EPR" }
-            }
-            _ => Self { device: 24, owner: true, connections: 24, bar: 8, response: "slowest of 4 x EPR" },
-        }
+        let wide = "slowest of 4 x EPR";
+        let (device, owner, connections, bar, response) = match width {
+            0..=99 => (11, false, 14, 4, "slowest"),
+            100..=129 => (20, true, 18, 9, wide),
+            _ => (24, true, 24, 9, wide),
+        };
+        let widths = Self { device, owner, connections, bar, fault: 0, response };
+        let taken: u16 = widths.columns().iter().map(|column| column + 1).sum();
+        Self { fault: width.saturating_sub(taken + BORDERS), ..widths }
     }
 
-    fn constraints(&self) -> Vec<Constraint> {
-        let mut columns =
-            vec![Constraint::Length(3), Constraint::Length(10), Constraint::Length(self.device)];
-        columns.extend(self.owner.then_some(Constraint::Length(5)));
-        columns.extend([
-            Constraint::Length(self.connections),
-            Constraint::Length(6),
-            Constraint::Length(self.bar + 9),
-            Constraint::Fill(1),
-        ]);
+    /// All but the last.
+    fn columns(&self) -> Vec<u16> {
+        let mut columns = vec![3, 10, self.device];
+        columns.extend(self.owner.then_some(5));
+        columns.extend([self.connections, 6, self.bar + 9]);
         columns
     }
+
+    fn constraints(&self) -> impl Iterator<Item = Constraint> {
+        self.columns().into_iter().chain([self.fault]).map(Constraint::Length)
+    }
 }
+
+/// At the left and the right of the table.
+const BORDERS: u16 = 2;
