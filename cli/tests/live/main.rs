@@ -4,6 +4,7 @@
 mod ask;
 #[cfg(target_os = "linux")]
 mod kernel;
+mod monitor;
 mod record;
 mod recover;
 mod scan;

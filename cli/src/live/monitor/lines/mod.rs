@@ -44,6 +44,9 @@ pub(super) fn run(
             Err(error) => break error,
         }
     };
+    // The silence before the end counts.
+    let end = args.span.map_or(Instant::MAX, |span| begin.saturating_add(span.0));
+    lines.see(model, port.now().min(end), Input::Tick);
     lines.report(&model.report(), true)?;
     match ended {
         PortError::Over => Ok(()),

@@ -3,6 +3,8 @@
 mod draw;
 mod player;
 mod style;
+#[cfg(test)]
+mod tests;
 mod view;
 
 use core::sync::atomic::{AtomicBool, Ordering};

@@ -11,7 +11,7 @@ use super::bar::bar;
 use crate::live::monitor::model::FindingPicture;
 use crate::live::monitor::screen::Scene;
 use crate::live::monitor::screen::player::{Playback, Speed};
-use crate::live::monitor::words::{clock, percent};
+use crate::live::monitor::words::{clock, fit, percent};
 use crate::text::{count, printable};
 
 pub(super) fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, area: Rect) {
@@ -19,18 +19,23 @@ pub(super) fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, area: Rect) {
     let right = state(scene);
     let [left, end] =
         first.layout(&Layout::horizontal([Constraint::Fill(1), Constraint::Length(right.width() as u16)]));
-    frame.render_widget(Paragraph::new(title(scene)), left);
+    frame.render_widget(Paragraph::new(title(scene, left.width)), left);
     frame.render_widget(Paragraph::new(right), end);
     frame.render_widget(Paragraph::new(figures(scene, second.width)), second);
 }
 
-fn title<'a>(scene: &Scene<'_>) -> Line<'a> {
+fn title<'a>(scene: &Scene<'_>, width: u16) -> Line<'a> {
     let Scene { theme, picture, .. } = scene;
-    Line::from(vec![
-        Span::styled(" DeviceNet ", theme.title().add_modifier(Modifier::REVERSED)),
-        Span::styled(format!(" {} ", printable(scene.title)), theme.heading()),
-        Span::styled(format!(" {} ", picture.bit_rate), theme.dim()),
-    ])
+    let (name, bit_rate) = (" DeviceNet ", format!(" {}", picture.bit_rate));
+    let room = usize::from(width).saturating_sub(name.len() + 2);
+    let endpoint = printable(scene.title);
+    let has_room = endpoint.chars().count() + bit_rate.len() <= room;
+    let mut spans = vec![
+        Span::styled(name, theme.title().add_modifier(Modifier::REVERSED)),
+        Span::styled(format!(" {}", fit(&endpoint, room)), theme.heading()),
+    ];
+    spans.extend(has_room.then(|| Span::styled(bit_rate, theme.dim())));
+    Line::from(spans)
 }
 
 fn state<'a>(scene: &Scene<'_>) -> Line<'a> {
@@ -72,6 +77,7 @@ fn figures<'a>(scene: &Scene<'_>, width: u16) -> Line<'a> {
         Span::styled(format!("  {number} {what}"), style)
     };
     let health = match findings {
+        0 if counters.frames == 0 => "  silent".to_owned(),
         0 => "  healthy".to_owned(),
         number => format!("  {}", count(number as u64, "finding")),
     };

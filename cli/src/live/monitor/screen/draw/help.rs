@@ -16,15 +16,14 @@ pub(super) fn line(frame: &mut Frame<'_>, scene: &Scene<'_>, area: Rect) {
     let enter = if scene.view.is_large { "smaller" } else { "details" };
     let mut keys = vec![
         ("q", "quit"),
+        ("?", "help"),
         ("↑↓", "select"),
         ("tab", "pane"),
         ("enter", enter),
         ("s", "sort"),
-        ("p", "pause"),
     ];
-    if is_played {
-        keys.push(("+ -", "speed"));
-    }
+    keys.push(("p", "pause"));
+    keys.extend(is_played.then_some(("+ -", "speed")));
     keys.push(("c", "clear"));
     let spans = keys.into_iter().flat_map(|(key, words)| {
         [Span::styled(format!(" {key}"), theme.key()), Span::styled(format!(" {words} "), theme.dim())]

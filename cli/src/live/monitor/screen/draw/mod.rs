@@ -48,7 +48,7 @@ pub(super) fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>) {
 
 fn narrow(frame: &mut Frame<'_>, scene: &Scene<'_>, body: Rect) {
     let view = scene.view;
-    let lower = if view.is_large { (body.height / 2).max(12) } else { (body.height * 2 / 5).max(9) };
+    let lower = if view.is_large { (body.height * 4 / 7).max(6) } else { (body.height * 3 / 7).max(6) };
     let [upper, lower] = body.layout(&Layout::vertical([Constraint::Fill(1), Constraint::Length(lower)]));
     nodes::draw(frame, scene, upper);
     match (view.is_large, view.focus) {
@@ -64,7 +64,7 @@ fn narrow(frame: &mut Frame<'_>, scene: &Scene<'_>, body: Rect) {
 }
 
 fn wide(frame: &mut Frame<'_>, scene: &Scene<'_>, body: Rect) {
-    let lower = if scene.view.is_large { body.height / 2 } else { (body.height * 2 / 5).max(9) };
+    let lower = if scene.view.is_large { body.height / 2 } else { (body.height * 3 / 7).max(6) };
     let [upper, lower] = body.layout(&Layout::vertical([Constraint::Fill(1), Constraint::Length(lower)]));
     let [list, detail] = upper.layout(&Layout::horizontal([Constraint::Fill(1), Constraint::Length(61)]));
     nodes::draw(frame, scene, list);

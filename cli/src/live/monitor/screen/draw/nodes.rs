@@ -69,7 +69,7 @@ fn row<'a>(scene: &Scene<'_>, node: &NodePicture, widths: &Widths) -> Row<'a> {
 /// The longest response time, as a bar and in words.
 fn response<'a>(scene: &Scene<'_>, node: &NodePicture, widths: &Widths) -> Line<'a> {
     let theme = scene.theme;
-    let Some(times) = node.io.or(node.explicit) else { return Line::styled("-", theme.dim()) };
+    let Some(times) = node.io else { return Line::styled("-", theme.dim()) };
     let text = time(Some(times.max));
     match node.worst() {
         Some(worst) => {
@@ -99,7 +99,7 @@ impl Widths {
     fn of(width: u16) -> Self {
         let wide = "slowest of 4 x EPR";
         let (device, owner, connections, bar, response) = match width {
-            0..=99 => (11, false, 14, 4, "slowest"),
+            0..=99 => (12 + width.saturating_sub(80) / 2, false, 14, 4, "slowest"),
             100..=129 => (20, true, 18, 9, wide),
             _ => (24, true, 24, 9, wide),
         };

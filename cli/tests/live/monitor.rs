@@ -1,0 +1,163 @@
+//! `monitor`, as lines.
+
+use std::io::{BufRead as _, BufReader};
+use std::process::{Command, Stdio};
+
+use crate::devicenet;
+
+macro_rules! assert_lines {
+    ($name:literal, $description:literal, $lines:expr) => {
+        insta::with_settings!({ description => $description, omit_expression => true, prepend_module_to_snapshot => false }, {
+            insta::assert_snapshot!($name, $lines);
+        });
+    };
+}
+
+#[test]
+fn a_node_that_stops_answering_in_words() {
+    let run = devicenet(&["monitor", "sim:drop.toml", "--for", "25s", "--interval", "13s"]);
+    assert_eq!((run.code(), run.err().as_str()), (1, ""));
+    assert_lines!(
+        "monitor__drop",
+        "node 10 is cut off at 12 s and comes back at 18 s: what happens when, a summary at 13 s, all of it in the end",
+        run.out()
+    );
+}
+
+#[test]
+fn a_recording_as_objects() {
+    let run = devicenet(&["monitor", "log:../../../tests/captures/slave-01-startup-poll.log", "--json"]);
+    assert_eq!(run.err(), "");
+    assert_lines!(
+        "monitor__recording_json",
+        "one object a line; the last is the summary, with every field that it has",
+        run.out()
+    );
+    let last = run.json().pop().unwrap();
+    assert_eq!(
+        (&last["event"], &last["last"], &last["frames"]),
+        (&"summary".into(), &true.into(), &30.into())
+    );
+}
+
+/// Every object has its kind and its time, and a summary comes at every interval.
+#[test]
+fn summaries_come_at_their_intervals() {
+    let run = devicenet(&["monitor", "sim:drop.toml", "--for", "10s", "--interval", "2500ms", "--json"]);
+    let objects = run.json();
+    assert!(objects.iter().all(|object| object["event"].is_string() && object["t"].is_number()));
+    let summaries: Vec<f64> = objects
+        .iter()
+        .filter(|object| object["event"] == "summary")
+        .map(|object| object["t"].as_f64().unwrap())
+        .collect();
+    assert_eq!((summaries, run.code()), (vec![2.5, 5.0, 7.5, 10.0, 10.0], 0));
+    let frames: Vec<u64> =
+        objects.iter().filter_map(|object| object["nodes"][1]["frames"].as_u64()).collect();
+    assert!(frames.is_sorted() && frames[0] > 0, "{frames:?}");
+}
+
+/// The load of each node adds up to that of the bus, and so do the purposes: every frame has a sender and a purpose.
+#[test]
+fn loads_add_up() {
+    let run = devicenet(&["monitor", "sim:../../scenarios/plant.toml", "--json"]);
+    let run = if run.code() == 2 {
+        devicenet(&["monitor", "sim:../../scenarios/plant.toml", "--json"])
+    } else {
+        run
+    };
+    let objects = run.json();
+    for summary in objects.iter().filter(|object| object["event"] == "summary") {
+        let loads = summary["load_total"].as_object().unwrap();
+        let all = loads["all"].as_f64().unwrap();
+        let sum: f64 =
+            loads.iter().filter(|(name, _)| *name != "all").map(|(_, load)| load.as_f64().unwrap()).sum();
+        assert!((all - sum).abs() < 1e-5, "{loads:?}");
+        let nodes = summary["nodes"].as_array().unwrap();
+        let nodes: f64 = nodes.iter().map(|node| node["load_total"].as_f64().unwrap()).sum();
+        let nobody = loads["errors"].as_f64().unwrap() + loads["offline"].as_f64().unwrap();
+        assert!(nodes <= all + 1e-5 && nodes + nobody + 1e-3 >= all, "{nodes} of {all}");
+    }
+}
+
+/// What the monitor says of the load is what the simulated bus says of itself, to the bit; that leaves out the three bits of
+/// intermission.
+#[test]
+fn the_load_is_that_of_the_bus() {
+    let last = devicenet(&["monitor", "sim:drop.toml", "--json"]).json().pop().unwrap();
+    let bus = devicenet(&["simulate", "drop.toml", "--summary", "--json"]).json();
+    let busy = bus.last().unwrap()["bus"]["load"].as_f64();
+    let intermissions = last["frames"].as_f64().unwrap() * 3.0 / 125_000.0 / 40.0;
+    let load = last["load_total"]["all"].as_f64().unwrap() - intermissions;
+    assert!((load - busy.unwrap() / 100.0).abs() < 1e-6, "{load} instead of {busy:?}");
+}
+
+/// Somebody who listens must not acknowledge: a lone node stays alone. What it sends is heard all the same, since an
+/// error-passive sender disturbs nobody.
+#[test]
+fn a_lone_node_stays_alone() {
+    let run = devicenet(&["monitor", "sim:late.toml", "--for", "20s", "--json"]);
+    let last = run.json().pop().unwrap();
+    assert!(last["error_frames"].as_u64().unwrap() >= 16, "{last}");
+    assert!(last["nodes"][0]["mac"] == 10 && last["nodes"][0]["state"] != "online", "{last}");
+}
+
+#[test]
+fn errors_in_a_recording_are_heard() {
+    let path = concat!(env!("CARGO_TARGET_TMPDIR"), "/errors.log");
+    let lines = [
+        "(1.000000) can0 40A#00",
+        "(1.100000) can0 20000088#0000040A00000000",
+        "(1.200000) can0 20000004#0001000000000000",
+        "(1.300000) can0 20000040#0000000000000000",
+        "(1.400000) can0 20000100#0000000000000000",
+    ];
+    std::fs::write(path, lines.join("\n") + "\n").unwrap();
+    let run = devicenet(&["monitor", &format!("log:{path}"), "--json"]);
+    let states: Vec<String> = (run.json().iter())
+        .filter_map(|object| Some(object["state"].as_str().filter(|_| object["event"] == "link")?.to_owned()))
+        .collect();
+    assert_eq!(states, ["error_active", "bus_off", "error_active"]);
+    let last = run.json().pop().unwrap();
+    assert_eq!(
+        (&last["error_frames"], &last["lost"], run.code()),
+        (&1.into(), &1.into(), 1),
+        "{}",
+        run.err()
+    );
+}
+
+/// Ctrl-C in the middle: a summary, and the exit code that says what was found.
+#[test]
+#[cfg(unix)]
+fn an_interruption_ends_with_a_summary() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_devicenet"))
+        .args(["monitor", "sim:long.toml", "--json", "--interval", "10min"])
+        .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/live"))
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+    let first = lines.next().unwrap().unwrap();
+    assert!(first.contains("error_active"), "{first}");
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    let last = lines.last().unwrap().unwrap();
+    assert!(last.contains("\"event\":\"summary\"") && last.contains("\"last\":true"), "{last}");
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+}
+
+#[test]
+fn what_cannot_be_watched_is_told() {
+    for (arguments, code, words) in [
+        (&["monitor", "no-such-interface"][..], 3, "no-such-interface"),
+        (&["monitor", "two.toml"], 2, "sim:two.toml for a scenario"),
+        (&["monitor", "log:missing.log"], 2, "missing.log"),
+        (&["monitor", "sim:drop.toml", "--interval", "1ms"], 2, "at least 10ms"),
+        (&["monitor", "sim:drop.toml", "--bit-rate", "5"], 2, "a bit rate between"),
+    ] {
+        let run = devicenet(arguments);
+        assert_eq!((run.code(), run.out().as_str()), (code, ""), "{arguments:?}");
+        assert!(run.err().contains(words), "{}", run.err());
+    }
+}
