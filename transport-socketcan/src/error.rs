@@ -2,7 +2,7 @@
 
 use std::io;
 
-use link_core::Mode;
+use link_core::{BitRate, Mode};
 
 /// Why a port could not be opened, or has failed for good. What happens on the bus, and an interface that goes down, is no
 /// error but an [`Input`](link_core::Input).
@@ -64,6 +64,33 @@ pub enum Refusal {
         /// What the kernel says.
         reason: String,
     },
+    /// It is no bit rate of classic CAN.
+    #[error("{name}: cannot set {bit_rate}: classic CAN goes up to 1 Mbit/s")]
+    BitRate {
+        /// The interface.
+        name: String,
+        /// What was asked for.
+        bit_rate: BitRate,
+    },
+    /// The driver knows no listen-only mode. The bit rate is set.
+    #[error(
+        "{name}: its driver has no listen-only mode: nothing is sent, but the controller acknowledges the frames of others"
+    )]
+    NoListenOnly {
+        /// The interface.
+        name: String,
+    },
+    /// The driver does not tell the bit rate, so whether it is the right one is not known.
+    #[error(
+        "{name}: its driver neither tells nor sets the bit rate; an slcan adapter gets {} when it is attached, as root: \
+         slcand {} TTY {name}", words(.mode), slcand(.mode)
+    )]
+    HiddenBitRate {
+        /// The interface.
+        name: String,
+        /// What was asked for.
+        mode: Mode,
+    },
     /// The controller could not be taken out of bus-off.
     #[error("{name}: cannot restart the controller ({reason}); as root: ip link set {name} type can restart")]
     Restart {
@@ -94,10 +121,20 @@ fn set_mode(name: &str, mode: &Mode) -> String {
     )
 }
 
+/// The options that open an adapter in this mode. Its command `S` has a number for each bit rate that it knows.
+fn slcand(mode: &Mode) -> String {
+    let number = SLCAN_BIT_RATES.iter().position(|rate| *rate == mode.bit_rate.0);
+    let number = number.map_or_else(|| "N".into(), |number| number.to_string());
+    format!("{} -s{number}", if mode.listen_only { "-l" } else { "-o" })
+}
+
+/// In bit/s, by the number of the command `S` (LAWICEL CAN232 manual).
+const SLCAN_BIT_RATES: [u32; 9] =
+    [10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 800_000, 1_000_000];
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use link_core::BitRate;
 
     #[test]
     fn a_refusal_names_the_command() {
@@ -108,6 +145,33 @@ mod tests {
             "can0: cannot set 250 kbit/s, listen-only (Operation not permitted); as root: ip link set can0 down && \
              ip link set can0 type can bitrate 250000 listen-only on && ip link set can0 up"
         );
+    }
+
+    #[test]
+    fn an_adapter_that_hides_its_bit_rate_gets_it_when_it_is_attached() {
+        let mode = Mode { bit_rate: BitRate::K500, listen_only: false };
+        let refusal = Refusal::HiddenBitRate { name: "slcan0".into(), mode };
+        assert_eq!(
+            refusal.to_string(),
+            "slcan0: its driver neither tells nor sets the bit rate; an slcan adapter gets 500 kbit/s when it is attached, \
+             as root: slcand -o -s6 TTY slcan0"
+        );
+        let mode = Mode { bit_rate: BitRate::K125, listen_only: true };
+        let refusal = Refusal::HiddenBitRate { name: "slcan0".into(), mode };
+        assert!(refusal.to_string().ends_with("slcand -l -s4 TTY slcan0"), "{refusal}");
+    }
+
+    /// Where no command helps, none is named.
+    #[test]
+    fn a_mode_that_cannot_be_had_names_no_command() {
+        let name = || "can0".to_owned();
+        let refusals = [
+            Refusal::BitRate { name: name(), bit_rate: BitRate(2_000_000) },
+            Refusal::NoListenOnly { name: name() },
+        ];
+        for refusal in refusals {
+            assert!(!refusal.to_string().contains("ip link"), "{refusal}");
+        }
     }
 
     #[test]

@@ -1,25 +1,30 @@
 //! A CAN interface of the machine: what it is, and what netlink can do to it.
 
+mod link_kind;
+
 use std::fs;
 use std::io;
 
 use link_core::{BitRate, Mode};
 use socketcan::CanInterface;
-use socketcan::nl::{CanCtrlMode, CanState};
+use socketcan::nl::{CanCtrlMode, CanState, InterfaceCanParams};
 
-use crate::error::Error;
+use crate::error::{Error, Refusal};
+use link_kind::link_kind;
 
 /// What an interface is.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Kind {
     /// It has a controller, with a bit rate.
     Controller {
-        /// `None` before it was set the first time.
+        /// `None` where it was not set by netlink: not at all, or by the program that attached an `slcan` adapter.
         bit_rate: Option<BitRate>,
         /// It neither sends nor acknowledges.
         listen_only: bool,
     },
-    /// `vcan`, `vxcan`, or an adapter that keeps its bit rate to itself (`slcan`).
+    /// It has a bit rate, which its driver does not tell: an `slcan` adapter before Linux 6.0.
+    HiddenBitRate,
+    /// `vcan` or `vxcan`.
     WithoutBitRate,
 }
 
@@ -89,14 +94,9 @@ impl Interface {
     /// # Errors
     /// What netlink says.
     pub fn kind(&self) -> io::Result<Kind> {
-        let parameters = self.netlink()?.can_params().map_err(io_error)?;
-        if parameters.state.is_none() {
-            return Ok(Kind::WithoutBitRate);
-        }
-        Ok(Kind::Controller {
-            bit_rate: parameters.bit_timing.map(|timing| BitRate(timing.bitrate)).filter(|rate| rate.0 > 0),
-            listen_only: parameters.ctrl_mode.is_some_and(|modes| modes.has_mode(CanCtrlMode::ListenOnly)),
-        })
+        let index = self.present_index()?;
+        let parameters = CanInterface::open_iface(index).can_params().map_err(io_error)?;
+        Ok(kind(link_kind(index)?.as_deref(), &parameters))
     }
 
     /// Whether its controller is off the bus. One that does not tell is not.
@@ -105,27 +105,34 @@ impl Interface {
     }
 
     /// Sets bit rate and mode, for which it goes down and up again. `false`: they were in force already.
-    pub(crate) fn set_mode(&self, mode: Mode) -> io::Result<bool> {
-        match self.kind()? {
+    pub(crate) fn set_mode(&self, mode: Mode) -> Result<bool, Refusal> {
+        let name = || self.name.clone();
+        let refused = |error: io::Error| Refusal::Mode { name: name(), mode, reason: error.to_string() };
+        match self.kind().map_err(refused)? {
             Kind::WithoutBitRate => return Ok(false),
             Kind::Controller { bit_rate, listen_only }
                 if (bit_rate, listen_only) == (Some(mode.bit_rate), mode.listen_only) =>
             {
                 return Ok(false);
             }
+            _ if mode.bit_rate.0 == 0 || mode.bit_rate > BitRate::M1 => {
+                return Err(Refusal::BitRate { name: name(), bit_rate: mode.bit_rate });
+            }
+            Kind::HiddenBitRate => return Err(Refusal::HiddenBitRate { name: name(), mode }),
             Kind::Controller { .. } => {}
         }
-        if mode.bit_rate.0 == 0 || mode.bit_rate > BitRate::M1 {
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a bit rate of classic CAN"));
-        }
-        let netlink = self.netlink()?;
-        netlink.bring_down().map_err(io_error)?;
-        let set = netlink
-            .set_bitrate(mode.bit_rate.0, None)
-            .and_then(|()| netlink.set_ctrlmode(CanCtrlMode::ListenOnly, mode.listen_only));
+        let netlink = self.netlink().map_err(refused)?;
+        netlink.bring_down().map_err(io_error).map_err(refused)?;
+        let bit_rate = netlink.set_bitrate(mode.bit_rate.0, None).map_err(io_error);
+        let listen_only = netlink.set_ctrlmode(CanCtrlMode::ListenOnly, mode.listen_only).map_err(io_error);
         // Whatever came of it, an interface that was up is not left down.
-        let up = netlink.bring_up();
-        set.and(up).map_err(io_error)?;
+        let up = netlink.bring_up().map_err(io_error);
+        bit_rate.map_err(refused)?;
+        listen_only.map_err(|error| match error.raw_os_error() {
+            Some(libc::EOPNOTSUPP) => Refusal::NoListenOnly { name: name() },
+            _ => refused(error),
+        })?;
+        up.map_err(refused)?;
         Ok(true)
     }
 
@@ -139,8 +146,26 @@ impl Interface {
     }
 
     fn netlink(&self) -> io::Result<CanInterface> {
-        let index = self.index().ok_or_else(|| io::Error::from_raw_os_error(libc::ENODEV))?;
-        Ok(CanInterface::open_iface(index))
+        Ok(CanInterface::open_iface(self.present_index()?))
+    }
+
+    fn present_index(&self) -> io::Result<u32> {
+        self.index().ok_or_else(|| io::Error::from_raw_os_error(libc::ENODEV))
+    }
+}
+
+fn kind(link_kind: Option<&str>, parameters: &InterfaceCanParams) -> Kind {
+    if matches!(link_kind, Some("vcan" | "vxcan")) {
+        return Kind::WithoutBitRate;
+    }
+    // Every controller that netlink knows has a state.
+    if parameters.state.is_none() {
+        return Kind::HiddenBitRate;
+    }
+    let bit_rate = parameters.bit_timing.map(|timing| BitRate(timing.bitrate));
+    Kind::Controller {
+        bit_rate: bit_rate.filter(|rate| rate.0 > 0 && *rate != BIT_RATE_UNKNOWN),
+        listen_only: parameters.ctrl_mode.is_some_and(|modes| modes.has_mode(CanCtrlMode::ListenOnly)),
     }
 }
 
@@ -166,10 +191,13 @@ const ARPHRD_CAN: u32 = 280;
 /// linux/if.h
 const IFF_UP: u32 = 1;
 const IFF_ECHO: u32 = 1 << 18;
+/// `CAN_BITRATE_UNKNOWN`, linux/can/bittiming.h. A kernel that knows the name keeps the number to itself.
+const BIT_RATE_UNKNOWN: BitRate = BitRate(u32::MAX);
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use socketcan::nl::CanBitTiming;
 
     #[test]
     fn what_is_no_can_interface_is_told_apart() {
@@ -177,5 +205,34 @@ mod tests {
         assert!(matches!(Interface::find("no-such-interface"), Err(Error::NoInterface { .. })));
         assert!(matches!(Interface::find("../net/lo"), Err(Error::NoInterface { .. })));
         assert!(matches!(Interface::find(""), Err(Error::NoInterface { .. })));
+    }
+
+    #[test]
+    fn the_kind_of_a_link_is_that_of_its_driver() {
+        assert_eq!(link_kind(1).unwrap(), None, "the loopback interface has none");
+        assert_eq!(link_kind(0x7FFF_FFFF).unwrap_err().raw_os_error(), Some(libc::ENODEV));
+    }
+
+    #[test]
+    fn only_a_virtual_interface_has_every_bit_rate() {
+        let silent = InterfaceCanParams::default();
+        assert_eq!(kind(Some("vcan"), &silent), Kind::WithoutBitRate);
+        assert_eq!(kind(Some("vxcan"), &silent), Kind::WithoutBitRate);
+        assert_eq!(kind(None, &silent), Kind::HiddenBitRate);
+        assert_eq!(kind(Some("can"), &silent), Kind::HiddenBitRate);
+    }
+
+    #[test]
+    fn a_bit_rate_that_was_not_set_confirms_nothing() {
+        for (bitrate, expected) in [(0, None), (u32::MAX, None), (125_000, Some(BitRate::K125))] {
+            let timing = CanBitTiming { bitrate, ..CanBitTiming::default() };
+            let parameters = InterfaceCanParams {
+                state: Some(CanState::ErrorActive),
+                bit_timing: Some(timing),
+                ..InterfaceCanParams::default()
+            };
+            let expected = Kind::Controller { bit_rate: expected, listen_only: false };
+            assert_eq!(kind(Some("can"), &parameters), expected);
+        }
     }
 }

@@ -22,7 +22,7 @@
 //! |---|---|
 //! | a frame, with the kernel's time | [`Input::Frame`](link_core::Input::Frame) of that moment |
 //! | the echo of an own frame, marked `MSG_CONFIRM` | [`TxDone(_, Sent)`](link_core::TxOutcome::Sent): it was on the bus and acknowledged |
-//! | a frame taken by an interface without an echo (`vcan`) | `TxDone(_, Sent)`, of the last known moment |
+//! | a frame taken by an interface without an echo (`vcan`, `slcan`) | `TxDone(_, Sent)`, of the last known moment |
 //! | the same frame from a twin, unmarked | `Input::Frame`: an echo is never recognised by its content |
 //! | error frame, class bus-off | [`LinkEvent::BusOff`](link_core::LinkEvent::BusOff); frames in flight are `Dropped` |
 //! | error frame, restarted | `Up`; before it `BusOff`, if the news of that was lost |
@@ -41,7 +41,8 @@
 //! [`LinkCommand::SetMode`](link_core::LinkCommand::SetMode) and [`Reset`](link_core::LinkCommand::Reset) are carried out
 //! through netlink, which takes the right to administer the network. Without it the machine hears
 //! [`Refused`](link_core::LinkEvent::Refused), and [`SocketCanPort::refusal`] names the `ip link` command that does it.
-//! A mode that is in force already needs no right. A virtual interface has no bit rate, so it has every one.
+//! A mode that is in force already needs no right. A virtual interface has no bit rate, so it has every one. An `slcan`
+//! adapter may have one that the kernel does not know ([`Kind`]): it is set anew, or refused, but never taken for the right one.
 //!
 //! # Unsafe code
 //!

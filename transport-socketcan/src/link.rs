@@ -155,9 +155,8 @@ impl Link {
                 }
                 LinkEvent::ModeSet(mode)
             }
-            Err(error) => {
-                let (name, reason) = (self.interface.name().into(), error.to_string());
-                self.refusal = Some(Refusal::Mode { name, mode, reason });
+            Err(refusal) => {
+                self.refusal = Some(refusal);
                 LinkEvent::Refused(link_core::link::LinkCommandKind::SetMode)
             }
         };

@@ -109,7 +109,8 @@ impl LivePort {
             #[cfg(target_os = "linux")]
             Bus::Interface(port) => match port.interface().kind() {
                 Ok(transport_socketcan::Kind::Controller { bit_rate, .. }) => bit_rate,
-                Ok(transport_socketcan::Kind::WithoutBitRate) | Err(_) => None,
+                Ok(transport_socketcan::Kind::HiddenBitRate | transport_socketcan::Kind::WithoutBitRate)
+                | Err(_) => None,
             },
             Bus::Simulated(_) | Bus::Recorded(_) => self.bit_rate,
         }

@@ -20,6 +20,7 @@ mod interface;
 mod late_echo;
 mod queue;
 mod rig;
+mod slcan;
 
 use std::path::Path;
 use std::process::{Command, Stdio};
