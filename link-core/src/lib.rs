@@ -35,8 +35,8 @@
 //! struct Beat;
 //! impl TimerKey<1> for Beat {
 //!     const ALL: [Self; 1] = [Beat];
+//!     const WHY: [&'static str; 1] = ["beacon interval"];
 //!     fn index(self) -> usize { 0 }
-//!     fn why(self) -> &'static str { "beacon interval" }
 //! }
 //!
 //! impl Machine for Beacon {

@@ -109,10 +109,9 @@ impl Deadline {
     /// The earlier one of two that there may be; of equals, the first.
     #[must_use]
     pub fn earlier(one: Option<Self>, other: Option<Self>) -> Option<Self> {
-        match (&one, &other) {
-            (Some(first), Some(second)) if second.at < first.at => other,
-            (None, _) => other,
-            (Some(_), _) => one,
+        match (one, other) {
+            (Some(first), Some(second)) => Some(if second.at < first.at { second } else { first }),
+            (first, second) => first.or(second),
         }
     }
 }

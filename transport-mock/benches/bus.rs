@@ -204,13 +204,10 @@ struct Watchdog;
 
 impl TimerKey<1> for Watchdog {
     const ALL: [Self; 1] = [Self];
+    const WHY: [&'static str; 1] = ["watchdog"];
 
     fn index(self) -> usize {
         0
-    }
-
-    fn why(self) -> &'static str {
-        "watchdog"
     }
 }
 

@@ -101,18 +101,13 @@ pub(super) enum Timer {
 
 impl TimerKey<2> for Timer {
     const ALL: [Self; 2] = [Self::DupMacOrWho, Self::BackOffOrIdentify];
+    const WHY: [&'static str; 2] =
+        ["duplicate MAC ID wait, or Who response delay", "bus-off back-off, or identify indication"];
 
     fn index(self) -> usize {
         match self {
             Self::DupMacOrWho => 0,
             Self::BackOffOrIdentify => 1,
-        }
-    }
-
-    fn why(self) -> &'static str {
-        match self {
-            Self::DupMacOrWho => "duplicate MAC ID wait, or Who response delay",
-            Self::BackOffOrIdentify => "bus-off back-off, or identify indication",
         }
     }
 }

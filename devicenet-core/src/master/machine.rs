@@ -62,6 +62,8 @@ pub(super) enum Timer {
 
 impl TimerKey<4> for Timer {
     const ALL: [Self; 4] = [Self::Interscan, Self::ResponseWait, Self::Quiet, Self::BackOff];
+    const WHY: [&'static str; 4] =
+        ["interscan delay", "I/O responses", "frames of lower priority", "another master to go first"];
 
     fn index(self) -> usize {
         match self {
@@ -69,15 +71,6 @@ impl TimerKey<4> for Timer {
             Self::ResponseWait => 1,
             Self::Quiet => 2,
             Self::BackOff => 3,
-        }
-    }
-
-    fn why(self) -> &'static str {
-        match self {
-            Self::Interscan => "interscan delay",
-            Self::ResponseWait => "I/O responses",
-            Self::Quiet => "frames of lower priority",
-            Self::BackOff => "another master to go first",
         }
     }
 }

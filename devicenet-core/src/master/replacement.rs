@@ -111,18 +111,12 @@ pub(super) enum Wait {
 
 impl TimerKey<2> for Wait {
     const ALL: [Self; 2] = [Self::Conversation, Self::Look];
+    const WHY: [&'static str; 2] = ["explicit response", "next look for a replacement"];
 
     fn index(self) -> usize {
         match self {
             Self::Conversation => 0,
             Self::Look => 1,
-        }
-    }
-
-    fn why(self) -> &'static str {
-        match self {
-            Self::Conversation => "explicit response",
-            Self::Look => "next look for a replacement",
         }
     }
 }

@@ -132,6 +132,16 @@ impl TimerKey<8> for SlotTimer {
         Self::Trigger,
         Self::Restart,
     ];
+    const WHY: [&'static str; 8] = [
+        "explicit response",
+        "next attempt at a slave",
+        "slave watchdog",
+        "slave watchdog",
+        "slave watchdog",
+        "slave watchdog",
+        "output transmission trigger",
+        "objection to a duplicate MAC ID check",
+    ];
 
     fn index(self) -> usize {
         match self {
@@ -140,16 +150,6 @@ impl TimerKey<8> for SlotTimer {
             Self::Watchdog(instance) => instance.index().saturating_add(2),
             Self::Trigger => 6,
             Self::Restart => 7,
-        }
-    }
-
-    fn why(self) -> &'static str {
-        match self {
-            Self::Conversation => "explicit response",
-            Self::Retry => "next attempt at a slave",
-            Self::Watchdog(_) => "slave watchdog",
-            Self::Trigger => "output transmission trigger",
-            Self::Restart => "objection to a duplicate MAC ID check",
         }
     }
 }

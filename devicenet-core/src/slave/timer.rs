@@ -41,6 +41,7 @@ impl TimerKey<11> for Timer {
         Self::FragmentAcknowledge,
         Self::Reassembly,
     ];
+    const WHY: [&'static str; 11] = names(Self::ALL);
 
     fn index(self) -> usize {
         match self {
@@ -57,10 +58,6 @@ impl TimerKey<11> for Timer {
             Self::Reassembly => 10,
         }
     }
-
-    fn why(self) -> &'static str {
-        self.name()
-    }
 }
 
 /// Those of a device that has poll and no other I/O.
@@ -72,6 +69,7 @@ impl TimerKey<5> for Timer {
         Self::FragmentAcknowledge,
         Self::Reassembly,
     ];
+    const WHY: [&'static str; 5] = names(Self::ALL);
 
     fn index(self) -> usize {
         match self {
@@ -83,15 +81,12 @@ impl TimerKey<5> for Timer {
             Self::Trigger | Self::Inhibit | Self::Acknowledge => usize::MAX,
         }
     }
-
-    fn why(self) -> &'static str {
-        self.name()
-    }
 }
 
 /// Those of one explicit connection that was opened dynamically.
 impl TimerKey<3> for Timer {
     const ALL: [Self; 3] = [Self::Explicit, Self::FragmentAcknowledge, Self::Reassembly];
+    const WHY: [&'static str; 3] = names(Self::ALL);
 
     fn index(self) -> usize {
         match self {
@@ -100,10 +95,6 @@ impl TimerKey<3> for Timer {
             Self::Reassembly => 2,
             Self::Io(_) | Self::Trigger | Self::Inhibit | Self::Acknowledge | Self::Heartbeat => usize::MAX,
         }
-    }
-
-    fn why(self) -> &'static str {
-        self.name()
     }
 }
 
@@ -123,6 +114,17 @@ impl Timer {
             Self::Reassembly => "next fragment",
         }
     }
+}
+
+/// The names of these timers, found when the program is compiled.
+const fn names<const N: usize>(timers: [Timer; N]) -> [&'static str; N] {
+    let mut names = [""; N];
+    let (mut timers, mut rest): (&[Timer], &mut [&'static str]) = (&timers, &mut names);
+    while let ([timer, later @ ..], [name, after @ ..]) = (timers, rest) {
+        *name = timer.name();
+        (timers, rest) = (later, after);
+    }
+    names
 }
 
 /// Does with a timer what a connection says.

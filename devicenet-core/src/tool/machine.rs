@@ -50,13 +50,10 @@ pub(super) enum Timer {
 
 impl TimerKey<1> for Timer {
     const ALL: [Self; 1] = [Self::Answers];
+    const WHY: [&'static str; 1] = ["answers of faulted nodes or of the owner"];
 
     fn index(self) -> usize {
         0
-    }
-
-    fn why(self) -> &'static str {
-        "answers of faulted nodes or of the owner"
     }
 }
 

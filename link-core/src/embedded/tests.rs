@@ -314,11 +314,9 @@ struct Once {
 struct Wait;
 impl TimerKey<1> for Wait {
     const ALL: [Self; 1] = [Self];
+    const WHY: [&'static str; 1] = ["wait"];
     fn index(self) -> usize {
         0
-    }
-    fn why(self) -> &'static str {
-        "wait"
     }
 }
 

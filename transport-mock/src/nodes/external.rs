@@ -251,12 +251,9 @@ struct Restart;
 
 impl TimerKey<1> for Restart {
     const ALL: [Self; 1] = [Self];
+    const WHY: [&'static str; 1] = ["restart after bus-off"];
 
     fn index(self) -> usize {
         0
-    }
-
-    fn why(self) -> &'static str {
-        "restart after bus-off"
     }
 }

@@ -19,13 +19,10 @@ struct NextFrame;
 
 impl TimerKey<1> for NextFrame {
     const ALL: [Self; 1] = [Self];
+    const WHY: [&'static str; 1] = ["next frame"];
 
     fn index(self) -> usize {
         0
-    }
-
-    fn why(self) -> &'static str {
-        "next frame"
     }
 }
 

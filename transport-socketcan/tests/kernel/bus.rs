@@ -21,11 +21,9 @@ struct Beacon {
 struct Beat;
 impl TimerKey<1> for Beat {
     const ALL: [Self; 1] = [Self];
+    const WHY: [&'static str; 1] = ["the next beat"];
     fn index(self) -> usize {
         0
-    }
-    fn why(self) -> &'static str {
-        "the next beat"
     }
 }
 
