@@ -133,7 +133,7 @@ pub use parameter::{
     ParameterStorage, Parameters, Scaling, ScalingLinks,
 };
 pub use rule::{AttributeRule, Size};
-pub use serve::{perform, read, serve};
+pub use serve::serve;
 pub use set::{Chain, ObjectSet, respond, respond_with};
 
 use crate::code::{AttributeId, ClassId, GeneralStatus, InstanceId};

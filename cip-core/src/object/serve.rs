@@ -27,28 +27,65 @@ use crate::codec::Writer;
 /// Get_Attribute_Single is implemented for every instance, and for the class if it has attributes;
 /// Set_Attribute_Single where [`Object::has_set`] says so. All other services are the business of
 /// [`Object::service`]. A Set whose reply does not fit has been carried out.
-#[inline]
 pub fn serve<O: Object>(object: &mut O, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
-    let has_get = !call.instance.is_class() || !object.class_attributes().is_empty();
-    if call.service == ServiceCode::GET_ATTRIBUTE_SINGLE && has_get {
-        read(object, call, out).map(|()| Effects::NONE)
-    } else {
-        perform(object, call, out)
+    serve_any(object, call, out)
+}
+
+/// An object whose class is not known: one copy of the checks serves all classes.
+trait AnyObject {
+    fn rules(&self, instance: InstanceId) -> Option<&'static [AttributeRule]>;
+    fn has_set(&self, instance: InstanceId) -> bool;
+    fn get(&self, instance: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure>;
+    fn set(
+        &mut self,
+        instance: InstanceId,
+        attribute: AttributeId,
+        value: &[u8],
+        out: &mut Writer<'_>,
+    ) -> Result<Effects, Failure>;
+    fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure>;
+}
+
+impl<O: Object> AnyObject for O {
+    fn rules(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
+        rules(self, instance)
+    }
+
+    fn has_set(&self, instance: InstanceId) -> bool {
+        Object::has_set(self, instance)
+    }
+
+    fn get(&self, instance: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
+        get(self, instance, attribute, out)
+    }
+
+    fn set(
+        &mut self,
+        instance: InstanceId,
+        attribute: AttributeId,
+        value: &[u8],
+        out: &mut Writer<'_>,
+    ) -> Result<Effects, Failure> {
+        Object::set(self, instance, attribute, value, out)
+    }
+
+    fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+        Object::service(self, call, out)
     }
 }
 
-/// What [`serve`] does with Get_Attribute_Single, which is what a device is asked most.
-#[inline]
-pub fn read<O: Object>(object: &O, call: &Call<'_>, out: &mut Writer<'_>) -> Result<(), Failure> {
-    let Some(rules) = rules(object, call.instance) else { return Err(NO_INSTANCE) };
-    get(object, call.instance, readable(call, rules)?, out)
-}
-
-/// What [`serve`] does with every other service.
-#[inline(never)]
-pub fn perform<O: Object>(object: &mut O, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
-    let Some(rules) = rules(object, call.instance) else { return Err(NO_INSTANCE) };
+fn serve_any(
+    object: &mut dyn AnyObject,
+    call: &Call<'_>,
+    out: &mut Writer<'_>,
+) -> Result<Effects, Failure> {
+    let Some(rules) = object.rules(call.instance) else { return Err(NO_INSTANCE) };
     call.check_path()?;
+    // Get_Attribute_Single is implemented for the class if it has attributes.
+    if call.service == ServiceCode::GET_ATTRIBUTE_SINGLE && !(call.instance.is_class() && rules.is_empty()) {
+        let attribute = readable(call, rules)?;
+        return object.get(call.instance, attribute, out).map(|()| Effects::NONE);
+    }
     if call.service != ServiceCode::SET_ATTRIBUTE_SINGLE {
         return object.service(call, out);
     }
@@ -63,9 +100,7 @@ pub fn perform<O: Object>(object: &mut O, call: &Call<'_>, out: &mut Writer<'_>)
 }
 
 /// The attribute of a Get, if the object has it.
-#[inline]
 fn readable(call: &Call<'_>, rules: &[AttributeRule]) -> Result<AttributeId, Failure> {
-    call.check_path()?;
     let (attribute, rest) = call.attribute()?;
     if rule_of(rules, attribute).is_none() {
         return Err(NO_ATTRIBUTE);
