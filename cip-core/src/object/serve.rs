@@ -74,11 +74,7 @@ impl<O: Object> AnyObject for O {
     }
 }
 
-fn serve_any(
-    object: &mut dyn AnyObject,
-    call: &Call<'_>,
-    out: &mut Writer<'_>,
-) -> Result<Effects, Failure> {
+fn serve_any(object: &mut dyn AnyObject, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
     let Some(rules) = object.rules(call.instance) else { return Err(NO_INSTANCE) };
     call.check_path()?;
     // Get_Attribute_Single is implemented for the class if it has attributes.

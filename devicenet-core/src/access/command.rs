@@ -6,6 +6,7 @@ use link_core::Instant;
 
 use super::config::{Config, CounterSetMode, MacIdSource};
 use super::event::Counters;
+use super::extent::{Complete, Extent};
 use super::indicator::NetworkStatus;
 use super::machine::Access;
 use super::state::{Cause, Fault, State};
@@ -101,17 +102,23 @@ impl Access {
     /// Starts anew, as after a power cycle: BOI as configured, the bus-off counter 0, Quick Connect as stored. It leads
     /// out of every fault, that of a duplicate included. A node without link power goes on waiting for it.
     pub fn reset(&mut self, now: Instant) {
-        self.timers.advance(now);
-        self.bus_off_interrupt = self.config.bus_off_interrupt;
-        self.bus_off_counter = 0;
-        self.quick_connect.active = self.quick_connect.stored;
-        self.start_anew(Cause::Reset);
+        self.reset_within::<Complete>(now, self.mac_id);
     }
 
     /// Starts anew, as [`reset`](Self::reset), with the MAC ID that the switches show now.
     pub fn reset_with_switches(&mut self, now: Instant, mac_id: MacId) {
+        self.reset_within::<Complete>(now, mac_id);
+    }
+
+    pub(crate) fn reset_within<P: Extent>(&mut self, now: Instant, mac_id: MacId) {
         self.mac_id = mac_id;
-        self.reset(now);
+        self.timers.advance(now);
+        self.bus_off_interrupt = self.config.bus_off_interrupt;
+        self.bus_off_counter = 0;
+        if P::QUICK_CONNECT {
+            self.quick_connect.active = self.quick_connect.stored;
+        }
+        self.start_anew::<P>(Cause::Reset);
     }
 
     /// Sets the MAC ID (DeviceNet object, attribute 1) and starts anew. Send the response, and the shutdown message if
@@ -123,15 +130,23 @@ impl Access {
     /// # Errors
     /// [`CommandError::MacIdFromSwitches`] if switches set it.
     pub fn set_mac_id(&mut self, now: Instant, mac_id: MacId) -> Result<(), CommandError> {
+        self.set_mac_id_within::<Complete>(now, mac_id)
+    }
+
+    pub(crate) fn set_mac_id_within<P: Extent>(
+        &mut self,
+        now: Instant,
+        mac_id: MacId,
+    ) -> Result<(), CommandError> {
         self.timers.advance(now);
         if self.config.mac_id_source == MacIdSource::Switches {
             return Err(CommandError::MacIdFromSwitches);
         }
-        if mac_id == self.mac_id && !self.config.same_mac_id_restarts {
+        if P::CHOICES && mac_id == self.mac_id && !self.config.same_mac_id_restarts {
             return Ok(());
         }
         self.mac_id = mac_id;
-        self.start_anew(Cause::MacIdSet);
+        self.start_anew::<P>(Cause::MacIdSet);
         Ok(())
     }
 
@@ -170,9 +185,9 @@ impl Access {
         self.timers.shift(span);
     }
 
-    fn start_anew(&mut self, cause: Cause) {
+    fn start_anew<P: Extent>(&mut self, cause: Cause) {
         if self.state != State::NonExistent {
-            self.restart(cause);
+            self.restart::<P>(cause);
         }
     }
 }

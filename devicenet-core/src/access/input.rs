@@ -5,6 +5,7 @@ use link_core::{BusErrorKind, Frame, LinkEvent, TxOutcome, TxToken};
 
 use super::config::BusOffWhileChecking;
 use super::event::Outgoing;
+use super::extent::Extent;
 use super::machine::{Access, Fate, InFlight, Listening, Timer};
 use super::pending::{Heard, Lost, Pending};
 use super::state::{Cause, CheckRequest, Fault, SecondRequest, SendStage, State};
@@ -13,7 +14,7 @@ use crate::id::Identifier;
 use crate::message::{Direction, DuplicateMacCheck, Wire};
 
 impl Access {
-    pub(super) fn frame<const OFFLINE_SET: bool>(&mut self, frame: &Frame) {
+    pub(super) fn frame<P: Extent>(&mut self, frame: &Frame) {
         let Some(id) = Identifier::of_frame(frame) else {
             count_wide(&mut self.counters.foreign_frames);
             return;
@@ -25,10 +26,12 @@ impl Access {
         match (self.state, self.listening()) {
             (State::NonExistent, _) => self.discard(),
             (_, Listening::Check(mac)) if id == Identifier::duplicate_mac_check(mac) => {
-                self.check(id, frame.data())
+                self.check::<P>(id, frame.data())
             }
-            (_, Listening::OfflineSet) if OFFLINE_SET && id == Identifier::COMMUNICATION_FAULTED_REQUEST => {
-                self.communication_faulted(frame.data());
+            (_, Listening::OfflineSet)
+                if P::OFFLINE_SET && id == Identifier::COMMUNICATION_FAULTED_REQUEST =>
+            {
+                self.communication_faulted::<P>(frame.data());
             }
             // Other frames are the business of other parts of the node.
             (State::OnLine { .. }, _) => {}
@@ -41,12 +44,12 @@ impl Access {
     }
 
     /// A frame on the identifier of the own check.
-    fn check(&mut self, id: Identifier, data: &[u8]) {
+    fn check<P: Extent>(&mut self, id: Identifier, data: &[u8]) {
         let check = DuplicateMacCheck::parse(data);
-        let kept = self.events.hear(check.map_or_else(|_| Heard::malformed(id, data), Heard::Check));
+        let kept = self.hear::<P>(|| check.map_or_else(|_| Heard::malformed(id, data), Heard::Check));
         if check.is_err() {
-            self.bad_frame(kept);
-            if !self.config.accept_bad_dlc {
+            self.bad_frame::<P>(kept);
+            if P::CHOICES && !self.config.accept_bad_dlc {
                 return;
             }
         }
@@ -65,15 +68,15 @@ impl Access {
             *response_due = true;
             count(&mut self.counters.challenges);
             self.stay(cause);
-            self.raise_heard(kept, Pending::Challenged);
+            self.raise_heard::<P>(kept, Pending::Challenged);
             return;
         }
         count(&mut self.counters.duplicates);
-        self.raise_heard(kept, Pending::Duplicate { direction });
-        self.enter(State::faulted(Fault::DuplicateMacId), cause);
+        self.raise_heard::<P>(kept, Pending::Duplicate { direction });
+        self.enter::<P>(State::faulted(Fault::DuplicateMacId), cause);
     }
 
-    pub(super) fn tx_done(&mut self, token: TxToken, outcome: TxOutcome) {
+    pub(super) fn tx_done<P: Extent>(&mut self, token: TxToken, outcome: TxOutcome) {
         let Some(InFlight { what, fate }) = self.in_flight.filter(|_| token == Self::TOKEN) else {
             count(&mut self.counters.stray_tx_done);
             return;
@@ -81,21 +84,21 @@ impl Access {
         self.in_flight = None;
         match (fate, outcome) {
             (Fate::Unwanted | Fate::Abandoned, _) => {}
-            (Fate::Wanted, TxOutcome::Sent) => self.sent(what),
-            (Fate::Wanted, TxOutcome::Withdrawn | TxOutcome::Dropped) => self.given_back(what, outcome),
+            (Fate::Wanted, TxOutcome::Sent) => self.sent::<P>(what),
+            (Fate::Wanted, TxOutcome::Withdrawn | TxOutcome::Dropped) => self.given_back::<P>(what, outcome),
         }
     }
 
-    fn sent(&mut self, what: Outgoing) {
+    fn sent<P: Extent>(&mut self, what: Outgoing) {
         match (what, &mut self.state) {
             (Outgoing::CheckRequest, State::SendingDupMac { request: CheckRequest::First, .. })
-                if self.quick_connect.active =>
+                if P::QUICK_CONNECT && self.quick_connect.active =>
             {
-                self.enter(State::on_line(SecondRequest::Waiting), Cause::QuickConnect);
+                self.enter::<P>(State::on_line(SecondRequest::Waiting), Cause::QuickConnect);
             }
             (Outgoing::CheckRequest, State::SendingDupMac { request, .. }) => {
                 let request = *request;
-                self.enter(State::WaitingDupMac { request }, Cause::RequestSent);
+                self.enter::<P>(State::WaitingDupMac { request }, Cause::RequestSent);
             }
             (Outgoing::CheckRequest, State::OnLine { second_request, .. }) => {
                 *second_request = SecondRequest::Done;
@@ -106,9 +109,9 @@ impl Access {
         }
     }
 
-    fn given_back(&mut self, what: Outgoing, outcome: TxOutcome) {
+    fn given_back<P: Extent>(&mut self, what: Outgoing, outcome: TxOutcome) {
         count(&mut self.counters.not_sent);
-        self.raise(Pending::NotSent { what, outcome });
+        self.raise::<P>(Pending::NotSent { what, outcome });
         match (what, &mut self.state) {
             (Outgoing::CheckRequest, State::SendingDupMac { stage, .. }) => *stage = SendStage::GivenBack,
             // Still queued.
@@ -131,20 +134,20 @@ impl Access {
         self.timers.set_after_millis(Timer::BackOffOrIdentify, self.config.bus_off_back_off.into());
     }
 
-    pub(super) fn link(&mut self, event: LinkEvent) {
+    pub(super) fn link<P: Extent>(&mut self, event: LinkEvent) {
         match event {
-            LinkEvent::Up => self.up(),
+            LinkEvent::Up => self.up::<P>(),
             LinkEvent::Down if self.state != State::NonExistent => {
-                self.enter(State::NonExistent, Cause::LinkDown);
+                self.enter::<P>(State::NonExistent, Cause::LinkDown);
             }
-            LinkEvent::BusOff => self.bus_off(),
+            LinkEvent::BusOff => self.bus_off::<P>(),
             LinkEvent::ModeSet(_) => self.queue_again(),
-            LinkEvent::BusError(BusErrorKind::Ack) => self.not_acknowledged(),
+            LinkEvent::BusError(BusErrorKind::Ack) => self.not_acknowledged::<P>(),
             LinkEvent::Overrun { lost } => {
                 self.counters.frames_lost = self.counters.frames_lost.saturating_add(lost.max(1));
-                self.raise(Pending::FramesLost { count: lost.to_le_bytes() });
+                self.raise::<P>(Pending::FramesLost { count: lost.to_le_bytes() });
             }
-            LinkEvent::Refused(kind) => self.refused(kind),
+            LinkEvent::Refused(kind) => self.refused::<P>(kind),
             // Without power already; or what the controller deals with by itself.
             LinkEvent::Down
             | LinkEvent::ErrorWarning
@@ -156,12 +159,14 @@ impl Access {
         }
     }
 
-    fn up(&mut self) {
+    fn up<P: Extent>(&mut self) {
         self.told = None;
         match &mut self.state {
             State::NonExistent => {
-                self.quick_connect.active = self.quick_connect.stored;
-                self.restart(Cause::LinkUp);
+                if P::QUICK_CONNECT {
+                    self.quick_connect.active = self.quick_connect.stored;
+                }
+                self.restart::<P>(Cause::LinkUp);
             }
             State::SendingDupMac { stage: stage @ SendStage::Restarting { .. }, .. } => {
                 *stage = SendStage::Queued { unacknowledged: false };
@@ -186,7 +191,7 @@ impl Access {
         self.timers.clear(Timer::BackOffOrIdentify);
     }
 
-    fn bus_off(&mut self) {
+    fn bus_off<P: Extent>(&mut self) {
         // Told twice, or told of a controller that the node does not use.
         if self.state.is_off_the_bus() || self.state == State::NonExistent {
             return;
@@ -196,36 +201,36 @@ impl Access {
             && match self.state {
                 State::OnLine { .. } => true,
                 State::SendingDupMac { .. } | State::WaitingDupMac { .. } => {
-                    self.config.bus_off_while_checking == BusOffWhileChecking::FollowInterrupt
+                    P::CHOICES && self.config.bus_off_while_checking == BusOffWhileChecking::FollowInterrupt
                 }
                 State::NonExistent | State::CommFault { .. } => false,
             };
         if restarts {
             let next = State::SendingDupMac { request: CheckRequest::First, stage: SendStage::BackOff };
-            self.enter(next, Cause::BusOffRestart);
+            self.enter::<P>(next, Cause::BusOffRestart);
         } else {
-            self.enter(State::faulted(Fault::BusOff), Cause::BusOff);
+            self.enter::<P>(State::faulted(Fault::BusOff), Cause::BusOff);
         }
     }
 
-    fn not_acknowledged(&mut self) {
+    fn not_acknowledged<P: Extent>(&mut self) {
         if let State::SendingDupMac { stage: SendStage::Queued { unacknowledged }, .. } = &mut self.state {
             count_wide(&mut self.counters.unacknowledged);
             let first = !core::mem::replace(unacknowledged, true);
             self.stay(Cause::NotAcknowledged);
             if first {
-                self.raise(Pending::NotAcknowledged);
+                self.raise::<P>(Pending::NotAcknowledged);
             }
         }
     }
 
-    fn refused(&mut self, kind: LinkCommandKind) {
+    fn refused<P: Extent>(&mut self, kind: LinkCommandKind) {
         count(&mut self.counters.refused);
-        self.raise(Pending::LinkRefused(kind));
+        self.raise::<P>(Pending::LinkRefused(kind));
         let restarting =
             matches!(self.state, State::SendingDupMac { stage: SendStage::Restarting { .. }, .. });
         if restarting && kind == LinkCommandKind::Reset {
-            self.enter(State::faulted(Fault::BusOff), Cause::BusOff);
+            self.enter::<P>(State::faulted(Fault::BusOff), Cause::BusOff);
         }
     }
 
@@ -234,15 +239,20 @@ impl Access {
     }
 
     /// `kept`: whether what the frame said [was kept](super::pending::Events::hear).
-    pub(super) fn bad_frame(&mut self, kept: Result<(), Lost>) {
+    pub(super) fn bad_frame<P: Extent>(&mut self, kept: Result<(), Lost>) {
         count(&mut self.counters.bad_frames);
-        self.raise_heard(kept, Pending::BadFrame);
+        self.raise_heard::<P>(kept, Pending::BadFrame);
     }
 
     /// An event that tells what the frame said.
-    fn raise_heard(&mut self, kept: Result<(), Lost>, event: Pending) {
+    /// Keeps what a frame said for the events that tell of it.
+    pub(super) fn hear<P: Extent>(&mut self, heard: impl FnOnce() -> Heard) -> Result<(), Lost> {
+        if P::EVENTS { self.events.hear(heard()) } else { Ok(()) }
+    }
+
+    fn raise_heard<P: Extent>(&mut self, kept: Result<(), Lost>, event: Pending) {
         match kept {
-            Ok(()) => self.raise(event),
+            Ok(()) => self.raise::<P>(event),
             Err(Lost) => count(&mut self.counters.events_lost),
         }
     }

@@ -33,6 +33,7 @@ use link_core::{Action, Deadline, FilterSet, Input, Instant, Machine, Timers, Tx
 
 use super::config::Config;
 use super::event::{AccessEvent, Counters, Outgoing};
+use super::extent::{Complete, Extent};
 use super::pending::{Events, Pending};
 use super::state::{Cause, CheckRequest, EDGES, Fault, SecondRequest, SendStage, State, StateKind};
 use crate::counter::count;
@@ -116,12 +117,13 @@ impl Machine for Access {
     type Event = AccessEvent;
 
     fn input(&mut self, now: Instant, input: Input) {
-        self.take_input::<true>(now, input);
+        self.take_input::<Complete>(now, input);
     }
 
     fn poll(&mut self, now: Instant) -> Option<Action<AccessEvent>> {
         self.timers.advance(now);
-        self.poll_except_transmit(core::convert::identity).or_else(|| self.transmit::<true, _>())
+        let told = self.poll_except_transmit::<Complete, _>(core::convert::identity);
+        told.or_else(|| self.transmit::<Complete, _>())
     }
 
     fn deadline(&self) -> Option<Deadline> {
@@ -155,19 +157,18 @@ impl Access {
         }
     }
 
-    /// What [`input`](Machine::input) does; without `OFFLINE_SET`, the code of the offline connection set falls away, and
-    /// [`Config::offline_set`] must be off.
-    pub(crate) fn take_input<const OFFLINE_SET: bool>(&mut self, now: Instant, input: Input) {
+    /// What [`input`](Machine::input) does.
+    pub(crate) fn take_input<P: Extent>(&mut self, now: Instant, input: Input) {
         let now = self.timers.advance(now);
         // A wait that ended before this moment ended before this input; one that ends now ends after it.
-        self.expire::<OFFLINE_SET>(now.preceding());
+        self.expire::<P>(now.preceding());
         match input {
-            Input::Frame(frame) => self.frame::<OFFLINE_SET>(&frame),
-            Input::TxDone(token, outcome) => self.tx_done(token, outcome),
-            Input::Link(event) => self.link(event),
+            Input::Frame(frame) => self.frame::<P>(&frame),
+            Input::TxDone(token, outcome) => self.tx_done::<P>(token, outcome),
+            Input::Link(event) => self.link::<P>(event),
             Input::Tick => {}
         }
-        self.expire::<OFFLINE_SET>(now);
+        self.expire::<P>(now);
     }
 
     /// When it must be called next if there is nothing to send or tell.
@@ -197,18 +198,18 @@ impl Access {
     }
 
     /// Starts anew with the first request, by way of a restart of the controller if it is off the bus.
-    pub(super) fn restart(&mut self, cause: Cause) {
+    pub(super) fn restart<P: Extent>(&mut self, cause: Cause) {
         let next = if self.state.is_off_the_bus() {
             let stage = SendStage::Restarting { commanded: false };
             State::SendingDupMac { request: CheckRequest::First, stage }
         } else {
             State::queued(CheckRequest::First)
         };
-        self.enter(next, cause);
+        self.enter::<P>(next, cause);
     }
 
     /// The one door between states.
-    pub(super) fn enter(&mut self, next: State, cause: Cause) {
+    pub(super) fn enter<P: Extent>(&mut self, next: State, cause: Cause) {
         let (from, to) = (self.state.kind(), next.kind());
         check_edge(from, cause, to);
         if let Some(in_flight) = &mut self.in_flight {
@@ -219,7 +220,7 @@ impl Access {
                 Fate::Wanted | Fate::Unwanted | Fate::Abandoned => Fate::Abandoned,
             };
         }
-        self.end_identify();
+        self.end_identify::<P>();
         self.timers.clear_all();
         match next {
             State::WaitingDupMac { .. } | State::OnLine { second_request: SecondRequest::Waiting, .. } => {
@@ -234,11 +235,11 @@ impl Access {
             | State::CommFault { .. } => {}
         }
         self.state = next;
-        self.raise(Pending::StateChanged { from, to, cause });
+        self.raise::<P>(Pending::StateChanged { from, to, cause });
     }
 
-    pub(super) fn raise(&mut self, event: Pending) {
-        if self.events.push(event).is_err() {
+    pub(super) fn raise<P: Extent>(&mut self, event: Pending) {
+        if P::EVENTS && self.events.push(event).is_err() {
             count(&mut self.counters.events_lost);
         }
     }
@@ -249,25 +250,25 @@ impl Access {
     }
 
     /// Serves every wait that is over at `until`. None of them starts another that is over too.
-    fn expire<const OFFLINE_SET: bool>(&mut self, until: Instant) {
+    fn expire<P: Extent>(&mut self, until: Instant) {
         while let Some(timer) = self.timers.take_expired(until) {
             let is_faulted = matches!(self.state, State::CommFault { .. });
             match timer {
-                Timer::DupMacOrWho if OFFLINE_SET && is_faulted => self.who_delay_over(),
-                Timer::BackOffOrIdentify if OFFLINE_SET && is_faulted => self.end_identify(),
-                Timer::DupMacOrWho => self.wait_over(),
+                Timer::DupMacOrWho if P::OFFLINE_SET && is_faulted => self.who_delay_over(),
+                Timer::BackOffOrIdentify if P::OFFLINE_SET && is_faulted => self.end_identify::<P>(),
+                Timer::DupMacOrWho => self.wait_over::<P>(),
                 Timer::BackOffOrIdentify => self.back_off_over(),
             }
         }
     }
 
-    fn wait_over(&mut self) {
+    fn wait_over<P: Extent>(&mut self) {
         match &mut self.state {
             State::WaitingDupMac { request: CheckRequest::First } => {
-                self.enter(State::queued(CheckRequest::Second), Cause::WaitOver);
+                self.enter::<P>(State::queued(CheckRequest::Second), Cause::WaitOver);
             }
             State::WaitingDupMac { request: CheckRequest::Second } => {
-                self.enter(State::on_line(SecondRequest::Done), Cause::WaitOver);
+                self.enter::<P>(State::on_line(SecondRequest::Done), Cause::WaitOver);
             }
             State::OnLine { second_request, .. } => {
                 *second_request = SecondRequest::Queued;

@@ -38,6 +38,7 @@
 mod command;
 mod config;
 mod event;
+mod extent;
 mod indicator;
 mod input;
 mod machine;
@@ -51,6 +52,7 @@ mod tests;
 pub use command::CommandError;
 pub use config::{BusOffWhileChecking, Config, CounterSetMode, MacIdSource, MaskPredicate};
 pub use event::{AccessEvent, Counters, Outgoing};
+pub(crate) use extent::Extent;
 pub use indicator::NetworkStatus;
 pub use machine::Access;
 pub use state::{

@@ -14,6 +14,7 @@ use cip_core::codec::Writer;
 
 use super::Access;
 use super::config::{MacIdSource, MaskPredicate};
+use super::extent::Extent;
 use super::machine::Timer;
 use super::pending::{Heard, Pending};
 use super::state::{Cause, State, WhoAnswer};
@@ -24,10 +25,10 @@ use crate::message::{
 };
 
 impl Access {
-    pub(super) fn communication_faulted(&mut self, data: &[u8]) {
+    pub(super) fn communication_faulted<P: Extent>(&mut self, data: &[u8]) {
         let Ok(request) = CommunicationFaultedRequest::parse(data) else {
-            let kept = self.events.hear(Heard::malformed(Identifier::COMMUNICATION_FAULTED_REQUEST, data));
-            return self.bad_frame(kept);
+            let kept = self.hear::<P>(|| Heard::malformed(Identifier::COMMUNICATION_FAULTED_REQUEST, data));
+            return self.bad_frame::<P>(kept);
         };
         match request {
             CommunicationFaultedRequest::Who(WhoRequest { nodes, delay_offset }) if self.is_meant(nodes) => {
@@ -38,10 +39,10 @@ impl Access {
             }
             CommunicationFaultedRequest::IdentifyDevice(request) if request.device == self.config.device => {
                 self.answer_identify(NodeSelection::ALL);
-                self.begin_identify();
+                self.begin_identify::<P>();
             }
             CommunicationFaultedRequest::ChangeMacId(request) if request.device == self.config.device => {
-                self.change_mac_id(request);
+                self.change_mac_id::<P>(request);
             }
             // For another node.
             CommunicationFaultedRequest::Who(_)
@@ -58,11 +59,11 @@ impl Access {
     }
 
     /// The time is over, or the node leaves the fault.
-    pub(super) fn end_identify(&mut self) {
+    pub(super) fn end_identify<P: Extent>(&mut self) {
         if let State::CommFault { offline, .. } = &mut self.state
             && core::mem::take(&mut offline.indicating)
         {
-            self.raise(Pending::Identify { on: false });
+            self.raise::<P>(Pending::Identify { on: false });
         }
     }
 
@@ -86,24 +87,24 @@ impl Access {
         }
     }
 
-    fn begin_identify(&mut self) {
+    fn begin_identify<P: Extent>(&mut self) {
         let State::CommFault { offline, .. } = &mut self.state else { return };
         let began = !core::mem::replace(&mut offline.indicating, true);
         self.timers.set_after_millis(Timer::BackOffOrIdentify, self.config.identify_timeout);
         if began {
-            self.raise(Pending::Identify { on: true });
+            self.raise::<P>(Pending::Identify { on: true });
         }
     }
 
-    fn change_mac_id(&mut self, request: ChangeMacIdRequest) {
+    fn change_mac_id<P: Extent>(&mut self, request: ChangeMacIdRequest) {
         match self.config.mac_id_source {
             MacIdSource::Software => {
                 let from = core::mem::replace(&mut self.mac_id, request.mac);
-                self.raise(Pending::MacIdAssigned { from, to: request.mac });
+                self.raise::<P>(Pending::MacIdAssigned { from, to: request.mac });
             }
-            MacIdSource::Switches => self.raise(Pending::MacIdLocked { requested: request.mac }),
+            MacIdSource::Switches => self.raise::<P>(Pending::MacIdLocked { requested: request.mac }),
         }
-        self.restart(Cause::MacIdAssigned);
+        self.restart::<P>(Cause::MacIdAssigned);
     }
 }
 

@@ -3,6 +3,7 @@
 use link_core::{Action, Frame, LinkCommand};
 
 use super::event::{AccessEvent, Outgoing};
+use super::extent::Extent;
 use super::machine::{Access, Fate, InFlight, Timer};
 use super::state::{SecondRequest, SendStage, State, WhoAnswer};
 use crate::id::Identifier;
@@ -30,7 +31,7 @@ impl Access {
 
     /// All that [`poll`](link_core::Machine::poll) does but hand out frames, so that a node can put others before them.
     /// `event`: what becomes of its events in those of the node.
-    pub(crate) fn poll_except_transmit<E>(
+    pub(crate) fn poll_except_transmit<P: Extent, E>(
         &mut self,
         event: impl FnOnce(AccessEvent) -> E,
     ) -> Option<Action<E>> {
@@ -48,7 +49,7 @@ impl Access {
         if self.take_filter_change() {
             return Some(Action::Link(LinkCommand::SetFilter(self.filter())));
         }
-        self.events.pop().map(|told| Action::Event(event(told)))
+        if P::EVENTS { self.events.pop().map(|told| Action::Event(event(told))) } else { None }
     }
 
     fn must_withdraw(&self) -> bool {
@@ -96,15 +97,15 @@ impl Access {
     }
 
     /// The next frame, if one is to be handed out.
-    pub(crate) fn transmit<const OFFLINE_SET: bool, E>(&mut self) -> Option<Action<E>> {
+    pub(crate) fn transmit<P: Extent, E>(&mut self) -> Option<Action<E>> {
         let what = self.wanted()?;
-        let frame = self.take::<OFFLINE_SET>(what)?;
+        let frame = self.take::<P>(what)?;
         self.in_flight = Some(InFlight { what, fate: Fate::Wanted });
         Some(Action::Transmit(Self::TOKEN, frame))
     }
 
     /// Builds the frame, and notes that it needs not be sent again.
-    fn take<const OFFLINE_SET: bool>(&mut self, what: Outgoing) -> Option<Frame> {
+    fn take<P: Extent>(&mut self, what: Outgoing) -> Option<Frame> {
         let (port, device) = (self.config.port, self.config.device);
         let own_check = Identifier::duplicate_mac_check(self.mac_id);
         let answers = Identifier::COMMUNICATION_FAULTED_RESPONSE;
@@ -118,11 +119,11 @@ impl Access {
                 let direction = Direction::Response;
                 message::frame(own_check, &DuplicateMacCheck { direction, port, device })
             }
-            (Outgoing::WhoResponse, State::CommFault { offline, .. }) if OFFLINE_SET => {
+            (Outgoing::WhoResponse, State::CommFault { offline, .. }) if P::OFFLINE_SET => {
                 offline.who = WhoAnswer::None;
                 message::frame(answers, &WhoResponse { port, device })
             }
-            (Outgoing::IdentifyResponse, State::CommFault { offline, .. }) if OFFLINE_SET => {
+            (Outgoing::IdentifyResponse, State::CommFault { offline, .. }) if P::OFFLINE_SET => {
                 let nodes = offline.identify.take()?;
                 message::frame(answers, &IdentifyResponse { nodes })
             }

@@ -104,8 +104,13 @@ bitflags::bitflags! {
         /// What a Connection object need not have: the services Delete, Apply_Attributes and Find_Next_Object_Instance, and
         /// the Reset of all instances. With dynamic connections it has them all the same.
         const OPTIONAL_SERVICES = 1 << 7;
+        /// The events that only tell, and about which nothing has to be done: all of [network access](crate::access), and of
+        /// the slave those of connections, allocation, attributes that were set, and frames that were ignored or not sent.
+        /// Without it there remain `Received`, `Mode`, `Effect`, `Reset`, those that store something, and those that are
+        /// parts of their own; and everything is counted.
+        const REPORTS = 1 << 8;
         /// A shorter way for what a slave is asked most, Get_Attribute_Single: half the instructions, for more code.
-        const FAST_GET = 1 << 8;
+        const FAST_GET = 1 << 9;
     }
 }
 

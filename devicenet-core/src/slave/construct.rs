@@ -15,7 +15,7 @@ use super::io::{LongMessages, Slots};
 use super::machine::{DynamicTransfer, Errand, Slave};
 use super::node::{Node, bits_of};
 use super::transfer::Transfer;
-use crate::access::{Access, NetworkStatus};
+use crate::access::{Access, BusOffWhileChecking, CounterSetMode, NetworkStatus};
 
 /// Why a slave cannot be made.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
@@ -122,7 +122,12 @@ fn parts_of(config: &Config) -> Parts {
     parts.set(Parts::HEARTBEAT, config.heartbeat_interval.is_some());
     parts.set(Parts::SHUTDOWN_MESSAGE, config.options.contains(Options::SHUTDOWN_MESSAGE));
     let choices = config.options.difference(Options::SHUTDOWN_MESSAGE) != Options::DEFAULT;
-    parts.set(Parts::CHOICES, choices || config.failures != FailureOptions::default());
+    let access_choices = !config.access.accept_bad_dlc
+        || !config.access.same_mac_id_restarts
+        || config.access.bus_off_while_checking != BusOffWhileChecking::default()
+        || config.access.counter_set_mode != CounterSetMode::default();
+    let others = access_choices || config.failures != FailureOptions::default();
+    parts.set(Parts::CHOICES, choices || others);
     parts.set(Parts::OPTIONAL_ATTRIBUTES, config.access.quick_connect);
     parts
 }

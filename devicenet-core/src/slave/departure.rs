@@ -7,7 +7,7 @@ use super::allocation::Door;
 use super::application::{Application, Parts};
 use super::config::Options;
 use super::event::{Ignored, SlaveEvent};
-use super::machine::{Errand, Slave};
+use super::machine::{Errand, Needed, Slave};
 use crate::access::MacIdSource;
 use crate::id::MacId;
 
@@ -83,7 +83,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         match self.node.departure.take() {
             Some(Departure { why: Why::MacId(mac), .. }) => {
                 // That it can be set was checked when the request was answered.
-                let _ = self.access.set_mac_id(now, mac);
+                let _ = self.access.set_mac_id_within::<Needed<A>>(now, mac);
                 self.look_for_errands();
             }
             Some(Departure { why: Why::Reset(kind), .. }) => {
@@ -107,7 +107,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// [`MacIdFromSwitches`](crate::access::CommandError::MacIdFromSwitches) if switches set it.
     pub fn set_mac_id(&mut self, now: Instant, mac: MacId) -> Result<(), crate::access::CommandError> {
         self.node.advance(now);
-        self.access.set_mac_id(now, mac)?;
+        self.access.set_mac_id_within::<Needed<A>>(now, mac)?;
         self.look_for_errands();
         self.follow(now);
         Ok(())
@@ -121,7 +121,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             self.errand = Errand::Mode;
         }
         self.node.acknowledge = cip_core::object::AcknowledgeSettings::default();
-        self.access.reset_with_switches(now, mac);
+        self.access.reset_within::<Needed<A>>(now, mac);
     }
 
     /// Reset types 1 and 2: what is stored becomes as it was out of the box. Returns the MAC ID to start with.

@@ -136,7 +136,11 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
             3 => self.0.access.set_bus_off_interrupt(boolean(value)?),
             4 => {
                 let [count] = exact(value)?;
-                self.0.access.set_bus_off_counter(count).map_err(|_| invalid)?;
+                if A::PARTS.contains(Parts::CHOICES) {
+                    self.0.access.set_bus_off_counter(count).map_err(|_| invalid)?;
+                } else {
+                    self.0.access.clear_bus_off_counter();
+                }
             }
             _ if !A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) => {
                 return Err(NOT_SETTABLE);

@@ -104,7 +104,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         #[cfg(test)]
         super::tests::edges::record_explicit(from, cause, to);
         if from != to {
-            self.events.raise(SlaveEvent::Explicit { instance: instance(index), from, to, cause });
+            self.report(SlaveEvent::Explicit { instance: instance(index), from, to, cause });
             self.changed.insert(Changed::CONNECTIONS);
         }
         if let Some(timers) = self.dynamic_timers.get_mut(usize::from(index)) {
@@ -166,7 +166,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
                 Timer::FragmentAcknowledge => {
                     if transfer.not_acknowledged(timers) {
                         let instance = instance(index);
-                        self.node.events.raise(SlaveEvent::ResponseAbandoned { instance });
+                        self.node.report(SlaveEvent::ResponseAbandoned { instance });
                     }
                 }
                 Timer::Reassembly => transfer.reassembly_over(),

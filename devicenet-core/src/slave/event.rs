@@ -212,12 +212,6 @@ impl<Q: EventQueue> Events<Q> {
         }
     }
 
-    #[cold]
-    pub(super) fn ignored(&mut self, id: Identifier, why: Ignored) {
-        count(&mut self.counters.ignored);
-        self.raise(SlaveEvent::Ignored { id, why });
-    }
-
     pub(super) const fn received(&mut self, connection: IoKind) {
         self.received |= received_bit(connection);
     }

@@ -21,7 +21,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     #[inline(never)]
     fn any_explicit_frame(&mut self, id: Identifier, field: &[u8]) {
         if let Err(why) = self.explicit_message(field) {
-            self.node.events.ignored(id, why);
+            self.node.ignored(id, why);
         }
     }
 

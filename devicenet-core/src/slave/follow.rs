@@ -6,7 +6,7 @@ use link_core::timers::TimerSet;
 
 use super::application::Application;
 use super::event::SlaveEvent;
-use super::machine::Slave;
+use super::machine::{Errand, Slave};
 use super::node::Changed;
 use super::timer::Timer;
 
@@ -14,8 +14,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// What follows from the changes of an input before anything is sent.
     #[inline]
     pub(super) fn follow(&mut self, now: Instant) {
-        // Network access tells when it goes on line or off.
-        if self.access.has_news() || self.node.departure.is_some() || !self.node.changed.is_empty() {
+        // What network access does is an errand.
+        if self.errand != Errand::None || self.node.departure.is_some() || !self.node.changed.is_empty() {
             self.follow_changes(now);
         }
     }
@@ -49,7 +49,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if self.node.changed.contains(Changed::ALLOCATION) {
             self.node.changed.remove(Changed::ALLOCATION);
             let (choice, master) = (self.node.choice(), self.node.master);
-            self.node.events.raise(SlaveEvent::Allocation { choice, master });
+            self.node.report(SlaveEvent::Allocation { choice, master });
         }
     }
 

@@ -1,5 +1,7 @@
 //! The machine: what it is made of, and where each input goes.
 
+use core::marker::PhantomData;
+
 use cip_core::message::{AllocationChoice, BodyFormat};
 use link_core::timers::TimerSet;
 use link_core::{Action, Deadline, Frame, Input, Instant, LinkEvent, Machine, Queue, TxOutcome, TxToken};
@@ -15,7 +17,7 @@ use super::node::Node;
 use super::timer::Timer;
 use super::transfer::{Piece, Rules, Transfer};
 use super::unconnected::Answer;
-use crate::access::{Access, NetworkStatus};
+use crate::access::{Access, Extent, NetworkStatus};
 use crate::counter::{count, count_wide};
 use crate::id::Identifier;
 
@@ -174,11 +176,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     #[inline(never)]
     pub(super) fn tell_access(&mut self, now: Instant, input: Input) {
         self.look_for_errands();
-        if A::PARTS.contains(Parts::OFFLINE_SET) {
-            self.access.take_input::<true>(now, input);
-        } else {
-            self.access.take_input::<false>(now, input);
-        }
+        self.access.take_input::<Needed<A>>(now, input);
     }
 
     /// Counts what the controller tells.
@@ -229,7 +227,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     pub(super) fn not_sent(&mut self, id: Identifier, outcome: TxOutcome) {
         count(&mut self.node.events.counters.not_sent);
-        self.node.events.raise(SlaveEvent::NotSent { id, outcome });
+        self.node.report(SlaveEvent::NotSent { id, outcome });
     }
 
     /// Serves every wait that is over at `until`.
@@ -252,7 +250,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
                 Timer::Heartbeat if A::PARTS.contains(Parts::HEARTBEAT) => self.heartbeat_over(now),
                 Timer::FragmentAcknowledge => {
                     if self.explicit.not_acknowledged(&mut self.node.timers) {
-                        self.node.events.raise(SlaveEvent::ResponseAbandoned { instance: 1 });
+                        self.node.report(SlaveEvent::ResponseAbandoned { instance: 1 });
                     }
                 }
                 Timer::Reassembly => self.explicit.reassembly_over(),
@@ -337,6 +335,16 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
         // Network access, four I/O connections, the explicit line, that of the UCMM, and the dynamic ones.
         if DYNAMIC == 0 { 6 } else { DYNAMIC.saturating_add(7) }
     }
+}
+
+/// What of network access a slave needs.
+pub(super) struct Needed<A>(PhantomData<A>);
+
+impl<A: Application> Extent for Needed<A> {
+    const OFFLINE_SET: bool = A::PARTS.contains(Parts::OFFLINE_SET);
+    const QUICK_CONNECT: bool = A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES);
+    const CHOICES: bool = A::PARTS.contains(Parts::CHOICES);
+    const EVENTS: bool = A::PARTS.contains(Parts::REPORTS);
 }
 
 /// Whether the device offers change of state or cyclic.

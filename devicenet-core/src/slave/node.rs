@@ -16,13 +16,13 @@ use super::application::{Application, IoKind, IoMode, Parts};
 use super::config::{Choices, Config, Options};
 use super::departure::Departure;
 use super::dynamic::Dynamic;
-use super::event::{Events, SlaveEvent};
+use super::event::{Events, Ignored, SlaveEvent};
 use super::io::{LongMessages, Slots};
 use super::lines::Lines;
 use super::machine::changes;
 use super::timer::{Timer, apply};
 use crate::counter::count;
-use crate::id::MacId;
+use crate::id::{Identifier, MacId};
 
 /// Everything in a slave that its objects look at and change.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
@@ -255,7 +255,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             }
             return;
         }
-        self.events.raise(SlaveEvent::Io { connection: kind, from, to, cause });
+        self.report(SlaveEvent::Io { connection: kind, from, to, cause });
         self.changed.insert(Changed::CONNECTIONS);
         if cause == IoCause::WatchdogExpired || from == IoState::TimedOut {
             self.changed.insert(Changed::ALLOCATION);
@@ -297,7 +297,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         #[cfg(test)]
         super::tests::edges::record_explicit(from, cause, to);
         if to != from {
-            self.events.raise(SlaveEvent::Explicit { instance: 1, from, to, cause });
+            self.report(SlaveEvent::Explicit { instance: 1, from, to, cause });
             self.changed.insert(Changed::CONNECTIONS);
         }
     }
@@ -314,6 +314,20 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         count(&mut self.events.counters.timed_out);
         let io_established = self.is_io_established();
         let _ = self.explicit_step(ExplicitCause::WatchdogExpired { io_established });
+    }
+
+    /// Tells what nothing has to be done about, if the slave has [`Parts::REPORTS`].
+    pub(super) fn report(&mut self, event: SlaveEvent) {
+        if A::PARTS.contains(Parts::REPORTS) {
+            self.events.raise(event);
+        }
+    }
+
+    /// Counts a frame that was ignored, and tells of it.
+    #[cold]
+    pub(super) fn ignored(&mut self, id: Identifier, why: Ignored) {
+        count(&mut self.events.counters.ignored);
+        self.report(SlaveEvent::Ignored { id, why });
     }
 
     /// The present moment, as the slave was told it.

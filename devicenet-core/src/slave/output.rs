@@ -8,7 +8,7 @@ use super::dynamic;
 use super::event::{Event, SlaveEvent};
 use super::indicator::ModuleStatus;
 use super::lines::{self, Line, Sent};
-use super::machine::{Errand, Slave};
+use super::machine::{Errand, Needed, Slave};
 use super::node::Changed;
 use super::transfer::Piece;
 use crate::access::NetworkStatus;
@@ -66,7 +66,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         {
             return Some(action);
         }
-        if let Some(action) = self.send_for_access() {
+        if let Some(action) = self.access.transmit::<Needed<A>, _>() {
             return Some(action);
         }
         if DYNAMIC > 0
@@ -105,7 +105,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             self.node.changed.remove(Changed::FILTER);
             return Some(Action::Link(LinkCommand::SetFilter(self.filter())));
         }
-        self.access.poll_except_transmit(Event::Access)
+        self.access.poll_except_transmit::<Needed<A>, _>(Event::Access)
     }
 
     pub(crate) fn has_output(&self) -> bool {
@@ -125,14 +125,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let line = lines::of(kind);
         let id = lines::identifier(line, self.access.mac_id());
         Some(Action::Transmit(lines::token(line), self.produce(kind, id)?))
-    }
-
-    fn send_for_access(&mut self) -> Option<Action<Event>> {
-        if A::PARTS.contains(Parts::OFFLINE_SET) {
-            self.access.transmit::<true, _>()
-        } else {
-            self.access.transmit::<false, _>()
-        }
     }
 
     fn withdraw(&mut self) -> Option<TxToken> {

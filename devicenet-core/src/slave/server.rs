@@ -134,7 +134,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
         }
         if !is_question(call.service) {
             let (class, instance, service) = (call.class, call.instance, call.service);
-            self.node.events.raise(SlaveEvent::Changed { class, instance, service });
+            self.node.report(SlaveEvent::Changed { class, instance, service });
         }
     }
 

@@ -65,7 +65,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             None => return self.foreign(),
         };
         if let Err(why) = result {
-            self.node.events.ignored(id, why);
+            self.node.ignored(id, why);
         }
     }
 

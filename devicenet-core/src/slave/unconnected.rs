@@ -41,7 +41,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             return self.foreign();
         }
         if let Err(why) = self.unconnected_request(field) {
-            self.node.events.ignored(id, why);
+            self.node.ignored(id, why);
         }
     }
 

@@ -51,7 +51,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             self.node.lines.want(IoKind::ChangeOfState);
         } else {
             self.node.lines.retries = 0;
-            self.node.events.raise(SlaveEvent::NotAcknowledged);
+            self.node.report(SlaveEvent::NotAcknowledged);
         }
     }
 

@@ -36,7 +36,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         match self.consume(kind, field) {
             Ok(true) => self.answer(kind),
             Ok(false) => {}
-            Err(why) => self.node.events.ignored(id, why),
+            Err(why) => self.node.ignored(id, why),
         }
     }
 
@@ -44,7 +44,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let bit = match field.len() {
             0 => None,
             8 => Some(bit_of(field, self.access.mac_id())),
-            _ => return self.node.events.ignored(id, Ignored::Length),
+            _ => return self.node.ignored(id, Ignored::Length),
         };
         if self.node.io(IoKind::BitStrobe).state() != IoState::Established {
             return self.not_established(id, IoKind::BitStrobe);
@@ -134,7 +134,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     fn not_established(&mut self, id: Identifier, kind: IoKind) {
         self.node.io_message(kind);
-        self.node.events.ignored(id, Ignored::NoConnection);
+        self.node.ignored(id, Ignored::NoConnection);
     }
 
     /// The command is to be answered, unless it is not acknowledged.

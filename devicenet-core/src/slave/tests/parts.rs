@@ -9,7 +9,7 @@ use link_core::{Action, FilterSet, Frame, Input, Instant, LinkEvent, Machine};
 
 use super::bus::*;
 use crate::MacId;
-use crate::access::{Fault, NetworkStatus};
+use crate::access::{BusOffWhileChecking, CounterSetMode, Fault, NetworkStatus};
 use crate::slave::{
     Application, Config, Group2OnlyServer, InvalidSlave, IoKind, IoMode, Options, Parts, PollOnly, SlaveEvent,
 };
@@ -46,12 +46,19 @@ fn what_is_left_out_cannot_be_configured() {
         Group2OnlyServer::<Small>::new(config, Small(block())).err()
     };
     assert_eq!(refused(|_| {}), None);
-    let cases: [(Change, Parts); 6] = [
+    let cases: [(Change, Parts); 10] = [
         (|config| config.bit_rate.detect = true, Parts::BIT_RATE_DETECTION),
         (|config| config.heartbeat_interval = Some(0), Parts::HEARTBEAT),
         (|config| config.options.insert(Options::SHUTDOWN_MESSAGE), Parts::SHUTDOWN_MESSAGE),
         (|config| config.options.insert(Options::ANSWER_SHORT_BODY), Parts::CHOICES),
         (|config| config.failures.group_2_only_failure = true, Parts::CHOICES),
+        (|config| config.access.accept_bad_dlc = false, Parts::CHOICES),
+        (|config| config.access.same_mac_id_restarts = false, Parts::CHOICES),
+        (|config| config.access.counter_set_mode = CounterSetMode::OnlyZero, Parts::CHOICES),
+        (
+            |config| config.access.bus_off_while_checking = BusOffWhileChecking::FollowInterrupt,
+            Parts::CHOICES,
+        ),
         (|config| config.access.quick_connect = true, Parts::OPTIONAL_ATTRIBUTES),
     ];
     for (change, part) in cases {
@@ -129,6 +136,28 @@ fn a_small_slave_has_the_services_that_a_connection_must_have() {
     }
 }
 
+/// Without reports a duplicate MAC ID and a frame that means nothing are counted, and nobody is told.
+#[test]
+fn what_is_not_reported_is_counted() {
+    fn told<A: Application>(application: A) -> usize {
+        let mut slave = Group2OnlyServer::<A>::new(config(), application).unwrap();
+        let frame = |id, data: &[u8]| Input::Frame(Frame::new(standard_id(id), data).unwrap());
+        let inputs = [
+            Input::Link(LinkEvent::Up),
+            frame(REQUEST, &[MASTER, 0x0E, 1, 1, 1]),
+            frame(CHECK, &[0x80, 1, 0, 2, 0, 0, 0]),
+        ];
+        let is_event = |action: &Action<_>| matches!(action, Action::Event(_));
+        let told =
+            inputs.map(|input| slave.handle(Instant::ZERO, input).filter(is_event).count()).into_iter().sum();
+        assert_eq!(slave.access().fault(), Some(Fault::DuplicateMacId));
+        assert_eq!((slave.access().counters().duplicates, slave.access().counters().discarded), (1, 1));
+        told
+    }
+    assert!(told(block()) > 2);
+    assert_eq!(told(Small(block())), 0);
+}
+
 #[test]
 fn what_indicators_show_can_be_asked_without_events() {
     let is_status = |event: &SlaveEvent| matches!(event, SlaveEvent::NetworkStatus(_));
@@ -156,12 +185,16 @@ fn poll_alone_is_poll() {
         bus.hears(POLL, &[]);
         bus.sends(POLL_RESPONSE, &[0x34, 0x12]);
         bus.wait(20_000);
-        let is_shown = |event: &SlaveEvent| matches!(event, SlaveEvent::NetworkStatus(_));
-        bus.events.into_iter().filter(|event| !is_shown(event)).collect()
+        assert_eq!(bus.slave.counters().timed_out, 3);
+        bus.events
     }
     let (complete, small) = (told(block()), told(Small(block())));
-    assert!(complete.contains(&SlaveEvent::Mode(IoKind::Poll, IoMode::Fault)));
-    assert_eq!(complete, small);
+    // What is only reported, and the indicators, are parts of their own.
+    let is_for_the_application =
+        |event: &SlaveEvent| matches!(event, SlaveEvent::Received(_) | SlaveEvent::Mode(..));
+    let needed: Vec<_> = complete.into_iter().filter(is_for_the_application).collect();
+    assert!(needed.contains(&SlaveEvent::Mode(IoKind::Poll, IoMode::Fault)));
+    assert_eq!(needed, small);
 }
 
 /// Attribute not supported.
