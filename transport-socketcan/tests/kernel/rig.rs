@@ -1,56 +1,20 @@
-//! Interfaces of a test's own, and what is waited for on them.
+//! Ports on interfaces of a test's own, and what is waited for on them.
 
-use std::process::Command;
 use std::time::Duration;
 
 use link_core::machine::Deadline;
 use link_core::{ExtendedId, Frame, Input, Instant, LinkEvent, Port, StandardId, TxOutcome, TxToken};
 use transport_socketcan::SocketCanPort;
 
-/// A virtual interface that is gone at the end.
-pub(crate) struct Interface(pub(crate) &'static str);
+pub(crate) use crate::real_kernel::{Adapter, Interface, run};
 
 impl Interface {
-    pub(crate) fn new(name: &'static str) -> Self {
-        let interface = Self(name);
-        interface.plug();
-        interface
-    }
-
-    pub(crate) fn plug(&self) {
-        ip(&["link", "add", self.0, "type", "vcan"]);
-        self.set("up");
-    }
-
-    pub(crate) fn unplug(&self) {
-        ip(&["link", "delete", self.0]);
-    }
-
-    pub(crate) fn set(&self, what: &str) {
-        ip(&["link", "set", self.0, what]);
-    }
-
     /// A port that has heard of the interface being up.
     pub(crate) fn port(&self) -> SocketCanPort {
         let mut port = SocketCanPort::open(self.0).unwrap();
         assert_eq!(input(&mut port), Input::Link(LinkEvent::Up));
         port
     }
-}
-
-impl Drop for Interface {
-    fn drop(&mut self) {
-        let _ = Command::new("ip").args(["link", "delete", self.0]).output();
-    }
-}
-
-pub(crate) fn ip(arguments: &[&str]) {
-    run("ip", arguments);
-}
-
-pub(crate) fn run(program: &str, arguments: &[&str]) {
-    let output = Command::new(program).args(arguments).output().unwrap();
-    assert!(output.status.success(), "{program} {arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
 pub(crate) fn frame(id: u16, data: &[u8]) -> Frame {
