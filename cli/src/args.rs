@@ -24,6 +24,7 @@ Exit codes:
   2  wrong usage or bad input file
   3  the bus or the interface failed
   4  refused to transmit
+130  interrupted (Ctrl-C) before it was done
 
 Examples:
   devicenet decode recording.log

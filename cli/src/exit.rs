@@ -17,6 +17,8 @@ pub enum Exit {
     Transport = 3,
     /// It would have transmitted without permission.
     Refused = 4,
+    /// Somebody interrupted it before it was done: as a shell tells of a program that SIGINT has ended.
+    Interrupted = 130,
 }
 
 impl From<Exit> for ExitCode {
@@ -37,6 +39,9 @@ pub enum Failure {
     /// The bus, an interface or an address cannot be used.
     #[error("{0}")]
     Transport(String),
+    /// Somebody interrupted it; the message says what is left.
+    #[error("{0}")]
+    Interrupted(String),
     /// The output cannot be written.
     #[error("cannot write: {0}")]
     Output(#[from] io::Error),
@@ -51,6 +56,7 @@ impl Failure {
             Self::Usage(_) | Self::Output(_) => Exit::Usage,
             Self::Refused(_) => Exit::Refused,
             Self::Transport(_) => Exit::Transport,
+            Self::Interrupted(_) => Exit::Interrupted,
         }
     }
 }

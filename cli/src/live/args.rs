@@ -142,7 +142,8 @@ Exit codes:
   1  some node did not get its MAC ID
   2  wrong usage or bad file
   3  the interface failed, or nobody acknowledged
-  4  refused to transmit: no --allow-tx, the bit rate is not confirmed, or another tool works with the faulted nodes
+  4  refused to transmit: no --allow-tx, listen-only, no confirmed bit rate, or another tool is at it
+130  interrupted before all was done; a node that was told its MAC ID was waited for
 
 Examples:
   devicenet recover can0 --allow-tx
@@ -170,13 +171,16 @@ pub struct RecoverArgs {
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = "\
 FILE is a scenario, and the node is the one of that role in it; with several, --node names one. What else the scenario has, other \
-nodes, actions and faults, is left out. What the node tells is printed, one line each, until Ctrl-C or --for.
+nodes, actions and faults, is left out. What the node tells is printed, one line each, until Ctrl-C or --for. At its end a master has
+its slaves release their connections, for three seconds at most, so that another may have them at once; a slave just ends. A second
+Ctrl-C ends at once.
 
 Exit codes:
-  0  the node ran
+  0  the node ran, until --for or Ctrl-C
   2  wrong usage or bad file
   3  the interface failed
-  4  refused to transmit: no --allow-tx, the bit rate is not confirmed, or another master has a node of the scan list
+  4  refused to transmit: no --allow-tx, listen-only, no confirmed bit rate, or another's slave
+130  interrupted before it sent anything, or a second time
 
 Examples:
   devicenet slave can0 valve.toml --allow-tx
@@ -202,14 +206,16 @@ pub struct RunArgs {
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = "\
 Listens, and tells who was heard. With --allow-tx (on the simulated bus always) it then goes on line itself, reads the Identity \
-object of every node over an explicit connection, and releases that again. Nodes that another master owns are left alone.
+object of every node over an explicit connection, and releases that again. Nodes that another master owns are left alone. Ctrl-C
+ends listening, and what was heard is told; it ends asking when the open connections are released; a second one ends at once.
 
 Exit codes:
   0  done
   1  done, but some node refused, or did not answer all
   2  wrong usage or bad file
   3  the interface failed, or nobody acknowledged
-  4  refused to transmit: the bit rate is not confirmed
+  4  refused to transmit: listen-only, or no confirmed bit rate
+130  interrupted before every node was asked
 
 Examples:
   devicenet scan can0
@@ -243,14 +249,15 @@ pub struct AskArgs {
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = "\
 Goes on line, opens an explicit connection to the node, asks, and releases the connection. A node that another master owns is left \
-alone.
+alone. Ctrl-C waits for an answer that is on its way, for three seconds at most, and releases the connection; a second one ends at once.
 
 Exit codes:
   0  the value is printed
   1  the node answered with an error, is another master's, or did not answer
   2  wrong usage or bad file
   3  the interface failed, or nobody acknowledged
-  4  refused to transmit: no --allow-tx, the bit rate is not confirmed, or another master polls the node
+  4  refused to transmit: no --allow-tx, listen-only, no confirmed bit rate, or another's node
+130  interrupted before the node had answered
 
 Examples:
   devicenet get can0 10 1/1/7 --allow-tx

@@ -48,6 +48,11 @@ fn ask(args: &AskArgs, value: Option<Vec<u8>>, json: bool) -> Result<Exit, Failu
     let Some(report) = reports.first() else {
         return Err(Failure::Transport(format!("node {mac} was not visited")));
     };
+    if report.is_cut {
+        return Err(Failure::Interrupted(format!(
+            "interrupted before node {mac} had answered; no connection is left"
+        )));
+    }
     conclude(args, report, json)
 }
 

@@ -22,6 +22,12 @@ pub(super) trait Errand: Machine {
 
     /// Why it is not on line yet.
     fn why_not_online(&self) -> String;
+
+    /// Somebody wants it to end: it begins nothing new, and gives back what it holds of others. Its end is told as ever.
+    fn leave(&mut self);
+
+    /// What it has not come to an end with, in words.
+    fn unfinished(&self) -> Option<String>;
 }
 
 /// How an errand ended.
@@ -31,12 +37,15 @@ pub(super) enum End {
     Done,
     /// The time is over.
     TooLate,
+    /// Somebody has interrupted it, and everything is given back.
+    Interrupted,
 }
 
 /// Runs an errand on a port whose link was up until now, until `follow` says that it is done, `longest` at most.
 ///
 /// # Errors
-/// What `follow` says, and when it does not get on line, its MAC ID is taken, or the link is lost.
+/// What `follow` says, and when it does not get on line, its MAC ID is taken, the link is lost, or it is interrupted and something
+/// is left behind.
 pub(super) fn run<E: Errand>(
     errand: &mut E,
     endpoint: &Endpoint,
@@ -54,13 +63,25 @@ pub(super) fn run<E: Errand>(
     watched.input(begin, Input::Link(LinkEvent::Up));
     port.set_end(begin + LONGEST_WAY);
     let mut ended = drive(&mut watched, port, &mut on_event);
-    if matches!(ended, Err(PortError::Over)) && watched.errand.access().is_online() {
+    let is_over = |ended: &Result<_, PortError>| matches!(ended, Err(PortError::Over));
+    if is_over(&ended) && watched.errand.access().is_online() && !port.is_interrupted() {
         port.set_end(begin + longest);
         ended = drive(&mut watched, port, &mut on_event);
     }
+    let is_interrupted = is_over(&ended) && port.is_interrupted();
+    if is_interrupted && watched.errand.access().is_online() {
+        port.end_within(LONGEST_GOODBYE);
+        watched.errand.leave();
+        ended = drive(&mut watched, port, &mut on_event);
+    }
     match ended {
+        Ok(Ok(())) if is_interrupted => Ok(End::Interrupted),
         Ok(done) => done.map(|()| End::Done),
         Err(PortError::Failed(failure)) => Err(failure),
+        Err(PortError::Over) if is_interrupted => match watched.errand.unfinished() {
+            None => Ok(End::Interrupted),
+            Some(words) => Err(Failure::Interrupted(format!("interrupted; {words}"))),
+        },
         Err(PortError::Over) if watched.errand.access().is_online() => Ok(End::TooLate),
         Err(PortError::Over) => Err(no_way(endpoint, watched.errand)),
     }
@@ -146,3 +167,5 @@ pub(super) fn identity(endpoint: &Endpoint) -> DeviceIdentity {
 
 /// How long the way on line may take. Two duplicate MAC ID checks take two seconds, and more where others begin at the same time.
 const LONGEST_WAY: Duration = Duration::from_secs(10);
+/// How long giving back may take: an answer that is on its way, and that to the release.
+const LONGEST_GOODBYE: Duration = Duration::from_secs(3);

@@ -9,6 +9,7 @@ use super::listen::{Heard, Link};
 use super::port::LivePort;
 use crate::exit::Failure;
 use crate::output;
+use crate::simulate;
 
 /// Opens an endpoint for a machine that will send, says what, and listens first; refuses where the command line or what was heard does
 /// not allow it.
@@ -19,23 +20,38 @@ pub(super) fn enter(
     what: &str,
     max_in_flight: usize,
 ) -> Result<(LivePort, Heard), Failure> {
+    let interrupted = simulate::interruption()?;
     let mut port = LivePort::open(endpoint, max_in_flight)?;
-    announce(endpoint, args, own, what)?;
+    port.set_interruption(interrupted);
+    announce(endpoint, args, &port, own, what)?;
     let mut heard = Heard::new();
     let until = port.now() + args.listen.0;
     heard.listen(&mut port, until)?;
+    if port.is_interrupted() {
+        return Err(Failure::Interrupted("interrupted before anything was sent".into()));
+    }
     bit_rate(endpoint, args, &port, &heard)?;
     Ok((port, heard))
 }
 
-/// Says what will be sent, and to whom; refuses where the command line does not allow it.
-fn announce(endpoint: &Endpoint, args: &PermitArgs, own: MacId, what: &str) -> Result<(), Failure> {
+/// Says what will be sent, and to whom; refuses where the command line or the interface does not allow it.
+fn announce(
+    endpoint: &Endpoint,
+    args: &PermitArgs,
+    port: &LivePort,
+    own: MacId,
+    what: &str,
+) -> Result<(), Failure> {
     match endpoint {
         Endpoint::Recording(_) => Err(Failure::Usage(format!(
             "{endpoint} is a recording, which cannot be asked: name an interface such as can0, or sim:FILE"
         ))),
         Endpoint::Interface(_) if !args.allow_tx => Err(Failure::Refused(format!(
             "would send on {endpoint} as MAC ID {own}: duplicate MAC ID checks, then {what}; say --allow-tx to do it"
+        ))),
+        Endpoint::Interface(_) if port.is_listen_only() => Err(Failure::Refused(format!(
+            "{endpoint} is listen-only, so it sends nothing; as root: ip link set {endpoint} down && ip link set {endpoint} type \
+             can listen-only off && ip link set {endpoint} up"
         ))),
         Endpoint::Interface(_) | Endpoint::Scenario(_) => {
             output::note(format_args!(

@@ -90,8 +90,15 @@ impl LivePort {
         self.interrupted = Some(interrupted);
     }
 
-    fn is_interrupted(&self) -> bool {
+    /// Somebody has interrupted the command.
+    pub(super) fn is_interrupted(&self) -> bool {
         self.interrupted.is_some_and(|interrupted| interrupted.load(Ordering::Relaxed))
+    }
+
+    /// Interrupted or not, there is this much time to come to an end.
+    pub(super) fn end_within(&mut self, span: Duration) {
+        self.interrupted = None;
+        self.until = self.now() + span;
     }
 
     fn wait_for_the_bus(&mut self, deadline: Option<Deadline>) -> Result<(Instant, Input), PortError> {
@@ -122,6 +129,18 @@ impl LivePort {
             #[cfg(target_os = "linux")]
             Bus::Interface(port) => {
                 !matches!(port.interface().kind(), Ok(transport_socketcan::Kind::WithoutBitRate))
+            }
+            Bus::Simulated(_) | Bus::Recorded(_) => false,
+        }
+    }
+
+    /// Whether its controller was told to neither send nor acknowledge.
+    pub(super) fn is_listen_only(&self) -> bool {
+        match &self.bus {
+            #[cfg(target_os = "linux")]
+            Bus::Interface(port) => {
+                use transport_socketcan::Kind;
+                matches!(port.interface().kind(), Ok(Kind::Controller { listen_only: true, .. }))
             }
             Bus::Simulated(_) | Bus::Recorded(_) => false,
         }
@@ -221,7 +240,7 @@ fn failed(error: transport_socketcan::Error) -> PortError {
     PortError::Failed(Failure::Transport(error.to_string()))
 }
 
-/// How often an interruption is looked for.
-const LOOK_AFTER: Duration = Duration::from_millis(100);
+/// How often an interruption is looked for. Longer than the short wait of a socket, which is one call of the kernel.
+const LOOK_AFTER: Duration = Duration::from_millis(200);
 /// How many frames a machine may have in flight when only listening.
 pub(super) const NONE_IN_FLIGHT: usize = 0;

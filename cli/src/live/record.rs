@@ -31,8 +31,9 @@ pub fn record(args: &RecordArgs) -> Result<Exit, Failure> {
             path.display()
         )));
     }
+    let interrupted = simulate::interruption()?;
     let mut port = LivePort::open(&args.endpoint, NONE_IN_FLIGHT)?;
-    port.set_interruption(simulate::interruption()?);
+    port.set_interruption(interrupted);
     let now = port.now();
     if let Some(span) = args.span {
         port.set_end(now + span.0);

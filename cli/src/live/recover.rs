@@ -58,8 +58,14 @@ pub fn recover(args: &RecoverArgs, json: bool) -> Result<Exit, Failure> {
             Err(error) => ControlFlow::Break(Err(error.into())),
         },
     })?;
-    if end == End::TooLate {
-        return Err(Failure::Transport(format!("{endpoint}: the time was over before all was done")));
+    match end {
+        End::Done => {}
+        End::TooLate => {
+            return Err(Failure::Transport(format!("{endpoint}: the time was over before all was done")));
+        }
+        End::Interrupted => {
+            return Err(Failure::Interrupted("interrupted; no node is left with half a MAC ID".into()));
+        }
     }
     if report.found == 0 {
         output::note(format_args!("{endpoint}: no node waits for a MAC ID"));
@@ -212,6 +218,23 @@ impl Errand for Recovery {
 
     fn why_not_online(&self) -> String {
         "it is not let on line".into()
+    }
+
+    fn leave(&mut self) {
+        self.tasks.clear();
+        self.free = None;
+        // A device that was told its MAC ID is waited for; nothing else leaves a trace.
+        self.current.take_if(|task| !matches!(task, Task::Assign(..)));
+    }
+
+    fn unfinished(&self) -> Option<String> {
+        match self.current {
+            Some(Task::Assign(device, mac)) => Some(format!(
+                "whether {} is on line as node {mac} is not known: `devicenet scan` lists who is there",
+                Device(device)
+            )),
+            _ => None,
+        }
     }
 }
 

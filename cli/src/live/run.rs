@@ -1,6 +1,7 @@
 //! `devicenet slave` and `devicenet master`: a node of a scenario on a live bus.
 
 use core::ops::ControlFlow;
+use core::time::Duration;
 use std::io;
 
 use devicenet_core::MacId;
@@ -10,11 +11,11 @@ use serde_json::json;
 use super::args::RunArgs;
 use super::ask::mac_id;
 use super::permit;
-use super::port::PortError;
+use super::port::{LivePort, PortError};
 use crate::exit::{Exit, Failure};
-use crate::output::Output;
+use crate::output::{self, Output};
 use crate::scenario::{Node, Role, Scenario};
-use crate::simulate::{self, NodeEvent};
+use crate::simulate::{self, Guest, NodeEvent};
 
 /// Is a slave on a live bus.
 ///
@@ -47,7 +48,6 @@ fn run(args: &RunArgs, role: &str, is_of_role: impl Fn(&Node) -> bool, json: boo
     let (mut port, heard) = permit::enter(endpoint, permit, own, &what, machine.max_in_flight())?;
     slaves.iter().try_for_each(|slave| permit::ownership(*slave, &heard))?;
 
-    port.set_interruption(simulate::interruption()?);
     let now = port.now();
     port.set_end(args.span.map_or(Instant::MAX, |span| now + span.0));
     machine.input(now, Input::Link(LinkEvent::Up));
@@ -59,8 +59,39 @@ fn run(args: &RunArgs, role: &str, is_of_role: impl Fn(&Node) -> bool, json: boo
     match ended {
         Ok(error) => Err(error.into()),
         Err(PortError::Failed(failure)) => Err(failure),
-        Err(PortError::Over) => Ok(Exit::Done),
+        Err(PortError::Over) => leave(machine.as_mut(), &mut port, &mut log),
     }
+}
+
+/// Goes off the bus. A master releases its slaves first, as far as they let it.
+fn leave(mut machine: &mut dyn Guest, port: &mut LivePort, log: &mut Log<'_>) -> Result<Exit, Failure> {
+    let mut held = machine.held();
+    port.end_within(LONGEST_GOODBYE);
+    machine.leave(port.now());
+    if !machine.held().is_empty() {
+        let ended = drive(&mut machine, port, |machine, now, event| match log.event(now, &event) {
+            Ok(()) if machine.held().is_empty() => ControlFlow::Break(Ok(())),
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => ControlFlow::Break(Err(error)),
+        });
+        match ended {
+            Ok(done) => done?,
+            Err(PortError::Failed(failure)) => return Err(failure),
+            Err(PortError::Over) => {}
+        }
+    }
+    let kept = machine.held();
+    held.retain(|slave| !kept.contains(slave));
+    if !held.is_empty() {
+        output::note(format_args!("released the connections of {}", list(&held)));
+    }
+    if !kept.is_empty() {
+        output::warn(format_args!(
+            "{} did not answer the release: their connections time out by themselves",
+            list(&kept)
+        ));
+    }
+    Ok(Exit::Done)
 }
 
 fn choose<'a>(
@@ -123,3 +154,6 @@ impl Log<'_> {
         self.output.flush()
     }
 }
+
+/// How long the slaves have to answer the release.
+const LONGEST_GOODBYE: Duration = Duration::from_secs(3);

@@ -44,10 +44,12 @@ pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
         let reports = visitor.run(endpoint, &mut port)?;
         (heard, reports)
     } else {
+        // Ctrl-C ends listening, and what was heard is told.
+        let is_live = matches!(endpoint, Endpoint::Interface(_));
+        let interrupted = is_live.then(simulate::interruption).transpose()?;
         let mut port = LivePort::open(endpoint, NONE_IN_FLIGHT)?;
-        if matches!(endpoint, Endpoint::Interface(_)) {
-            // Ctrl-C ends listening, and what was heard is told.
-            port.set_interruption(simulate::interruption()?);
+        if let Some(interrupted) = interrupted {
+            port.set_interruption(interrupted);
         }
         let until = match endpoint {
             Endpoint::Recording(_) => Instant::MAX,
@@ -65,6 +67,7 @@ pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
 
 fn conclude(args: &ScanArgs, heard: &Heard, reports: Vec<Report>, json: bool) -> Result<Exit, Failure> {
     let mut output = Output::new();
+    let is_cut = reports.iter().any(|report| report.is_cut);
     let rows = rows(heard, reports);
     let has_findings = rows.iter().any(|row| row.finding.is_some());
     if json {
@@ -97,6 +100,11 @@ fn conclude(args: &ScanArgs, heard: &Heard, reports: Vec<Report>, json: bool) ->
             args.endpoint
         )),
         _ => {}
+    }
+    if is_cut {
+        return Err(Failure::Interrupted(
+            "interrupted before every node was asked; no connection is left".into(),
+        ));
     }
     Ok(if has_findings { Exit::Findings } else { Exit::Done })
 }

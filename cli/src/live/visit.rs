@@ -4,9 +4,9 @@ use core::ops::ControlFlow;
 use core::time::Duration;
 use std::collections::{BTreeMap, VecDeque};
 
-use cip_core::code::{AdditionalCode, ClassId, DeviceType, GeneralStatus, InstanceId, ServiceCode};
+use cip_core::code::{AdditionalCode, DeviceType, GeneralStatus};
 use cip_core::identity::{DeviceIdentity, ProductName, Revision};
-use cip_core::message::{AllocationChoice, AttributeRequest, Request, Response, Target};
+use cip_core::message::{AllocationChoice, AttributeRequest, Response};
 use devicenet_core::MacId;
 use devicenet_core::access::Access;
 use devicenet_core::client::Failure as NoResponse;
@@ -18,9 +18,10 @@ use link_core::{Action, Deadline, Input, Instant, Machine};
 
 use super::attribute::AttributePath;
 use super::endpoint::Endpoint;
-use super::errand::{self, Errand};
+use super::errand::{self, End, Errand};
 use super::port::LivePort;
 use crate::exit::Failure;
+use crate::simulate;
 
 /// One request.
 #[derive(Clone, Debug)]
@@ -49,6 +50,8 @@ pub(super) struct Report {
     pub(super) answers: Vec<Answer>,
     /// Why there was no connection, or why it ended.
     pub(super) trouble: Option<Cause>,
+    /// The command was interrupted before all was asked.
+    pub(super) is_cut: bool,
 }
 
 /// A master that keeps no I/O. It tells of each visit when that is over.
@@ -63,6 +66,8 @@ struct Visit {
     questions: Vec<Question>,
     answers: Vec<Answer>,
     stage: Stage,
+    /// Nothing more is asked.
+    is_cut: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -88,21 +93,25 @@ impl Visitor {
     pub(super) fn visit(&mut self, mac: MacId, questions: Vec<Question>) {
         let entry = ScanEntry::explicit_only(mac);
         if self.master.add_slave(Instant::ZERO, entry).is_ok() {
-            self.visits.insert(mac, Visit { questions, answers: Vec::new(), stage: Stage::Coming });
+            self.visits
+                .insert(mac, Visit { questions, answers: Vec::new(), stage: Stage::Coming, is_cut: false });
         }
     }
 
     /// Makes the visits, on a port whose link was up until now. Those that are still under way when the time is over have come
-    /// to nothing.
+    /// to nothing; when the command is interrupted they are cut short, and their connections are released.
     pub(super) fn run(mut self, endpoint: &Endpoint, port: &mut LivePort) -> Result<Vec<Report>, Failure> {
         let mut reports = Vec::new();
         let mut left = self.visits.len();
-        errand::run(&mut self, endpoint, port, LONGEST, |report| {
+        let end = errand::run(&mut self, endpoint, port, LONGEST, |report| {
             reports.push(report);
             left -= 1;
             if left == 0 { ControlFlow::Break(Ok(())) } else { ControlFlow::Continue(()) }
         })?;
-        reports.extend(self.visits.into_iter().map(|(mac, visit)| visit.report(mac, Some(Cause::NoAnswer))));
+        for (mac, mut visit) in self.visits {
+            visit.is_cut |= end == End::Interrupted;
+            reports.push(visit.report(mac, Some(Cause::NoAnswer)));
+        }
         reports.sort_by_key(|report| report.mac);
         Ok(reports)
     }
@@ -145,7 +154,7 @@ impl Visitor {
     fn ask(&mut self, now: Instant) -> bool {
         let (mut has_asked, mut ended) = (false, Vec::new());
         for (mac, visit) in self.visits.iter_mut().filter(|(_, visit)| visit.stage == Stage::Due) {
-            let question = visit.questions.get(visit.answers.len());
+            let question = visit.questions.get(visit.answers.len()).filter(|_| !visit.is_cut);
             match put(&mut self.master, now, *mac, question) {
                 Ok(()) => {
                     visit.stage = if question.is_some() { Stage::Asking } else { Stage::Leaving };
@@ -173,8 +182,9 @@ impl Visitor {
 impl Visit {
     fn report(self, mac: MacId, trouble: Option<Cause>) -> Report {
         let is_complete = self.answers.len() == self.questions.len();
-        let trouble = if is_complete { None } else { Some(trouble.unwrap_or(Cause::NoAnswer)) };
-        Report { mac, answers: self.answers, trouble }
+        let is_cut = self.is_cut && !is_complete;
+        let trouble = if is_complete || is_cut { None } else { Some(trouble.unwrap_or(Cause::NoAnswer)) };
+        Report { mac, answers: self.answers, trouble, is_cut }
     }
 }
 
@@ -186,9 +196,7 @@ fn put(
     question: Option<&Question>,
 ) -> Result<(), CommandError> {
     let Some(Question { path: AttributePath { class, instance, attribute }, value }) = question else {
-        let target = Target::Object { class: ClassId::DEVICENET, instance: InstanceId(1) };
-        let data = &[AllocationChoice::EXPLICIT.bits()];
-        return master.request(now, mac, &Request { service: ServiceCode::RELEASE, target, data }, 1);
+        return simulate::release(master, now, mac, AllocationChoice::EXPLICIT);
     };
     // To read twice does no harm; to write may.
     match value {
@@ -210,6 +218,25 @@ impl Errand for Visitor {
 
     fn why_not_online(&self) -> String {
         self.master.own_status().to_string()
+    }
+
+    fn leave(&mut self) {
+        self.visits.values_mut().for_each(|visit| visit.is_cut = true);
+        // There is no connection, and none was asked for. The others are released when they have answered what they were asked.
+        let is_idle =
+            |mac: &MacId| matches!(self.master.state(*mac), Some(SlaveState::Offline | SlaveState::Waiting));
+        let idle: Vec<MacId> = self.visits.keys().copied().filter(is_idle).collect();
+        for mac in idle {
+            self.end(mac, None);
+        }
+    }
+
+    fn unfinished(&self) -> Option<String> {
+        let held = self.visits.iter().filter(|(_, visit)| visit.stage != Stage::Coming);
+        let held: Vec<String> = held.map(|(mac, _)| mac.to_string()).collect();
+        (!held.is_empty()).then(|| {
+            format!("node {} has not answered, and may keep a connection for ten seconds", held.join(", "))
+        })
     }
 }
 

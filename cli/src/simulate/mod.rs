@@ -43,8 +43,10 @@ pub use summary::{BusSummary, NodeSummary, ScanSummary, SlaveSummary, Summary};
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Output};
 use crate::scenario::{Node, Role, Scenario, TimeRange};
+use devicenet_core::MacId;
 use json::JsonView;
-use link_core::Machine;
+use link_core::{Instant, Machine};
+pub(crate) use machines::release;
 use machines::{MasterMachine, SlaveMachine};
 use record::RecordView;
 pub(crate) use record::error_frame;
@@ -65,8 +67,17 @@ pub(crate) fn network(scenario: &Scenario) -> Network<NodeEvent> {
     build::network(scenario, scenario.bus.seed, false)
 }
 
+/// A node that is not on for good.
+pub(crate) trait Guest: Machine<Event = NodeEvent> {
+    /// It is to be gone soon: it gives back what it holds of others.
+    fn leave(&mut self, now: Instant);
+
+    /// The others of whom it still holds something.
+    fn held(&self) -> Vec<MacId>;
+}
+
 /// The machine of a node that speaks DeviceNet.
-pub(crate) fn machine(node: &Node) -> Option<Box<dyn Machine<Event = NodeEvent>>> {
+pub(crate) fn machine(node: &Node) -> Option<Box<dyn Guest>> {
     match &node.role {
         Role::Slave(slave) => Some(Box::new(SlaveMachine::new(slave, node.bit_rate))),
         Role::Master(master) => Some(Box::new(MasterMachine::new(master))),
@@ -192,8 +203,7 @@ pub(crate) fn interruption() -> Result<&'static AtomicBool, Failure> {
     static INTERRUPTED: AtomicBool = AtomicBool::new(false);
     let handle = || {
         if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            // As a shell tells of a program that SIGINT has ended.
-            std::process::exit(130);
+            std::process::exit(i32::from(Exit::Interrupted as u8));
         }
     };
     ctrlc::set_handler(handle)

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::{Run, devicenet};
 
 /// A file of a test's own that is not there yet.
-fn file(name: &str) -> PathBuf {
+pub(crate) fn file(name: &str) -> PathBuf {
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_file(&path);
     path

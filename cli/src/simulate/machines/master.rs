@@ -3,17 +3,20 @@
 use core::time::Duration;
 use std::collections::HashMap;
 
+use cip_core::code::{ClassId, InstanceId, ServiceCode};
+use cip_core::message::{AllocationChoice, Request, Response, Target};
 use devicenet_core::MacId;
 use devicenet_core::access::Access;
 use devicenet_core::master::{
-    AttributeWrite, CommandError, Config, IoInstance, Master, MasterEvent, ScannerStatus, SlaveCounters,
-    SlaveEvent, SlaveState,
+    AttributeWrite, CommandError, Config, IoInstance, Master, MasterEvent, ScanEntry, ScannerStatus,
+    SlaveCounters, SlaveEvent, SlaveState,
 };
 use devicenet_core::slave;
 use link_core::{Action, Deadline, Input, Instant, Machine};
 
 use super::access_config;
 use crate::scenario::{MasterNode, Output};
+use crate::simulate::Guest;
 use crate::simulate::event::NodeEvent;
 
 /// A master of a scenario.
@@ -27,6 +30,8 @@ pub(in crate::simulate) struct MasterMachine {
     own_status: ScannerStatus,
     scans: ScanTimes,
     last_scan: Option<Instant>,
+    /// Once it is to be gone soon: the slaves that were asked to release their connections, and which.
+    leaving: Option<HashMap<MacId, AllocationChoice>>,
 }
 
 /// How long scans took, from the end of one to the end of the next.
@@ -86,7 +91,15 @@ impl MasterMachine {
         }
         master.set_run(node.run);
         let own_status = master.own_status();
-        Self { master, mac, told: HashMap::new(), own_status, scans: ScanTimes::default(), last_scan: None }
+        Self {
+            master,
+            mac,
+            told: HashMap::new(),
+            own_status,
+            scans: ScanTimes::default(),
+            last_scan: None,
+            leaving: None,
+        }
     }
 
     pub(in crate::simulate) const fn access(&self) -> &Access {
@@ -117,9 +130,59 @@ impl MasterMachine {
         }
     }
 
+    /// Has every slave that runs release its connections, and takes those off the scan list that have none. One that is brought
+    /// up at the moment is waited for.
+    fn let_go(&mut self, now: Instant) {
+        let Some(asked) = &mut self.leaving else { return };
+        let entries: Vec<ScanEntry> = self.master.scan_list().copied().collect();
+        for entry in entries {
+            let slave = entry.mac_id;
+            match self.master.state(slave) {
+                Some(SlaveState::Running) if asked.contains_key(&slave) => continue,
+                Some(SlaveState::Running) => {
+                    // Acknowledge suppression is no connection.
+                    let io = entry.choice().difference(AllocationChoice::ACK_SUPPRESSION);
+                    let held = io.union(AllocationChoice::EXPLICIT);
+                    match release(&mut self.master, now, slave, held) {
+                        Ok(()) => {
+                            asked.insert(slave, held);
+                            continue;
+                        }
+                        Err(CommandError::Busy) => continue,
+                        Err(_) => {}
+                    }
+                }
+                Some(SlaveState::Contacting | SlaveState::Configuring) => continue,
+                Some(SlaveState::Offline | SlaveState::Waiting) | None => {}
+            }
+            // It is in the list.
+            let _ = self.master.remove_slave(slave);
+        }
+    }
+
+    /// A slave has answered its release. One whose explicit connection is none of the predefined set refuses to release that, and
+    /// all the rest with it.
+    fn let_gone(&mut self, now: Instant, slave: MacId) {
+        let Some(held) = self.leaving.as_mut().and_then(|asked| asked.get_mut(&slave)) else { return };
+        let io = held.difference(AllocationChoice::EXPLICIT);
+        match self.master.response(slave) {
+            Some(Response::Success { .. }) => {
+                // It is in the list.
+                let _ = self.master.remove_slave(slave);
+            }
+            Some(Response::Error { .. }) if *held != io && !io.is_empty() => {
+                *held = io;
+                // When it cannot be asked, it is still held.
+                let _ = release(&mut self.master, now, slave, io);
+            }
+            Some(Response::Error { .. }) | None => {}
+        }
+    }
+
     /// Makes what is told complete; `None` tells nothing new.
     fn follow(&mut self, now: Instant, event: MasterEvent) -> Option<NodeEvent> {
         match event {
+            MasterEvent::Slave { mac_id, event: SlaveEvent::Response } => self.let_gone(now, mac_id),
             MasterEvent::Access(event) => return Some(NodeEvent::Access(event)),
             MasterEvent::Node(event) => {
                 if let slave::SlaveEvent::StoreMacId(mac) = event {
@@ -173,6 +236,32 @@ impl ScanTimes {
     }
 }
 
+/// Asks a slave that runs to release connections of the predefined set.
+pub(crate) fn release<const MESSAGE: usize>(
+    master: &mut Master<63, MESSAGE>,
+    now: Instant,
+    slave: MacId,
+    choice: AllocationChoice,
+) -> Result<(), CommandError> {
+    let target = Target::Object { class: ClassId::DEVICENET, instance: InstanceId(1) };
+    let data = &[choice.bits()];
+    master.request(now, slave, &Request { service: ServiceCode::RELEASE, target, data }, 1)
+}
+
+impl Guest for MasterMachine {
+    fn leave(&mut self, now: Instant) {
+        self.leaving = Some(HashMap::new());
+        self.let_go(now);
+    }
+
+    fn held(&self) -> Vec<MacId> {
+        let is_held = |slave: &MacId| {
+            !matches!(self.master.state(*slave), None | Some(SlaveState::Offline | SlaveState::Waiting))
+        };
+        self.master.scan_list().map(|entry| entry.mac_id).filter(is_held).collect()
+    }
+}
+
 impl Machine for MasterMachine {
     type Event = NodeEvent;
 
@@ -184,7 +273,9 @@ impl Machine for MasterMachine {
         while let Some(action) = self.master.poll(now) {
             match action.without_event() {
                 Err(event) => {
-                    if let Some(event) = self.follow(now, event) {
+                    let news = self.follow(now, event);
+                    self.let_go(now);
+                    if let Some(event) = news {
                         return Some(Action::Event(event));
                     }
                 }

@@ -6,6 +6,7 @@ mod master;
 mod slave;
 mod tool;
 
+pub(crate) use master::release;
 pub(super) use master::{MasterMachine, ScanTimes};
 pub(super) use slave::SlaveMachine;
 pub(super) use tool::{Task, ToolMachine};

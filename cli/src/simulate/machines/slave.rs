@@ -10,6 +10,7 @@ use link_core::{Action, BitRate, Deadline, Input, Instant, LinkCommand, Machine,
 use super::access_config;
 use super::device::Device;
 use crate::scenario::SlaveNode;
+use crate::simulate::Guest;
 use crate::simulate::event::NodeEvent;
 
 /// A slave of a scenario.
@@ -179,6 +180,15 @@ impl SlaveMachine {
             }
         }
         None
+    }
+}
+
+impl Guest for SlaveMachine {
+    /// It is gone as one whose power is.
+    fn leave(&mut self, _: Instant) {}
+
+    fn held(&self) -> Vec<MacId> {
+        Vec::new()
     }
 }
 

@@ -1,0 +1,20 @@
+//! The same commands on interfaces of a real kernel, each node a process of its own.
+
+mod interruption;
+mod link;
+mod nodes;
+mod process;
+#[path = "../../../../transport-socketcan/tests/kernel/real_kernel.rs"]
+mod real_kernel;
+mod same_trace;
+mod witness;
+
+/// They wait for one another most of the time, so they run side by side, each on an interface of its own. A full transmit queue is seen
+/// from both sides: by an interface that echoes a frame when it enters the queue, and by one that does so when it has left it.
+#[test]
+fn on_a_real_kernel() {
+    real_kernel::run_ignored(&[
+        (&[], &["--test-threads=20"]),
+        (&["--echo"], &["--test-threads=20", "a_full_transmit_queue"]),
+    ]);
+}
