@@ -6,7 +6,7 @@ use link_core::{Frame, Input, Port as _, TxToken};
 use std::time::Duration;
 use transport_socketcan::SocketCanPort;
 
-use super::process::{Ended, Process, signal_to, wait_for_listeners};
+use super::process::{Ended, Process, wait_for_listeners};
 use super::real_kernel::{Interface, run};
 
 /// What a device with MAC ID 10 does when it is asked for more than who it is.
@@ -16,18 +16,23 @@ enum Answers {
     Never,
 }
 
-/// Answers requests of the explicit connection, vendor, device type and product code at once, other attributes as it is told to;
-/// interrupts whoever asks when the first such request comes. The requests that it has heard, by their service and what follows the
-/// class, until the connection is released, or nobody is left.
-fn slow_device(bus: &str, answers: Answers, interrupt: impl Fn()) -> Vec<[u8; 2]> {
-    let mut port = SocketCanPort::open(bus).unwrap();
+/// A command on a bus with a device that answers requests of the explicit connection, vendor, device type and product code at once, and
+/// other attributes as it is told to. The first such request interrupts the command. Gives the requests as well, by their service and
+/// what follows the instance.
+fn interrupted(
+    bus: &Interface,
+    command: &[&str],
+    answers: Answers,
+    mut interrupt: impl FnMut(&mut Process),
+) -> (Ended, Vec<[u8; 2]>) {
+    let mut port = SocketCanPort::open(bus.0).unwrap();
+    let mut process = Process::start(&[command, &["--allow-tx", "--listen", "1ms"]].concat());
     let mut requests = Vec::new();
     let mut has_interrupted = false;
-    loop {
-        let deadline = Deadline { at: port.now() + SILENCE, why: "nobody is left" };
+    while process.runs() {
+        let deadline = Deadline { at: port.now() + LOOK_AFTER, why: "a look at the command" };
         let (_, input) = port.wait(Some(deadline)).unwrap();
         let request = match input {
-            Input::Tick => return requests,
             // To the unconnected port, or over the explicit connection.
             Input::Frame(frame) if [0x456, 0x454].map(|id| standard_id(id).into()).contains(&frame.id()) => {
                 frame
@@ -44,7 +49,7 @@ fn slow_device(bus: &str, answers: Answers, interrupt: impl Fn()) -> Vec<[u8; 2]
             (GET, _) => {
                 if !has_interrupted {
                     has_interrupted = true;
-                    interrupt();
+                    interrupt(&mut process);
                 }
                 if answers == Answers::Never {
                     continue;
@@ -56,17 +61,7 @@ fn slow_device(bus: &str, answers: Answers, interrupt: impl Fn()) -> Vec<[u8; 2]
         };
         port.transmit(TxToken(0), Frame::new(standard_id(0x453), answer).unwrap()).unwrap();
         while !matches!(port.wait(None).unwrap().1, Input::TxDone(..)) {}
-        if service == RELEASE {
-            return requests;
-        }
     }
-}
-
-/// A command that asks the slow device, and is interrupted by it.
-fn interrupted(bus: &Interface, signal: &str, command: &[&str], answers: Answers) -> (Ended, Vec<[u8; 2]>) {
-    let process = Process::start(&[command, &["--allow-tx", "--listen", "1ms"]].concat());
-    let id = process.id();
-    let requests = slow_device(bus.0, answers, || signal_to(id, signal));
     (process.ended(), requests)
 }
 
@@ -74,7 +69,8 @@ fn interrupted(bus: &Interface, signal: &str, command: &[&str], answers: Answers
 #[ignore = "needs vcan"]
 fn a_get_takes_the_answer_and_releases_the_connection() {
     let bus = Interface::new("vcan80");
-    let (get, requests) = interrupted(&bus, "INT", &["get", bus.0, "10", "1/1/5"], Answers::AfterAWhile);
+    let (get, requests) =
+        interrupted(&bus, &["get", bus.0, "10", "1/1/5"], Answers::AfterAWhile, |get| get.signal("INT"));
     assert_eq!(get.code, 0, "{}", get.err);
     assert!(get.out.starts_with("node 10  Identity 1 Status: "), "{}", get.out);
     assert!(requests.ends_with(&[[GET, 5], [RELEASE, EXPLICIT]]), "{requests:02X?}");
@@ -84,7 +80,8 @@ fn a_get_takes_the_answer_and_releases_the_connection() {
 #[ignore = "needs vcan"]
 fn a_scan_asks_nothing_more_and_releases_the_connection() {
     let bus = Interface::new("vcan81");
-    let (scan, requests) = interrupted(&bus, "TERM", &["scan", bus.0, "--json"], Answers::AfterAWhile);
+    let (scan, requests) =
+        interrupted(&bus, &["scan", bus.0, "--json"], Answers::AfterAWhile, |scan| scan.signal("TERM"));
     assert_eq!(scan.code, 130, "{}", scan.err);
     assert!(
         scan.out.contains(r#""mac":10,"#) && scan.out.contains(r#""vendor":"4660""#),
@@ -104,7 +101,7 @@ fn a_scan_asks_nothing_more_and_releases_the_connection() {
 #[ignore = "needs vcan"]
 fn a_node_that_does_not_answer_is_not_waited_for_without_end() {
     let bus = Interface::new("vcan82");
-    let (get, _) = interrupted(&bus, "INT", &["get", bus.0, "10", "1/1/5"], Answers::Never);
+    let (get, _) = interrupted(&bus, &["get", bus.0, "10", "1/1/5"], Answers::Never, |get| get.signal("INT"));
     assert_eq!((get.out.as_str(), get.code), ("", 130), "{}", get.err);
     let words = "error: interrupted; node 10 has not answered, and may keep a connection for ten seconds\n";
     assert!(get.err.ends_with(words), "{}", get.err);
@@ -114,22 +111,12 @@ fn a_node_that_does_not_answer_is_not_waited_for_without_end() {
 #[ignore = "needs vcan"]
 fn a_second_interruption_ends_at_once() {
     let bus = Interface::new("vcan83");
-    let process = Process::start(&["get", bus.0, "10", "1/1/5", "--allow-tx", "--listen", "1ms"]);
-    let id = process.id();
-    let again = std::sync::atomic::AtomicBool::new(true);
-    let get = std::thread::scope(|scope| {
-        scope.spawn(|| {
-            slow_device(bus.0, Answers::Never, || {
-                // Two signals of a kind that come close together are one.
-                while again.load(std::sync::atomic::Ordering::Relaxed) {
-                    signal_to(id, "INT");
-                    std::thread::sleep(Duration::from_millis(50));
-                }
-            })
-        });
-        let get = process.ended();
-        again.store(false, std::sync::atomic::Ordering::Relaxed);
-        get
+    let (get, _) = interrupted(&bus, &["get", bus.0, "10", "1/1/5"], Answers::Never, |get| {
+        // Two signals of a kind that come close together are one.
+        while get.runs() {
+            get.signal("INT");
+            std::thread::sleep(LOOK_AFTER);
+        }
     });
     assert_eq!(get.code, 130);
     assert!(
@@ -168,5 +155,5 @@ const GET: u8 = 0x0E;
 const EXPLICIT: u8 = 0x01;
 /// How long a request takes the device.
 const SLOW: Duration = Duration::from_millis(500);
-/// After which nobody is left on the bus: more than any command waits.
-const SILENCE: Duration = Duration::from_secs(6);
+/// How often somebody looks whether a command still runs.
+const LOOK_AFTER: Duration = Duration::from_millis(50);

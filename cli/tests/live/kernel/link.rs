@@ -58,7 +58,10 @@ struct Crowd(Child);
 impl Crowd {
     fn on(bus: &Interface) -> Self {
         let arguments = [bus.0, "-g", "0", "-I", "3CA", "-L", "8"];
-        Self(Command::new("cangen").args(arguments).stdout(Stdio::null()).spawn().unwrap())
+        // Behind whoever else has something to do.
+        let crowd =
+            Command::new("nice").args(["-n", "19", "cangen"]).args(arguments).stdout(Stdio::null()).spawn();
+        Self(crowd.unwrap())
     }
 }
 

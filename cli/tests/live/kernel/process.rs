@@ -80,11 +80,14 @@ impl Process {
     }
 
     pub(crate) fn signal(&self, signal: &str) {
-        signal_to(self.child.id(), signal);
+        let process = self.child.id().to_string();
+        let kill = Command::new("kill").args(["-s", signal, &process]).output().unwrap();
+        // It is there until its end was waited for.
+        assert!(kill.status.success(), "{}", String::from_utf8_lossy(&kill.stderr));
     }
 
-    pub(crate) fn id(&self) -> u32 {
-        self.child.id()
+    pub(crate) fn runs(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_none()
     }
 
     /// Waits for its end.
@@ -115,10 +118,6 @@ impl Drop for Process {
     fn drop(&mut self) {
         let _ = self.child.kill().and_then(|()| self.child.wait());
     }
-}
-
-pub(crate) fn signal_to(process: u32, signal: &str) {
-    let _ = Command::new("kill").args(["-s", signal, &process.to_string()]).status();
 }
 
 /// Waits until something is so.

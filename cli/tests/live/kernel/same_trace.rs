@@ -18,8 +18,10 @@ enum Conversation {
     Explicit(u16),
     /// A poll command and its response; also what a master sends to a slave of the other kinds.
     Command(u16),
-    /// Change of state and cyclic: what a slave sends, and its acknowledgement.
+    /// Change of state and cyclic, what a slave sends. It does not wait for its acknowledgement, nor for its master to be ready.
     StateChange(u16),
+    /// The acknowledgements of that.
+    Acknowledge(u16),
     /// The command to all slaves, and the response of the one.
     BitStrobe,
     Multicast,
@@ -34,7 +36,7 @@ impl Conversation {
 /// By the identifiers of the predefined connection set (CIP Vol. 3, chapter 3), and by Group 3 for the UCMM and the connections that it
 /// opens. `header` is the first byte of data.
 fn conversation(id: u16, header: u16) -> Conversation {
-    use Conversation::{BitStrobe, Command, Explicit, Multicast, StateChange};
+    use Conversation::{Acknowledge, BitStrobe, Command, Explicit, Multicast, StateChange};
     match id {
         0x000..0x400 => match (id >> 6, id & 0x3F) {
             (0xC, _) => Multicast,
@@ -45,7 +47,7 @@ fn conversation(id: u16, header: u16) -> Conversation {
         0x400..0x600 => match (id & 7, id >> 3 & 0x3F) {
             (0, _) => BitStrobe,
             (1, _) => Multicast,
-            (2, mac) => StateChange(mac),
+            (2, mac) => Acknowledge(mac),
             (5, mac) => Command(mac),
             (_, mac) => Explicit(mac),
         },
