@@ -12,6 +12,7 @@ mod actions;
 #[cfg(unix)]
 mod interruption;
 mod plant;
+mod python;
 mod served;
 mod usage;
 mod verdict;

@@ -5,6 +5,7 @@ use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
+use super::python::with_python_can;
 use super::{Scratch, VALVE, devicenet, stderr, stdout};
 
 /// A way onto the bus that has no power while a test runs.
@@ -102,20 +103,9 @@ fn an_address_that_others_can_reach_needs_permission() {
     assert_eq!(devicenet(&["simulate", "--serve", &address]).status.code(), Some(3));
 }
 
-/// Needs python-can (`pip install python-can`) in the `python3` of the path, or in that of `DEVICENET_PYTHON`.
 #[test]
 fn python_can_sits_on_the_served_bus() {
-    let python = std::env::var("DEVICENET_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let has_it =
-        Command::new(&python).args(["-c", "import can"]).output().is_ok_and(|output| output.status.success());
-    if !has_it {
-        assert!(
-            std::env::var_os("DEVICENET_REQUIRE_PYTHON_CAN").is_none(),
-            "DEVICENET_REQUIRE_PYTHON_CAN is set, and {python} has no python-can"
-        );
-        eprintln!("SKIPPED python_can_sits_on_the_served_bus: {python} has no python-can");
-        return;
-    }
+    let Some(python) = with_python_can("python_can_sits_on_the_served_bus") else { return };
     let served = Served::start("python.toml");
     let mut witness = served.connect();
     witness.write_all(b"< open can0 >< rawmode >< echo >").expect("it is read");

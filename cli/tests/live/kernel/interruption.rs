@@ -1,9 +1,11 @@
 //! Ctrl-C.
 
+use std::time::Duration;
+
 use link_core::frame::standard_id;
 use link_core::machine::Deadline;
 use link_core::{Frame, Input, Port as _, TxToken};
-use std::time::Duration;
+use rustix::process::Signal;
 use transport_socketcan::SocketCanPort;
 
 use super::process::{Ended, Process, wait_for_listeners};
@@ -69,8 +71,9 @@ fn interrupted(
 #[ignore = "needs vcan"]
 fn a_get_takes_the_answer_and_releases_the_connection() {
     let bus = Interface::new("vcan80");
-    let (get, requests) =
-        interrupted(&bus, &["get", bus.0, "10", "1/1/5"], Answers::AfterAWhile, |get| get.signal("INT"));
+    let (get, requests) = interrupted(&bus, &["get", bus.0, "10", "1/1/5"], Answers::AfterAWhile, |get| {
+        get.signal(Signal::INT)
+    });
     assert_eq!(get.code, 0, "{}", get.err);
     assert!(get.out.starts_with("node 10  Identity 1 Status: "), "{}", get.out);
     assert!(requests.ends_with(&[[GET, 5], [RELEASE, EXPLICIT]]), "{requests:02X?}");
@@ -81,7 +84,7 @@ fn a_get_takes_the_answer_and_releases_the_connection() {
 fn a_scan_asks_nothing_more_and_releases_the_connection() {
     let bus = Interface::new("vcan81");
     let (scan, requests) =
-        interrupted(&bus, &["scan", bus.0, "--json"], Answers::AfterAWhile, |scan| scan.signal("TERM"));
+        interrupted(&bus, &["scan", bus.0, "--json"], Answers::AfterAWhile, |scan| scan.signal(Signal::TERM));
     assert_eq!(scan.code, 130, "{}", scan.err);
     assert!(
         scan.out.contains(r#""mac":10,"#) && scan.out.contains(r#""vendor":"4660""#),
@@ -101,7 +104,8 @@ fn a_scan_asks_nothing_more_and_releases_the_connection() {
 #[ignore = "needs vcan"]
 fn a_node_that_does_not_answer_is_not_waited_for_without_end() {
     let bus = Interface::new("vcan82");
-    let (get, _) = interrupted(&bus, &["get", bus.0, "10", "1/1/5"], Answers::Never, |get| get.signal("INT"));
+    let (get, _) =
+        interrupted(&bus, &["get", bus.0, "10", "1/1/5"], Answers::Never, |get| get.signal(Signal::INT));
     assert_eq!((get.out.as_str(), get.code), ("", 130), "{}", get.err);
     let words = "error: interrupted; node 10 has not answered, and may keep a connection for ten seconds\n";
     assert!(get.err.ends_with(words), "{}", get.err);
@@ -114,7 +118,7 @@ fn a_second_interruption_ends_at_once() {
     let (get, _) = interrupted(&bus, &["get", bus.0, "10", "1/1/5"], Answers::Never, |get| {
         // Two signals of a kind that come close together are one.
         while get.runs() {
-            get.signal("INT");
+            get.signal(Signal::INT);
             std::thread::sleep(LOOK_AFTER);
         }
     });

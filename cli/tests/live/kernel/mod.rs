@@ -1,5 +1,6 @@
 //! The same commands on interfaces of a real kernel, each node a process of its own.
 
+mod foreign;
 mod interruption;
 mod link;
 mod nodes;

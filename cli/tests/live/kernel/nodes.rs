@@ -1,7 +1,10 @@
 //! Slaves and a master, and those who ask them.
 
+use link_core::frame::standard_id;
+
 use super::process::{Process, wait_for_listeners};
 use super::real_kernel::{Interface, run};
+use super::witness::Witness;
 use crate::devicenet;
 
 fn node(role: &str, bus: &Interface, name: &str) -> Process {
@@ -91,9 +94,10 @@ fn a_node_that_is_not_there_is_a_finding() {
 #[ignore = "needs vcan"]
 fn an_interface_that_goes_down_ends_a_visit() {
     let bus = Interface::new("vcan74");
+    let mut witness = Witness::on(bus.0);
     let scan = Process::start(&["scan", bus.0, "--allow-tx", "--listen", "1ms"]);
-    // It goes on line.
-    wait_for_listeners(bus.0, 1);
+    // Of MAC ID 62.
+    witness.until("its duplicate MAC ID check", |frame| frame.id() == standard_id(0x5F7).into());
     bus.set("down");
     let scan = scan.ended();
     assert_eq!((scan.code, scan.out.as_str()), (3, ""), "{}", scan.err);

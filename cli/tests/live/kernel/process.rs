@@ -1,4 +1,4 @@
-//! A command that runs in the background, and what it tells.
+//! A program that runs in the background, and what it tells.
 
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::process::{Child, Command, Stdio};
@@ -6,7 +6,9 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// A command in the background. It is gone at the end of the test.
+use rustix::process::{Pid, Signal, kill_process};
+
+/// A program in the background. It is gone at the end of the test.
 pub(crate) struct Process {
     child: Child,
     lines: Receiver<String>,
@@ -14,7 +16,7 @@ pub(crate) struct Process {
     errors: Option<JoinHandle<String>>,
 }
 
-/// How a command ended.
+/// How a program ended.
 pub(crate) struct Ended {
     pub(crate) code: i32,
     pub(crate) out: String,
@@ -23,14 +25,13 @@ pub(crate) struct Ended {
 
 impl Process {
     pub(crate) fn start(arguments: &[&str]) -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_devicenet"))
-            .args(arguments)
-            .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/live"))
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/live");
+        Self::spawn(Command::new(env!("CARGO_BIN_EXE_devicenet")).args(arguments).current_dir(folder))
+    }
+
+    pub(crate) fn spawn(command: &mut Command) -> Self {
+        let mut child =
+            command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let (sender, lines) = channel();
         let out = BufReader::new(child.stdout.take().unwrap());
         std::thread::spawn(move || {
@@ -79,11 +80,9 @@ impl Process {
         }
     }
 
-    pub(crate) fn signal(&self, signal: &str) {
-        let process = self.child.id().to_string();
-        let kill = Command::new("kill").args(["-s", signal, &process]).output().unwrap();
+    pub(crate) fn signal(&self, signal: Signal) {
         // It is there until its end was waited for.
-        assert!(kill.status.success(), "{}", String::from_utf8_lossy(&kill.stderr));
+        kill_process(Pid::from_child(&self.child), signal).unwrap();
     }
 
     pub(crate) fn runs(&mut self) -> bool {
@@ -109,7 +108,7 @@ impl Process {
     /// Interrupts it, and waits for its end.
     #[track_caller]
     pub(crate) fn interrupted(self) -> Ended {
-        self.signal("INT");
+        self.signal(Signal::INT);
         self.ended()
     }
 }
