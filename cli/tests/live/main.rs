@@ -14,6 +14,7 @@ mod monitor;
 mod record;
 mod recover;
 mod scan;
+mod usage;
 
 use std::process::{Command, Output};
 

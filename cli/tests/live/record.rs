@@ -1,6 +1,7 @@
 //! `record`: what led to an event, and what followed.
 
 use std::path::PathBuf;
+use std::process::Command;
 
 use crate::{Run, devicenet};
 
@@ -39,6 +40,40 @@ fn a_slave_that_drops_out_is_caught_with_five_seconds_before_and_after() {
         assert!((17.306..17.327).contains(&last), "{last}");
         assert!(times.len() > 2000 && times.is_sorted());
     }
+}
+
+/// Another program reads the recording: the same frames at the same times, all of DeviceNet. The slave answers no more, and is polled
+/// until its master gives it up.
+#[test]
+fn tshark_reads_the_recording() {
+    if Command::new("tshark").arg("--version").output().is_err() {
+        assert!(
+            std::env::var_os("DEVICENET_REQUIRE_TSHARK").is_none(),
+            "DEVICENET_REQUIRE_TSHARK is set, and there is no tshark"
+        );
+        eprintln!("SKIPPED tshark_reads_the_recording: there is no tshark");
+        return;
+    }
+    let path = file("tshark.pcapng");
+    assert_eq!(record(&path, &["--trigger", "timeout"]).code(), 1);
+    let tshark = Command::new("tshark")
+        .args(["-n", "-d", "can.subdissector,devicenet", "-Y", "devicenet && !_ws.malformed", "-T", "fields"])
+        .args(["-e", "frame.time_epoch", "-e", "devicenet.can_id", "-r"])
+        .arg(&path)
+        .output()
+        .unwrap();
+    let theirs: Vec<String> = String::from_utf8(tshark.stdout).unwrap().lines().map(str::to_owned).collect();
+    let ours: Vec<String> = devicenet(&["decode", "--json", path.to_str().unwrap()])
+        .json()
+        .iter()
+        .map(|frame| format!("{:.9}\t0x{:04x}", frame["t"].as_f64().unwrap(), frame["id"].as_u64().unwrap()))
+        .collect();
+    assert_eq!(theirs, ours);
+    let last = |id: &str| -> f64 {
+        theirs.iter().rev().find_map(|line| line.strip_suffix(id)?.trim_end().parse().ok()).unwrap()
+    };
+    let (response, poll) = (last("0x03ca"), last("0x0455"));
+    assert!(response < 12.0 && (12.3..12.4).contains(&poll), "{response} {poll}");
 }
 
 #[test]

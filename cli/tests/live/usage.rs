@@ -1,0 +1,124 @@
+//! What is wrong on the command line is told before anything is sent: one line that says what to do, nothing on standard output, and the
+//! exit code.
+
+use crate::devicenet;
+
+/// What goes on with an interface, a command each, without the interface.
+const COMMANDS: [&[&str]; 8] = [
+    &["scan"],
+    &["scan", "--allow-tx"],
+    &["get", "10", "1/1/1", "--allow-tx"],
+    &["set", "10", "3/1/3", "1", "--allow-tx"],
+    &["record", "--output", "not-recorded.log"],
+    &["recover", "--allow-tx"],
+    &["slave", "line.toml", "--node", "valve", "--allow-tx"],
+    &["master", "line.toml", "--allow-tx"],
+];
+
+#[track_caller]
+fn is_told(arguments: &[&str], code: i32, words: &str) {
+    let run = devicenet(arguments);
+    assert_eq!((run.code(), run.out().as_str()), (code, ""), "{arguments:?} {}", run.err());
+    assert!(run.error().contains(words), "{arguments:?} {}", run.err());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_wrong_interface() {
+    for command in COMMANDS {
+        let on = |endpoint| [&[command[0], endpoint], &command[1..]].concat();
+        // And then those that there are, or how to come by one.
+        is_told(&on("no-such-can"), 3, "there is no interface no-such-can; th");
+        is_told(&on("lo"), 3, "lo is not a CAN interface; th");
+        is_told(
+            &on("two.toml"),
+            2,
+            "two.toml is a file: write log:two.toml for a recording, sim:two.toml for a scenario",
+        );
+    }
+}
+
+#[test]
+fn a_recording_cannot_be_asked() {
+    let log = "log:../../../tests/captures/slave-01-startup-poll.log";
+    for command in COMMANDS.into_iter().filter(|command| !["scan", "record"].contains(&command[0])) {
+        is_told(
+            &[&[command[0], log], &command[1..]].concat(),
+            2,
+            "is a recording, which cannot be asked: name an interface such as can0, or sim:FILE",
+        );
+    }
+}
+
+#[test]
+fn a_wrong_node() {
+    for command in ["get", "set"] {
+        let value = &["1"][usize::from(command == "get")..];
+        let of = |mac| [&[command, "sim:two.toml", mac, "3/1/3"], value].concat();
+        is_told(&of("64"), 2, "a MAC ID is 0 to 63");
+        is_told(&of("valve"), 2, "a MAC ID is 0 to 63");
+        is_told(
+            &of("62"),
+            2,
+            "node 62 is asked, so this command needs another MAC ID: choose a free one with --own-mac",
+        );
+    }
+    is_told(
+        &["slave", "sim:two.toml", "line.toml"],
+        2,
+        "several of the role slave, choose one with --node: valve, gauge, switch",
+    );
+    is_told(
+        &["slave", "sim:two.toml", "line.toml", "--node", "vlave"],
+        2,
+        "there is no slave named vlave; there is valve, gauge, switch",
+    );
+    is_told(&["master", "sim:two.toml", "two.toml"], 2, "there is no node of the role master");
+    is_told(&["master", "sim:two.toml", "none.toml"], 2, "none.toml: the scenario cannot be read");
+}
+
+#[test]
+fn malformed_values() {
+    let get = ["get", "sim:two.toml", "10"];
+    let path = "CLASS/INSTANCE/ATTRIBUTE expected, three numbers up to 65535 such as 1/1/7";
+    for attribute in ["1/1", "1/1/x", "70000/1/1", "1/1/7/1"] {
+        is_told(&[&get[..], &[attribute]].concat(), 2, path);
+    }
+    for (option, value, words) in [
+        (
+            "--listen",
+            "5",
+            r#"`5` has no unit; expected a time with a unit (ns, us, ms, s, min, h) such as "75ms""#,
+        ),
+        ("--own-mac", "64", "a MAC ID is 0 to 63"),
+    ] {
+        is_told(&[&get[..], &["1/1/1", option, value]].concat(), 2, words);
+    }
+    let set = ["set", "sim:two.toml", "10"];
+    for (attribute, value, words) in [
+        ("3/1/3", "256", "`256`: a number of 1 byte expected"),
+        ("3/1/3", "one", "`one`: a number of 1 byte expected"),
+        ("3/1/3", "hex:0", "`hex:0`: pairs of hexadecimal digits expected after hex:"),
+        ("3/1/3", "hex:zz", "`hex:zz`: pairs of hexadecimal digits expected after hex:"),
+    ] {
+        is_told(&[&set[..], &[attribute, value]].concat(), 2, words);
+    }
+    let recover = ["recover", "sim:two.toml"];
+    let assignment = "VENDOR:SERIAL=MAC expected, such as 0x1234:0x00002345=12";
+    for (option, value, words) in [
+        ("--assign", "1:2", assignment),
+        ("--assign", "1:2=64", assignment),
+        ("--identify", "5", "VENDOR:SERIAL expected, such as 0x1234:0x00002345"),
+    ] {
+        is_told(&[&recover[..], &[option, value]].concat(), 2, words);
+    }
+    let record = ["record", "sim:two.toml", "--output", "not-recorded.log"];
+    for (option, value, words) in [
+        ("--trigger", "now", "expected timeout, timeout=MAC, duplicate, error, bus-off"),
+        ("--before", "5", "`5` has no unit"),
+        ("--for", "soon", "expected a time with a unit"),
+        ("--count", "0", "0 is not in 1..=1000"),
+    ] {
+        is_told(&[&record[..], &[option, value]].concat(), 2, words);
+    }
+}
