@@ -3,7 +3,7 @@
 use link_core::{BitRate, Filter, FilterSet, Input, LinkCommand, LinkEvent, Mode, Port, StandardId, TxToken};
 use transport_socketcan::{Error, Kind, SocketCanPort};
 
-use crate::rig::{Adapter, Interface, dropped, frame, input, sent, silent};
+use crate::rig::{Interface, dropped, frame, input, sent, silent};
 
 #[test]
 #[ignore = "needs vcan"]
@@ -84,24 +84,6 @@ fn a_virtual_interface_has_every_bit_rate() {
     let mut inputs = [input(&mut port), input(&mut port)];
     inputs.sort_by_key(|input| matches!(input, Input::TxDone(..)));
     assert_eq!(inputs, [Input::Link(LinkEvent::ModeSet(mode)), dropped(1)]);
-}
-
-#[test]
-#[ignore = "needs slcan"]
-fn the_bit_rate_and_the_mode_of_a_controller_are_set_by_netlink() {
-    let mut adapter = Adapter::new("slcan30");
-    adapter.set_up(&["bitrate", "125000"]);
-    let mut port = SocketCanPort::open(adapter.name).unwrap();
-    assert_eq!(input(&mut port), Input::Link(LinkEvent::Up));
-    let kind = |bit_rate, listen_only| Kind::Controller { bit_rate: Some(bit_rate), listen_only };
-    assert_eq!(port.interface().kind().unwrap(), kind(BitRate::K125, false));
-    let mode = Mode { bit_rate: BitRate::K250, listen_only: true };
-    port.command(LinkCommand::SetMode(mode)).unwrap();
-    while input(&mut port) != Input::Link(LinkEvent::ModeSet(mode)) {}
-    assert_eq!(port.interface().kind().unwrap(), kind(BitRate::K250, true));
-    assert!(port.interface().is_up(), "it was up before");
-    adapter.receives("t12320102");
-    assert_eq!(input(&mut port), Input::Frame(frame(0x123, &[1, 2])));
 }
 
 #[test]

@@ -12,6 +12,7 @@
 //! The tests of the modules need `vcan` and the right to make interfaces, so `cargo test` runs them by one test of its own,
 //! `on_a_real_kernel`: in a user-mode kernel that `scripts/can-kernel` boots.
 
+mod adapter;
 mod at_once;
 mod bus;
 mod errors;

@@ -1,10 +1,8 @@
 //! A kernel with CAN for the tests of this program that need one, and interfaces of a test's own there. Tests of other crates
 //! include this file by its path.
 
-use std::io::Write as _;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
 
 /// Runs the tests of this program that are marked as ignored where there is CAN: in a user-mode kernel that
 /// `scripts/can-kernel` boots, or on this machine. Each entry is a kernel, all run at once: the script's options, and the arguments of
@@ -80,47 +78,4 @@ pub(crate) fn run(program: &str, arguments: &[&str]) -> String {
     let output = Command::new(program).args(arguments).stdin(Stdio::null()).output().unwrap();
     assert!(output.status.success(), "{program} {arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
-/// An adapter with a controller, which has a bit rate and a listen-only mode. The test is its firmware, at the other end of a serial
-/// line.
-pub(crate) struct Adapter {
-    pub(crate) name: &'static str,
-    line: Child,
-}
-
-impl Adapter {
-    /// Plugs it in; it is down.
-    pub(crate) fn new(name: &'static str) -> Self {
-        let line = Command::new("script")
-            .args(["-qfc", &format!("stty raw -echo; exec slcand -F $(tty) {name}"), "/dev/null"])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::null())
-            .spawn()
-            .unwrap();
-        let deadline = Instant::now() + Duration::from_secs(30);
-        while !Path::new("/sys/class/net").join(name).exists() {
-            assert!(Instant::now() < deadline, "{name} does not appear: has this kernel the driver slcan?");
-            std::thread::sleep(Duration::from_millis(10));
-        }
-        Self { name, line }
-    }
-
-    /// Sets it up as `ip link set NAME type can` says.
-    pub(crate) fn set_up(&self, mode: &[&str]) {
-        ip(&["link", "set", self.name, "down"]);
-        ip(&[&["link", "set", self.name, "type", "can"], mode].concat());
-        ip(&["link", "set", self.name, "up"]);
-    }
-
-    /// Its controller has received a frame: `t` and three digits of identifier, one of length, the data.
-    pub(crate) fn receives(&mut self, frame: &str) {
-        write!(self.line.stdin.as_mut().unwrap(), "{frame}\r").unwrap();
-    }
-}
-
-impl Drop for Adapter {
-    fn drop(&mut self) {
-        let _ = self.line.kill().and_then(|()| self.line.wait());
-    }
 }

@@ -6,7 +6,7 @@ use link_core::machine::Deadline;
 use link_core::{ExtendedId, Frame, Input, Instant, LinkEvent, Port, StandardId, TxOutcome, TxToken};
 use transport_socketcan::SocketCanPort;
 
-pub(crate) use crate::real_kernel::{Adapter, Interface, run};
+pub(crate) use crate::real_kernel::{Interface, run};
 
 impl Interface {
     /// A port that has heard of the interface being up.

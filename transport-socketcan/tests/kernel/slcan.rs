@@ -1,83 +1,18 @@
-//! An adapter at a serial line, by the kernel's own driver: the test plays the adapter.
-
-use std::fs::File;
-use std::io::{Read as _, Write as _};
-use std::process::{Child, Command, Stdio};
-use std::sync::mpsc::{Receiver, channel};
-use std::time::{Duration, Instant};
+//! An adapter at a serial line, which has a bit rate.
 
 use link_core::{BitRate, Input, LinkCommand, LinkEvent, Mode, Port, TxToken};
-use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use transport_socketcan::{Interface, Kind, SocketCanPort};
+use transport_socketcan::{Kind, SocketCanPort};
 
+use crate::adapter::Adapter;
 use crate::rig::{frame, input, run, sent, timed_input};
-
-/// The far end of the line, and the program that makes an interface of the near one.
-struct Adapter {
-    line: File,
-    daemon: Child,
-    said: Receiver<u8>,
-}
-
-impl Adapter {
-    /// Attached as kernels before 6.0 needed it: the daemon sets the bit rate and opens the channel, past the driver.
-    fn attach(name: &str) -> Self {
-        let line = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
-        grantpt(&line).unwrap();
-        unlockpt(&line).unwrap();
-        let tty = ptsname(&line, Vec::new()).unwrap().into_string().unwrap();
-        let mut line = File::from(line);
-        let mut other = line.try_clone().unwrap();
-        let (say, said) = channel();
-        std::thread::spawn(move || {
-            let mut bytes = [0; 64];
-            while let Ok(count) = other.read(&mut bytes) {
-                bytes[..count].iter().for_each(|byte| say.send(*byte).unwrap_or_default());
-            }
-        });
-        let daemon = Command::new("slcand")
-            .args(["-F", "-o", "-s4", &tty, name])
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("slcand, of can-utils");
-        let begin = Instant::now();
-        while Interface::find(name).is_err() {
-            assert!(begin.elapsed() < Duration::from_secs(10), "slcand has made no interface {name}");
-            std::thread::sleep(Duration::from_millis(10));
-        }
-        line.flush().unwrap();
-        let adapter = Self { line, daemon, said };
-        adapter.hears("S4\r");
-        adapter.hears("O\r");
-        adapter
-    }
-
-    /// What it is told next, but for what it was told before.
-    #[track_caller]
-    fn hears(&self, wanted: &str) {
-        let mut heard = String::new();
-        while !heard.ends_with(wanted) {
-            let byte = self.said.recv_timeout(Duration::from_secs(10));
-            heard.push(byte.unwrap_or_else(|_| panic!("no {wanted:?}, but {heard:?}")).into());
-        }
-    }
-
-    fn says(&mut self, words: &str) {
-        self.line.write_all(words.as_bytes()).unwrap();
-    }
-}
-
-impl Drop for Adapter {
-    fn drop(&mut self) {
-        let _ = self.daemon.kill().and_then(|()| self.daemon.wait());
-    }
-}
 
 #[test]
 #[ignore = "needs slcan"]
 fn a_bit_rate_that_another_program_has_set_is_not_confirmed_but_set() {
-    let mut adapter = Adapter::attach("slcan80");
+    // As kernels before 6.0 needed it: the daemon sets the bit rate and opens the channel, past the driver.
+    let mut adapter = Adapter::attach("slcan80", &["-o", "-s4"]);
+    adapter.hears("S4\r");
+    adapter.hears("O\r");
     run("ip", &["link", "set", "slcan80", "up"]);
     let mut port = SocketCanPort::open("slcan80").unwrap();
     assert_eq!(input(&mut port), Input::Link(LinkEvent::Up));
@@ -97,4 +32,24 @@ fn a_bit_rate_that_another_program_has_set_is_not_confirmed_but_set() {
     adapter.hears("t1232ABCD\r");
     adapter.says("t4561EF\r");
     assert_eq!(timed_input(&mut port).1, Input::Frame(frame(0x456, &[0xEF])));
+}
+
+#[test]
+#[ignore = "needs slcan"]
+fn the_bit_rate_and_the_mode_are_set_by_netlink() {
+    let mut adapter = Adapter::attach("slcan81", &[]);
+    adapter.set_up(&["bitrate", "125000"]);
+    let mut port = SocketCanPort::open("slcan81").unwrap();
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::Up));
+    let kind = |bit_rate, listen_only| Kind::Controller { bit_rate: Some(bit_rate), listen_only };
+    assert_eq!(port.interface().kind().unwrap(), kind(BitRate::K125, false));
+    let mode = Mode { bit_rate: BitRate::K250, listen_only: true };
+    port.command(LinkCommand::SetMode(mode)).unwrap();
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::ModeSet(mode)));
+    assert_eq!(port.interface().kind().unwrap(), kind(BitRate::K250, true));
+    assert!(port.interface().is_up(), "as it was before");
+    adapter.hears("S5\r");
+    adapter.hears("L\r");
+    adapter.says("t12320102\r");
+    assert_eq!(timed_input(&mut port).1, Input::Frame(frame(0x123, &[1, 2])));
 }

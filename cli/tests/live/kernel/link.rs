@@ -5,15 +5,16 @@ use std::process::{Child, Command, Stdio};
 use link_core::Frame;
 use link_core::frame::standard_id;
 
+use super::adapter::Adapter;
 use super::process::{Process, wait_for_listeners};
-use super::real_kernel::{Adapter, Interface, ip, run};
+use super::real_kernel::{Interface, ip, run};
 use super::witness::Witness;
 use crate::devicenet;
 
 #[test]
 #[ignore = "needs slcan"]
 fn a_listen_only_interface_is_told_before_anything_is_sent() {
-    let adapter = Adapter::new("slcan90");
+    let adapter = Adapter::attach("slcan90", &[]);
     adapter.set_up(&["bitrate", "125000", "listen-only", "on"]);
     for command in [
         &["scan", adapter.name][..],
@@ -38,7 +39,7 @@ fn a_listen_only_interface_is_told_before_anything_is_sent() {
 #[test]
 #[ignore = "needs slcan"]
 fn one_frame_confirms_the_bit_rate_of_a_controller() {
-    let mut adapter = Adapter::new("slcan91");
+    let mut adapter = Adapter::attach("slcan91", &[]);
     adapter.set_up(&["bitrate", "125000"]);
     let get = devicenet(&["get", adapter.name, "10", "1/1/1", "--allow-tx", "--listen", "10ms"]);
     assert_eq!(get.code(), 4, "{}", get.err());
@@ -47,8 +48,11 @@ fn one_frame_confirms_the_bit_rate_of_a_controller() {
     let mut slave = Process::start(&node);
     wait_for_listeners(adapter.name, 1);
     // A check of node 11 for its MAC ID.
-    adapter.receives("t45F700341246230000");
+    adapter.says("t45F700341246230000\r");
     slave.until("NonExistent -> SendingDupMac");
+    // Nothing was sent before that of the slave.
+    let heard = adapter.hears("t457700341245230000\r");
+    assert_eq!(heard.matches('t').count(), 1, "{heard}");
     assert_eq!(slave.interrupted().code, 0);
 }
 

@@ -1,5 +1,7 @@
 //! The same commands on interfaces of a real kernel, each node a process of its own.
 
+#[path = "../../../../transport-socketcan/tests/kernel/adapter.rs"]
+mod adapter;
 mod foreign;
 mod interruption;
 mod link;
