@@ -149,7 +149,8 @@ impl<'a> Identity<'a> {
         Ok(out.u16(word)?)
     }
 
-    fn reset(&self, call: &Call<'_>) -> Result<Effects, Failure> {
+    /// The service Reset of instance 1.
+    pub fn reset(&self, call: &Call<'_>) -> Result<Effects, Failure> {
         let kind = match call.data {
             [] => ResetType::POWER_CYCLE,
             [kind] => ResetType(*kind),

@@ -162,7 +162,7 @@ pub trait Object {
     /// True if the service Set_Attribute_Single is implemented for the instance: a service that is not is refused
     /// before the attribute is looked at. By default, if any attribute can be set.
     fn has_set(&self, instance: InstanceId) -> bool {
-        serve::rules(self, instance).is_some_and(|rules| rules.iter().any(AttributeRule::is_settable))
+        serve::is_any_settable(serve::rules(self, instance))
     }
 
     /// The instance that follows `instance`, in ascending order, beginning with what follows 0. By default, if

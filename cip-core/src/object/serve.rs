@@ -123,6 +123,12 @@ pub(super) fn rules<O: Object + ?Sized>(
     if instance.is_class() { Some(object.class_attributes()) } else { object.attributes(instance) }
 }
 
+/// One copy of it for all classes.
+#[inline(never)]
+pub(super) fn is_any_settable(rules: Option<&[AttributeRule]>) -> bool {
+    rules.unwrap_or_default().iter().any(AttributeRule::is_settable)
+}
+
 /// Writes the value of an attribute that the object has.
 pub(super) fn get<O: Object>(
     object: &O,

@@ -102,7 +102,8 @@ bitflags::bitflags! {
         /// [`network_status`](super::Slave::network_status), [`module_status`](super::Slave::module_status).
         const INDICATOR_EVENTS = 1 << 6;
         /// What a Connection object need not have: the services Delete, Apply_Attributes and Find_Next_Object_Instance, and
-        /// the Reset of all instances. With dynamic connections it has them all the same.
+        /// the Reset of all instances; with dynamic connections it has them all the same. Of Identity, Get_Attributes_All,
+        /// which a slave with a heartbeat has all the same.
         const OPTIONAL_SERVICES = 1 << 7;
         /// The events that only tell, and about which nothing has to be done: all of [network access](crate::access), and of
         /// the slave those of connections, allocation, attributes that were set, and frames that were ignored or not sent.
@@ -195,6 +196,14 @@ impl IoKind {
             Self::MulticastPoll => AllocationChoice::MULTICAST_POLL,
         };
         if A::IO.intersects(choice) { Some(self) } else { None }
+    }
+
+    /// The same, which the application offers. Where it offers no other, the compiler knows which it is.
+    pub(super) const fn known<A: Application>(self) -> Self {
+        match Self::all_offered::<A>() {
+            [only] => *only,
+            _ => self,
+        }
     }
 
     /// Those that the application offers, in the order of their instances; the compiler knows them too.

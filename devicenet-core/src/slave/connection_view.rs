@@ -10,6 +10,7 @@ use super::application::{Application, End, IoKind};
 use super::connection_object::{ConnectionObject, Which};
 use super::dynamic::Dynamic;
 use super::lines;
+use super::machine::changes;
 use super::node::Node;
 use crate::id::{Identifier, MacId};
 
@@ -63,7 +64,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> ConnectionView
     fn kind(&self) -> PredefinedConnection {
         match self.which {
             Which::Explicit | Which::Dynamic(_) => PredefinedConnection::Explicit,
-            Which::Io(kind) => self.node().io(kind).kind(),
+            Which::Io(kind) => match kind.known::<A>() {
+                IoKind::Poll if !changes::<A>() => PredefinedConnection::Poll,
+                IoKind::BitStrobe => PredefinedConnection::BitStrobe,
+                IoKind::MulticastPoll => PredefinedConnection::MulticastPoll,
+                kind @ (IoKind::Poll | IoKind::ChangeOfState) => self.node().io(kind).kind(),
+            },
         }
     }
 
@@ -78,7 +84,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> ConnectionView
         let own = self.mac();
         let id = match self.which {
             Which::Explicit => Some(Identifier::explicit_response(own)),
-            Which::Io(kind) => self.produces().then(|| lines::identifier(lines::of(kind), own)),
+            Which::Io(kind) => {
+                self.produces().then(|| lines::identifier::<A>(lines::of(kind.known::<A>()), own))
+            }
             Which::Dynamic(index) => self.dynamic(index).and_then(|one| one.produced(own)),
         };
         id.map_or(NO_ID, Identifier::raw)
@@ -88,7 +96,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> ConnectionView
         let own = self.mac();
         let id = match self.which {
             Which::Explicit => Some(Identifier::explicit_request(own)),
-            Which::Io(kind) => self.consumes().then(|| match kind {
+            Which::Io(kind) => self.consumes().then(|| match kind.known::<A>() {
                 IoKind::Poll => Identifier::poll_command(own),
                 IoKind::BitStrobe => Identifier::bit_strobe_command(self.node().master.unwrap_or(MacId::MIN)),
                 IoKind::ChangeOfState => Identifier::change_of_state_acknowledge(own),
@@ -141,9 +149,14 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> ConnectionView
 
     fn consumed_path(&self) -> ConnectionPath {
         match self.which {
-            Which::Io(IoKind::ChangeOfState) if self.consumes() => ConnectionPath::AcknowledgeHandler,
-            Which::Io(IoKind::ChangeOfState) | Which::Explicit | Which::Dynamic(_) => ConnectionPath::Empty,
-            Which::Io(kind) => self.path(kind, End::Consumed),
+            Which::Explicit | Which::Dynamic(_) => ConnectionPath::Empty,
+            Which::Io(kind) => match kind.known::<A>() {
+                IoKind::ChangeOfState if self.consumes() => ConnectionPath::AcknowledgeHandler,
+                IoKind::ChangeOfState => ConnectionPath::Empty,
+                kind @ (IoKind::Poll | IoKind::BitStrobe | IoKind::MulticastPoll) => {
+                    self.path(kind, End::Consumed)
+                }
+            },
         }
     }
 }

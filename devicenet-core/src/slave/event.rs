@@ -10,7 +10,7 @@ use cip_core::names::Operation;
 use cip_core::object::Effect;
 use link_core::{BitRate, Queue, TxOutcome};
 
-use super::application::{IoKind, IoMode};
+use super::application::{Application, IoKind, IoMode};
 use super::indicator::ModuleStatus;
 use crate::access::{AccessEvent, NetworkStatus};
 use crate::counter::count;
@@ -216,16 +216,12 @@ impl<Q: EventQueue> Events<Q> {
         self.received |= received_bit(connection);
     }
 
-    pub(super) fn pop(&mut self) -> Option<SlaveEvent> {
-        if self.received != 0 {
-            let kind = match self.received.trailing_zeros() {
-                0 => IoKind::Poll,
-                1 => IoKind::BitStrobe,
-                2 => IoKind::ChangeOfState,
-                _ => IoKind::MulticastPoll,
-            };
-            self.received &= !received_bit(kind);
-            return Some(SlaveEvent::Received(kind));
+    pub(super) fn pop<A: Application>(&mut self) -> Option<SlaveEvent> {
+        for &kind in IoKind::all_offered::<A>() {
+            if self.received & received_bit(kind) != 0 {
+                self.received &= !received_bit(kind);
+                return Some(SlaveEvent::Received(kind));
+            }
         }
         self.queue.pop()
     }

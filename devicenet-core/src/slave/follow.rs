@@ -61,7 +61,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     fn go_offline(&mut self, now: Instant) {
         self.look_for_errands();
         let dropped = self.access.is_off_the_bus();
-        self.node.lines.stop_all(dropped);
         self.node.lose_network();
         self.node.lines.stop_all(dropped);
         self.explicit.clear(&mut self.node.timers);

@@ -70,7 +70,7 @@ impl Lines {
         let due = if fragments::<A>() { self.due.union(self.continued) } else { self.due };
         let ready = due.intersection(all_of::<A>()).difference(self.in_flight);
         // Asked first, so that the compiler knows the only line of a device that has one.
-        if ready.is_empty() { None } else { io_of(ready) }
+        if ready.is_empty() { None } else { io_of::<A>(ready) }
     }
 
     /// An I/O message is to be sent; false if one is waiting already, with which it goes together.
@@ -175,26 +175,23 @@ const fn fragments<A: Application>() -> bool {
 }
 
 /// The identifier of a line.
-pub(super) fn identifier(line: Line, mac: MacId) -> Identifier {
-    match line {
-        Line::MULTICAST_POLL => Identifier::multicast_poll_response(mac),
-        Line::CHANGE_OF_STATE => Identifier::change_of_state(mac),
-        Line::BIT_STROBE => Identifier::bit_strobe_response(mac),
-        Line::POLL => Identifier::poll_response(mac),
-        Line::UCMM => Identifier::unconnected_response(mac),
-        _ => Identifier::explicit_response(mac),
+pub(super) fn identifier<A: Application>(line: Line, mac: MacId) -> Identifier {
+    match io_of::<A>(line) {
+        Some(IoKind::MulticastPoll) => Identifier::multicast_poll_response(mac),
+        Some(IoKind::ChangeOfState) => Identifier::change_of_state(mac),
+        Some(IoKind::BitStrobe) => Identifier::bit_strobe_response(mac),
+        Some(IoKind::Poll) => Identifier::poll_response(mac),
+        None if line == Line::UCMM => Identifier::unconnected_response(mac),
+        None => Identifier::explicit_response(mac),
     }
 }
 
 /// The I/O connection of the line of the highest priority; `None` if there is no line of I/O.
-pub(super) const fn io_of(lines: Line) -> Option<IoKind> {
-    Some(match lines.bits().trailing_zeros() {
-        0 => IoKind::MulticastPoll,
-        1 => IoKind::ChangeOfState,
-        2 => IoKind::BitStrobe,
-        3 => IoKind::Poll,
-        _ => return None,
-    })
+pub(super) fn io_of<A: Application>(lines: Line) -> Option<IoKind> {
+    let lines = lines.intersection(all_of::<A>());
+    [IoKind::MulticastPoll, IoKind::ChangeOfState, IoKind::BitStrobe, IoKind::Poll]
+        .into_iter()
+        .find(|&kind| lines.contains(of(kind)))
 }
 
 /// The token of the frames of a line: its bit, which is never that of network access.
@@ -206,7 +203,7 @@ pub(super) fn token(line: Line) -> TxToken {
 /// The line of a token.
 pub(super) fn line_of(token: TxToken) -> Option<Line> {
     let line = Line::from_bits(u8::try_from(token.0).ok()?)?;
-    (line.bits().count_ones() == 1).then_some(line)
+    line.bits().is_power_of_two().then_some(line)
 }
 
 /// The token of a connection that was opened dynamically.

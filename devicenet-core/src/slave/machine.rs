@@ -210,14 +210,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let wanted = self.node.lines.done(line)?;
         let sent = outcome == TxOutcome::Sent;
         if outcome == TxOutcome::Dropped && self.online {
-            self.not_sent(lines::identifier(line, self.access.mac_id()), outcome);
+            self.not_sent(lines::identifier::<A>(line, self.access.mac_id()), outcome);
         }
-        match lines::io_of(line) {
-            Some(kind) if wanted => {
-                if let Some(kind) = kind.offered::<A>() {
-                    self.produced(kind, sent);
-                }
-            }
+        match lines::io_of::<A>(line) {
+            Some(kind) if wanted => self.produced(kind, sent),
             // Of a connection that has ended since.
             Some(_) => {}
             None => self.explicit_done(now, line),

@@ -1,5 +1,6 @@
 //! What a slave sends and tells. It follows from its state; nothing but the answers of the unconnected ports is queued.
 
+use cip_core::codec::Writer;
 use cip_core::message::AllocationChoice;
 use link_core::{Action, Frame, Instant, LinkCommand, Mode, TxToken};
 
@@ -123,7 +124,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     fn send_io(&mut self, kind: IoKind) -> Option<Action<Event>> {
         self.node.lines.begin::<A>(kind);
         let line = lines::of(kind);
-        let id = lines::identifier(line, self.access.mac_id());
+        let id = lines::identifier::<A>(line, self.access.mac_id());
         Some(Action::Transmit(lines::token(line), self.produce(kind, id)?))
     }
 
@@ -163,7 +164,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// The next event: what was raised, then indicators that show something else.
     fn tell(&mut self) -> Option<SlaveEvent> {
-        if let Some(event) = self.node.events.pop() {
+        if let Some(event) = self.node.events.pop::<A>() {
             return Some(event);
         }
         if !A::PARTS.contains(Parts::INDICATOR_EVENTS) {
@@ -211,7 +212,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// The line that carries the explicit connection, the unconnected port, and without the UCMM the broadcasts.
     #[inline(never)]
     fn send_explicit(&mut self) -> Option<Action<Event>> {
-        let (sent, frame) = self.next_explicit(Identifier::explicit_response(self.access.mac_id()))?;
+        let mut field = [0; Frame::MAX_DATA];
+        let mut out = Writer::new(&mut field);
+        let sent = self.write_explicit(&mut out)?;
+        let frame = Identifier::explicit_response(self.access.mac_id()).frame(out.written())?;
         Some(self.explicit_action(sent, frame))
     }
 
@@ -223,19 +227,20 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     /// Acknowledges of fragments first, so that they precede the response.
-    fn next_explicit(&mut self, id: Identifier) -> Option<(Sent, Frame)> {
+    fn write_explicit(&mut self, out: &mut Writer<'_>) -> Option<Sent> {
         if !self.explicit.must_acknowledge()
             && self.is_answer_due(false)
             && let Some(answer) = self.take_answer(false)
         {
-            return Some((Sent::Unconnected, id.frame(&answer.field)?));
+            out.bytes(&answer.field).ok()?;
+            return Some(Sent::Unconnected);
         }
         if self.explicit.is_due() {
-            let (piece, frame) = self.explicit.take(id)?;
-            return Some((Sent::Piece(piece), frame));
+            return Some(Sent::Piece(self.explicit.write(out)?));
         }
         let (sent, field) = if DYNAMIC == 0 { self.take_broadcast()? } else { return None };
-        Some((sent, id.frame(&field)?))
+        out.bytes(&field).ok()?;
+        Some(sent)
     }
 
     /// A frame of the explicit line, or of that of the UCMM, is with the controller no longer.

@@ -1,16 +1,17 @@
 //! What answers an explicit request, whichever way it came.
 
-use cip_core::code::{ClassId, GeneralStatus, InstanceId, ServiceCode};
+use cip_core::code::{AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode};
 use cip_core::codec::Writer;
 use cip_core::fragment::IO_UNFRAGMENTED_LEN;
 use cip_core::identity::IdentityStatus;
 use cip_core::message::{AllocationChoice, BodyFormat, Request};
 use cip_core::object::{
-    AcknowledgeHandler, Call, Effect, Effects, Failure, Identity, ObjectSet, respond_with, serve,
+    AcknowledgeHandler, AttributeRule, Call, Effect, Effects, Failure, Identity, Object, ObjectSet,
+    respond_with, serve,
 };
 
 use super::allocation::Requester;
-use super::application::{Application, IoKind};
+use super::application::{Application, IoKind, Parts};
 use super::config::Options;
 use super::connection_object::ConnectionObject;
 use super::departure::Departure;
@@ -78,6 +79,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
     #[inline(never)]
     pub(super) fn perform(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
         respond_with(call, self.node.failures(), out, |out| match call.class {
+            ClassId::IDENTITY if !A::PARTS.intersects(Parts::OPTIONAL_SERVICES.union(Parts::HEARTBEAT)) => {
+                serve(&mut MandatoryIdentity(self.identity()), call, out)
+            }
             ClassId::IDENTITY => {
                 let mut identity = self.identity();
                 let effects = serve(&mut identity, call, out)?;
@@ -166,6 +170,29 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
 }
 
 /// A service that changes nothing.
+/// The Identity object without the services that it need not have.
+struct MandatoryIdentity<'a>(Identity<'a>);
+
+impl Object for MandatoryIdentity<'_> {
+    const CLASS: ClassId = ClassId::IDENTITY;
+
+    fn attributes(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
+        self.0.attributes(instance)
+    }
+
+    fn get(&self, instance: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
+        self.0.get(instance, attribute, out)
+    }
+
+    fn service(&mut self, call: &Call<'_>, _: &mut Writer<'_>) -> Result<Effects, Failure> {
+        if call.service == ServiceCode::RESET && !call.instance.is_class() {
+            self.0.reset(call)
+        } else {
+            Err(GeneralStatus::SERVICE_NOT_SUPPORTED.into())
+        }
+    }
+}
+
 /// The Identity object: what the application says, and what the slave knows.
 #[inline]
 pub(super) fn identity<'a, A: Application, const DYNAMIC: usize>(

@@ -33,7 +33,7 @@ pub(super) struct Transfer<const MESSAGE: usize> {
     message: Message<MESSAGE>,
     receive: ExplicitReceive,
     transmit: ExplicitTransmit,
-    /// Of the response, and of its fragments.
+    /// Of the response; its fragments have FRAG besides.
     header: u8,
     stage: Stage,
     acknowledge: Option<[u8; 3]>,
@@ -237,36 +237,41 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
             return None;
         }
         self.stage = Stage::Handed;
-        self.whole(id)
+        let [a, b, c, d, e, f, g] = *self.message.bytes.first_chunk()?;
+        let len = usize::from(self.message.len).saturating_add(1);
+        id.frame_of([self.header, a, b, c, d, e, f, g], len)
     }
 
     /// The next frame, under the identifier of the connection.
     pub(super) fn take(&mut self, id: Identifier) -> Option<(Piece, Frame)> {
+        let mut field = [0; Frame::MAX_DATA];
+        let mut out = Writer::new(&mut field);
+        let piece = self.write(&mut out)?;
+        Some((piece, id.frame(out.written())?))
+    }
+
+    /// Writes the data field of the next frame.
+    pub(super) fn write(&mut self, out: &mut Writer<'_>) -> Option<Piece> {
         if let Some(acknowledge) = self.acknowledge.take() {
-            return Some((Piece::Acknowledge, id.frame(&acknowledge)?));
+            out.bytes(&acknowledge).ok()?;
+            return Some(Piece::Acknowledge);
         }
         if !matches!(self.stage, Stage::Due | Stage::Again) {
             return None;
         }
         self.stage = Stage::Handed;
-        let frame = match self.transmit.fragment(self.message.body()) {
+        let data = match self.transmit.fragment(self.message.body()) {
             Some(fragment) => {
-                let header = ExplicitHeader { fragmented: true, ..ExplicitHeader::from(self.header) };
-                let mut field = [header.into(), fragment.byte.into(), 0, 0, 0, 0, 0, 0];
-                let (_, place) = field.split_at_mut_checked(2)?;
-                place.get_mut(..fragment.data.len())?.copy_from_slice(fragment.data);
-                id.frame_of(field, fragment.data.len().saturating_add(2))
+                out.bytes(&[self.header | FRAGMENT, fragment.byte.into()]).ok()?;
+                fragment.data
             }
-            None => self.whole(id),
+            None => {
+                out.u8(self.header).ok()?;
+                self.message.body()
+            }
         };
-        Some((Piece::Response, frame?))
-    }
-
-    #[inline]
-    fn whole(&self, id: Identifier) -> Option<Frame> {
-        let [a, b, c, d, e, f, g] = *self.message.bytes.first_chunk()?;
-        let len = usize::from(self.message.len).saturating_add(1);
-        id.frame_of([self.header, a, b, c, d, e, f, g], len)
+        out.bytes(data).ok()?;
+        Some(Piece::Response)
     }
 
     /// The frame that was handed out is with the controller no longer: sent, or given back.
@@ -392,6 +397,8 @@ fn short(len: usize) -> u16 {
     u16::try_from(len).unwrap_or(u16::MAX)
 }
 
+/// FRAG, in the header.
+const FRAGMENT: u8 = 0x80;
 /// T_ack: how long a fragment of a response waits for its acknowledge.
 const ACKNOWLEDGE_MILLIS: u32 = 1000;
 /// How long the last fragment of a request is known again.

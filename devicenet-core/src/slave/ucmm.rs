@@ -96,8 +96,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     fn ucmm_request(&mut self, client: MacId, field: &[u8]) -> Result<(), Ignored> {
         let (header, body) = complete_request(field)?;
         self.check_room()?;
-        let mut buffer = [0; 5];
-        let mut out = Writer::new(&mut buffer);
+        let mut field = [0; 6];
+        let mut out = Writer::new(&mut field);
+        // There is room for it.
+        let _ = out.u8(ExplicitHeader::complete(header.xid, client).into());
         let (service, data) = body.split_first().ok_or(Ignored::TooShort)?;
         let done = match ServiceCode(*service) {
             OPEN => self.open(client, data, &mut out),
@@ -107,11 +109,11 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         match done {
             Ok(()) => crate::counter::count(&mut self.node.events.counters.requests),
             Err(failure) => {
-                out.truncate(0);
+                out.truncate(1);
                 self.refuse(failure, &mut out);
             }
         }
-        self.queue(true, ExplicitHeader::complete(header.xid, client), out.written());
+        self.queue(true, out.written());
         Ok(())
     }
 

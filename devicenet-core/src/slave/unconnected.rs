@@ -48,8 +48,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     fn unconnected_request(&mut self, field: &[u8]) -> Result<(), Ignored> {
         let (header, body) = complete_request(field)?;
         self.check_room()?;
-        let mut buffer = [0; 4];
-        let mut out = Writer::new(&mut buffer);
+        let mut field = [0; 5];
+        let mut out = Writer::new(&mut field);
+        // There is room for it.
+        let _ = out.u8(ExplicitHeader::complete(header.xid, header.mac).into());
         match *body {
             [service, class, instance, ref data @ ..] => {
                 let (service, class) = (ServiceCode(service), ClassId(class.into()));
@@ -64,7 +66,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             }
             _ => return Err(Ignored::TooShort),
         }
-        self.queue(false, header, out.written());
+        self.queue(false, out.written());
         Ok(())
     }
 
@@ -82,11 +84,11 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     /// `header`: of the request, or with the MAC ID that the answer shall carry.
-    pub(super) fn queue(&mut self, ucmm: bool, header: ExplicitHeader, body: &[u8]) {
-        let mut field = Vec::new();
-        let answer = ExplicitHeader::complete(header.xid, header.mac);
-        let fits = field.push(answer.into()).is_ok() && field.extend_from_slice(body).is_ok();
-        debug_assert!(fits, "the answer of an unconnected port has up to six bytes");
+    pub(super) fn queue(&mut self, ucmm: bool, field: &[u8]) {
+        let Ok(field) = Vec::from_slice(field) else {
+            debug_assert!(false, "the answer of an unconnected port has up to six bytes");
+            return;
+        };
         // There is room: it was checked before the request was carried out.
         let _ = self.answers.push(Answer { ucmm, field });
     }

@@ -113,7 +113,7 @@ fn a_small_slave_answers_as_a_complete_one() {
     }
 }
 
-/// Delete, Apply_Attributes, Find_Next_Object_Instance, and the Reset of all instances.
+/// Delete, Apply_Attributes, Find_Next_Object_Instance, the Reset of all instances, Get_Attributes_All of Identity.
 #[test]
 fn a_small_slave_has_the_services_that_a_connection_must_have() {
     let mut complete = Bus::<Block, 0>::online(config(), block()).allocated(0x03);
@@ -128,9 +128,13 @@ fn a_small_slave_has_the_services_that_a_connection_must_have() {
         assert_eq!(answer[1], body[0] | 0x80);
         assert_eq!(small.response(), answer);
     }
-    for body in
-        [[0x05, 0x05, 0x00].as_slice(), &[0x0D, 0x05, 0x02], &[0x11, 0x05, 0x00, 9], &[0x09, 0x05, 0x02]]
-    {
+    for body in [
+        [0x05, 0x05, 0x00].as_slice(),
+        &[0x0D, 0x05, 0x02],
+        &[0x11, 0x05, 0x00, 9],
+        &[0x09, 0x05, 0x02],
+        &[0x01, 0x01, 0x01],
+    ] {
         small.hears(REQUEST, &[&[MASTER], body].concat());
         assert_eq!(small.response(), [MASTER, 0x94, 0x08, 0xFF], "{body:02X?}");
     }
