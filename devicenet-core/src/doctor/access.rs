@@ -236,17 +236,18 @@ impl<const N: usize> Clinic<'_, N> {
         self.look_at_rivals(now);
     }
 
-    /// The rival has got the MAC ID after all.
+    /// The rival has begun anew, nobody has objected, and it has got the MAC ID.
     fn look_at_rivals(&mut self, now: Instant) {
-        let records = self.records;
+        let (records, patients) = (self.records, &*self.patients);
         self.ledger.end_where(Rule::DuplicateMacId, now, |finding| {
             let (Some(mac), Facts::Rivals { rival: Some(rival), .. }) = (finding.node, finding.facts) else {
                 return false;
             };
-            let told = records.told(mac);
-            let is_its = told.vendor == Some(rival.vendor) && told.serial == Some(rival.serial);
-            let waited = now.saturating_since(finding.last) > BOTH_CHECK;
-            is_its && waited && records.access(mac, now) == AccessState::OnLine
+            let check = patients.get(mac.index()).and_then(|patient| patient.check);
+            let is_anew = check.is_some_and(|check| {
+                check.device == rival && check.seen.at.saturating_since(finding.last) > BEGINS_ANEW
+            });
+            is_anew && records.access(mac, now) == AccessState::OnLine
         });
     }
 }
@@ -267,8 +268,10 @@ const FAULTS: u16 = 0x0F00;
 const UNRECOVERABLE: u16 = 0x0A00;
 /// Attribute 4 of the DeviceNet object.
 const BUS_OFF_COUNTER: AttributeId = AttributeId(4);
-/// Two checks of two devices within this time are both under way.
-const BOTH_CHECK: Duration = Duration::from_secs(2);
+/// The wait after each check: another device that checks meanwhile meets one that is not on line yet.
+const BOTH_CHECK: Duration = Duration::from_secs(1);
+/// The second check follows the first within this time; one that comes later begins anew.
+const BEGINS_ANEW: Duration = Duration::from_millis(1_500);
 /// A node that restarts for so many times more than once is in trouble.
 const OFTEN: u32 = 2;
 const FEWEST_REQUESTS: u16 = 3;

@@ -12,7 +12,7 @@
 //! | [`NotFound`](Rule::NotFound) | a node never heard answers none of three requests for 2.5 s | it is heard | 78 | warning; error if it is expected |
 //! | [`SlowAnswers`](Rule::SlowAnswers) | from the first unanswered command to the answer 70 % of EPR x 4 | ten answers in time, or quiet | | warning |
 //! | [`MasterSilent`](Rule::MasterSilent) | the watchdog of a slave that has answered everything must have expired | its slaves are commanded, allocated or released | | error |
-//! | [`DuplicateMacId`](Rule::DuplicateMacId) | a duplicate MAC ID check response; two devices check within 2 s | one checks another MAC ID, or the second has got it | 70 | error |
+//! | [`DuplicateMacId`](Rule::DuplicateMacId) | a duplicate MAC ID check response; two devices check within 1 s | one checks another MAC ID, or the second has got it | 70 | error |
 //! | [`WaitingForRecovery`](Rule::WaitingForRecovery) | a device answers Who | it checks a MAC ID | | error |
 //! | [`Fault`](Rule::Fault) | a heartbeat with a fault, or a fault in the status of the Identity object | told otherwise | | warning; error if unrecoverable or for 10 s |
 //! | [`KeyMismatch`](Rule::KeyMismatch) | the identity differs from that [expected](SizedDoctor::expect) | it does not | 73 | error |
@@ -73,6 +73,8 @@ mod ledger;
 mod ownership;
 mod patient;
 mod rule;
+#[cfg(test)]
+mod tests;
 mod text;
 mod window;
 

@@ -1,0 +1,107 @@
+//! Load, errors, foreign traffic, and the controller that listens.
+
+use link_core::{BitRate, BusErrorKind, ExtendedId};
+
+use super::*;
+
+/// One-byte frames of 55 to 65 bits, so many in a hundred milliseconds, for three seconds at 125 kbit/s.
+fn load(frames: u64) -> Ward {
+    let mut ward = Ward::with(DoctorConfig { bit_rate: Some(BitRate::K125), ..DoctorConfig::default() });
+    for tenth in 0..30_u64 {
+        for frame in 0..frames {
+            let at = Instant::from_micros(tenth * 100_000 + frame * 100_000 / frames);
+            let frame = Identifier::change_of_state(mac(10)).frame(&[0x55]).unwrap();
+            ward.doctor.observe(&mut ward.monitor, at, tenth * 1_000 + frame.raw_id() as u64, &frame);
+        }
+    }
+    ward
+}
+
+#[test]
+fn a_bus_that_is_nearly_full() {
+    // 12 500 bits fit into a tenth of a second; one frame has 58 with the intermission.
+    let bits = Identifier::change_of_state(mac(10)).frame(&[0x55]).unwrap().bit_len() + 3;
+    let at_limit = 8_750 / u64::from(bits);
+    load(at_limit - 3).is_healthy();
+    let found = load(at_limit + 3).only(Rule::BusLoad);
+    assert!(found.to_string().starts_with("bus load up to 70.9"), "{found}");
+    // More than there is room for: that is not its bit rate.
+    load(400).is_healthy();
+}
+
+#[test]
+fn errors_now_and_then_are_normal_and_many_are_not() {
+    let mut ward = Ward::new();
+    for _ in 0..20 {
+        ward.link(LinkEvent::BusError(BusErrorKind::Stuff)).wait(2_000);
+    }
+    ward.is_healthy();
+    for _ in 0..20 {
+        ward.link(LinkEvent::BusError(BusErrorKind::Stuff)).wait(100);
+    }
+    assert_eq!(ward.only(Rule::ErrorFrames).severity, Severity::Warning);
+    for _ in 0..100 {
+        ward.link(LinkEvent::BusError(BusErrorKind::Form));
+    }
+    let found = ward.only(Rule::ErrorFrames);
+    assert_eq!(found.severity, Severity::Error);
+    assert!(found.to_string().ends_with("the last a form error"), "{found}");
+    ward.wait(12_000);
+    assert!(ward.only(Rule::ErrorFrames).is_over());
+}
+
+#[test]
+fn nobody_acknowledges() {
+    let mut ward = Ward::new();
+    for _ in 0..9 {
+        ward.link(LinkEvent::BusError(BusErrorKind::Ack));
+    }
+    ward.check(10, 0, 1);
+    for _ in 0..9 {
+        ward.link(LinkEvent::BusError(BusErrorKind::Ack));
+    }
+    ward.is_healthy();
+    ward.link(LinkEvent::BusError(BusErrorKind::Ack));
+    assert_eq!(ward.only(Rule::NotAcknowledged).scanner_status().map(|status| status.0), Some(79));
+    ward.check(10, 0, 1);
+    assert!(ward.only(Rule::NotAcknowledged).is_over());
+}
+
+#[test]
+fn the_controller_leaves_the_bus_and_comes_back() {
+    let mut ward = Ward::new();
+    ward.link(LinkEvent::ErrorWarning).link(LinkEvent::Counters { tec: 96, rec: 0 });
+    ward.is_healthy();
+    ward.link(LinkEvent::ErrorPassive);
+    assert_eq!(ward.only(Rule::ErrorPassive).to_string(), "the interface is error-passive");
+    ward.wait(5).link(LinkEvent::BusOff);
+    assert_eq!(ward.rules(), [Rule::ErrorPassive, Rule::BusOff]);
+    ward.wait(5).link(LinkEvent::Up);
+    assert!(ward.doctor.findings().all(Finding::is_over));
+    // The same of a node, where that can be known.
+    ward.doctor.link_of(Some(mac(7)), Instant::from_millis(60), None, LinkEvent::BusOff);
+    assert_eq!(ward.of(Rule::BusOff)[1].2, "node 7 is bus-off");
+}
+
+#[test]
+fn frames_that_are_not_devicenets() {
+    let mut ward = Ward::new();
+    ward.check(10, 0, 1);
+    ward.is_healthy();
+    let extended = Frame::new(ExtendedId::new(0x18FF_0001).unwrap(), &[]).unwrap();
+    ward.frame(&extended).id(0x7F0, &[]).id(0x7C0, &[]);
+    ward.doctor.can_fd(Instant::from_millis(ward.now), 99);
+    let found = ward.only(Rule::ForeignTraffic);
+    assert_eq!((found.count, found.evidence.frames()), (4, &[2, 3, 4, 99][..]));
+    assert_eq!(
+        found.to_string(),
+        "frames that are not DeviceNet's, the last with the format of CAN FD, 4 times"
+    );
+}
+
+#[test]
+fn frames_that_were_lost() {
+    let mut ward = Ward::new();
+    ward.link(LinkEvent::Overrun { lost: 3 }).link(LinkEvent::Overrun { lost: 4 });
+    assert_eq!(ward.only(Rule::Overrun).to_string(), "7 frames were lost before they were seen, 2 times");
+}
