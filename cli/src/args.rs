@@ -83,7 +83,7 @@ request that a response answers. Every channel of the recording is a bus of its 
 Exit codes:
   0  every line was read, and no frame shown has a problem; also when there is no frame, or none passes the filters,
      which a note on standard error says
-  1  some frame shown has a problem, or some line could not be read
+  1  some frame shown has a problem, some line could not be read, or the summary has a warning or an error
   2  wrong usage, not a recording, cut off or damaged; with --strict also a line that could not be read; what was read
      before is shown, summed up and recorded
 
@@ -122,8 +122,9 @@ pub struct DecodeArgs {
     /// The times of the lines, absolute unless told otherwise; JSON and copies have those of the recording
     #[arg(long, value_enum)]
     pub time: Option<TimeFormat>,
-    /// Instead of the frames, a summary: each node, each connection, each kind of problem; response times p50 and p99 have
-    /// two significant digits, the longest is exact
+    /// Instead of the frames, a summary: each node, each connection, what is wrong with the bus and what to check next, each
+    /// kind of problem; response times p50 and p99 have two significant digits, the longest is exact. What is wrong is found
+    /// in the whole recording, and shown if it is of the node and of the time that is shown
     #[arg(long)]
     pub summary: bool,
     /// Instead of the frames, the scan list of each master, rebuilt from its traffic: [[node.scan]] tables of a scenario.

@@ -4,8 +4,9 @@ use core::fmt;
 use core::time::Duration;
 
 use devicenet_core::MacId;
+use devicenet_core::doctor::{Doctor, DoctorConfig};
 use devicenet_core::monitor::{Detail, Kind, Monitor, MonitorConfig, Reading};
-use link_core::Instant;
+use link_core::{BitRate, Instant};
 
 use super::clock::Clock;
 use super::json;
@@ -25,6 +26,8 @@ pub struct Decoder {
     filter: Filter,
     /// One for each channel: every channel is a bus of its own.
     monitors: Vec<Box<Monitor>>,
+    /// One for each monitor, if there is to be a summary.
+    doctors: Vec<Box<Doctor>>,
     sheets: Sheets,
     view: View,
     node: Vec<u8>,
@@ -85,7 +88,7 @@ impl Decoder {
             }
         };
         let (filter, sheets) = (Filter::new(args), Sheets::default());
-        Self { filter, monitors: Vec::new(), sheets, view, node: Vec::new() }
+        Self { filter, monitors: Vec::new(), doctors: Vec::new(), sheets, view, node: Vec::new() }
     }
 
     /// The same, with names from Electronic Data Sheets.
@@ -99,11 +102,25 @@ impl Decoder {
     pub fn frame(&mut self, out: &mut Vec<u8>, frame: &RecordedFrame, channels: &Channels) -> Verdict {
         let bus = frame.channel.map_or(0, |channel| channel.index());
         let meaning = match &frame.content {
-            Content::Classic(classic) => Meaning::Read(
-                monitor(&mut self.monitors, bus, &self.sheets).observe(frame.at, frame.n, classic),
-            ),
-            Content::Error(error) => Meaning::Outside(Outside::Error(*error)),
-            Content::Fd(_) => Meaning::Outside(Outside::Fd),
+            Content::Classic(classic) => Meaning::Read(match doctor(&mut self.doctors, bus, &self.view) {
+                Some(doctor) => {
+                    let monitor = monitor(&mut self.monitors, bus, &self.sheets);
+                    doctor.observe(monitor, frame.at, frame.n, classic)
+                }
+                None => monitor(&mut self.monitors, bus, &self.sheets).observe(frame.at, frame.n, classic),
+            }),
+            Content::Error(error) => {
+                if let Some(doctor) = doctor(&mut self.doctors, bus, &self.view) {
+                    error.link_events().for_each(|event| doctor.link(frame.at, Some(frame.n), event));
+                }
+                Meaning::Outside(Outside::Error(*error))
+            }
+            Content::Fd(_) => {
+                if let Some(doctor) = doctor(&mut self.doctors, bus, &self.view) {
+                    doctor.can_fd(frame.at, frame.n);
+                }
+                Meaning::Outside(Outside::Fd)
+            }
         };
         let identified = meaning.reading().and_then(|reading| self.sheets.identified(reading));
         let allocated = match (&self.view, meaning.reading()) {
@@ -175,9 +192,21 @@ impl Decoder {
         for (bus, monitor) in self.monitors.iter().enumerate() {
             summary.learn(bus, monitor);
         }
+        for (bus, doctor) in self.doctors.iter().enumerate() {
+            summary.diagnose(bus, doctor, self.filter.mac);
+        }
         let name = |bus| channels.iter().nth(bus).unwrap_or(file).to_owned();
         let text = if *json { summary.json(name) } else { summary.text(name) };
         out.extend_from_slice(text.as_bytes());
+    }
+
+    /// How many findings of the summary are more than worth knowing; none before [`finish`](Self::finish).
+    #[must_use]
+    pub fn bad_findings(&self) -> u64 {
+        match &self.view {
+            View::Summary { summary, .. } => summary.bad_findings(),
+            View::Text { .. } | View::Json | View::ScanLists(_) | View::Silent => 0,
+        }
     }
 
     /// Says which Electronic Data Sheets were for nothing.
@@ -198,6 +227,17 @@ fn monitor<'a>(monitors: &'a mut Vec<Box<Monitor>>, bus: usize, sheets: &Sheets)
         monitors.push(monitor);
     }
     &mut monitors[bus]
+}
+
+/// The doctor of a bus, where one is wanted.
+fn doctor<'a>(doctors: &'a mut Vec<Box<Doctor>>, bus: usize, view: &View) -> Option<&'a mut Doctor> {
+    let View::Summary { summary, .. } = view else { return None };
+    while doctors.len() <= bus {
+        let mut config = DoctorConfig::default();
+        config.bit_rate = Some(BitRate(summary.bit_rate()));
+        doctors.push(Box::new(Doctor::new(config)));
+    }
+    doctors.get_mut(bus).map(|doctor| &mut **doctor)
 }
 
 /// The MAC ID of the sender, after the channel in a recording of several buses, all but the first of which are named.

@@ -53,7 +53,7 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
     let read = session.read(&mut recording, args.strict);
     let tally = session.tally;
     let file = session.file.clone();
-    let closed = session.close(&recording);
+    let (bad_findings, closed) = session.close(&recording);
     note_the_rest(&file, recording.notes());
     if tally.bad_lines > 0 {
         let what = match recording.format() {
@@ -79,7 +79,7 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
         }
         _ => {}
     }
-    Ok(if tally.bad_lines + tally.problems > 0 { Exit::Findings } else { Exit::Done })
+    Ok(if tally.bad_lines + tally.problems + bad_findings > 0 { Exit::Findings } else { Exit::Done })
 }
 
 /// What the reader should know besides the frames.
@@ -206,17 +206,18 @@ impl Session {
         }
     }
 
-    /// Shows what was still to be shown, however reading has ended.
-    fn close(mut self, recording: &Recording) -> Result<(), Failure> {
+    /// Shows what was still to be shown, however reading has ended, and tells how many findings of the summary are bad.
+    fn close(mut self, recording: &Recording) -> (u64, Result<(), Failure>) {
         let mut output = self.output.borrow_mut();
         self.decoder.finish(&mut output.buffer, recording.channels(), &self.file);
+        let bad_findings = self.decoder.bad_findings();
         let written = output.flush();
         drop(output);
         self.progress.finish();
         self.decoder.note_unused_sheets();
         let written = self.written(written);
         let copied = self.copy.take().map_or(Ok(()), Copy::finish);
-        written.and(copied)
+        (bad_findings, written.and(copied))
     }
 
     /// Whoever closes the pipe that the words go to does not want more of them, but the copy is to be complete.

@@ -30,6 +30,7 @@ mod error;
 mod fields;
 mod frame;
 mod lines;
+mod link_events;
 mod notes;
 mod pcap;
 mod pcapng;

@@ -1,12 +1,14 @@
 //! Findings as one flat object.
 
 use core::fmt;
+use core::time::Duration;
 
+use link_core::Instant;
 use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
 
 use super::finding::{Evidence, Finding};
 
-/// Absent fields are left out; times are nanoseconds:
+/// Absent fields are left out; times are seconds from the zero of the doctor's clock:
 ///
 /// `id`, `rule`, `severity`, `node`, `scanner_status`, `since`, `last`, `until`, `count`, `frames`, `facts`, `first_cause`,
 /// `text`, `advice`.
@@ -18,9 +20,9 @@ impl Serialize for Finding {
         map.serialize_entry("severity", &self.severity)?;
         optional(&mut map, "node", self.node)?;
         optional(&mut map, "scanner_status", self.scanner_status())?;
-        map.serialize_entry("since", &self.since)?;
-        map.serialize_entry("last", &self.last)?;
-        optional(&mut map, "until", self.until)?;
+        map.serialize_entry("since", &seconds(self.since))?;
+        map.serialize_entry("last", &seconds(self.last))?;
+        optional(&mut map, "until", self.until.map(seconds))?;
         map.serialize_entry("count", &self.count)?;
         map.serialize_entry("frames", &self.evidence)?;
         map.serialize_entry("facts", &self.facts)?;
@@ -37,6 +39,10 @@ impl Serialize for Evidence {
         self.frames().iter().try_for_each(|n| sequence.serialize_element(n))?;
         sequence.end()
     }
+}
+
+fn seconds(at: Instant) -> f64 {
+    Duration::from_nanos(at.as_nanos()).as_secs_f64()
 }
 
 fn optional<M: SerializeMap, T: Serialize>(

@@ -7,7 +7,7 @@ use super::{Connection, Count, Node, Summary};
 use crate::text::product_name;
 
 impl Summary {
-    /// As JSON, one object a line: first the bus, then its nodes, its connections, its problems.
+    /// As JSON, one object a line: first the bus, then its nodes, its connections, its findings, its problems.
     pub(in crate::decode) fn json(&self, channel: impl Fn(usize) -> String) -> String {
         let mut out = String::new();
         for (index, bus) in self.buses.iter().enumerate() {
@@ -31,6 +31,12 @@ impl Summary {
                     ..record("connection")
                 };
                 push(&Record { states, ..connection }.with_count(count, load(count)));
+            }
+            for finding in bus.findings.records(&channel) {
+                out += &line(&finding);
+            }
+            if let Some(forgotten) = bus.findings.forgotten(&channel) {
+                out += &line(&forgotten);
             }
             for problem in bus.problems.records(&channel) {
                 out += &line(&problem);

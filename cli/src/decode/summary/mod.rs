@@ -1,12 +1,15 @@
-//! `decode --summary`: what each node and each connection did, and which problems there were, in constant memory.
+//! `decode --summary`: what each node and each connection did, what is wrong with the bus, and which problems there were, in
+//! constant memory.
 
 mod connection;
+mod findings;
 mod json;
 mod problems;
 mod text;
 
 use core::time::Duration;
 
+use devicenet_core::doctor::Doctor;
 use devicenet_core::monitor::{ConnectionState, Kind, Monitor, NodeRecord};
 use link_core::Instant;
 
@@ -15,6 +18,7 @@ use crate::bus_time;
 use crate::histogram::Histogram;
 use crate::recording::{Content, RecordedFrame};
 use connection::ConnectionKey;
+use findings::Findings;
 use problems::Problems;
 
 /// The counts of a recording.
@@ -29,12 +33,15 @@ struct Bus {
     span: Option<(Instant, Instant)>,
     /// Of the first frame, which end before the span begins.
     first_bits: u32,
+    /// Decimals of a second that the recording gives.
+    digits: u8,
     total: Count,
     /// By MAC ID, and one more for frames whose sender is not known.
     nodes: Vec<Node>,
     /// Sorted by key.
     connections: Vec<(ConnectionKey, Connection)>,
     problems: Problems,
+    findings: Findings,
 }
 
 #[derive(Debug, Default)]
@@ -75,6 +82,10 @@ impl Summary {
         Self { bit_rate, buses: vec![Bus::new()] }
     }
 
+    pub(super) fn bit_rate(&self) -> u32 {
+        self.bit_rate
+    }
+
     /// Takes note of when a frame was on a bus, whether it is counted or not: a load is a part of the whole recording.
     pub(super) fn see_time(&mut self, bus: usize, frame: &RecordedFrame) {
         let bus = self.bus(bus);
@@ -82,6 +93,7 @@ impl Summary {
             bus.span = Some((first.min(frame.at), last.max(frame.at)));
         } else {
             bus.first_bits = bits_of(&frame.content);
+            bus.digits = frame.digits;
             bus.span = Some((frame.at, frame.at));
         }
     }
@@ -119,6 +131,19 @@ impl Summary {
         }
     }
 
+    /// Takes over what the doctor of a bus has found, of one node or of all, at the time that is shown.
+    pub(super) fn diagnose(&mut self, bus: usize, doctor: &Doctor, mac: Option<u8>) {
+        let bus = self.bus(bus);
+        if let Some(span) = bus.span {
+            bus.findings = Findings::of(doctor, bus.digits, mac, span);
+        }
+    }
+
+    /// How many findings are more than worth knowing.
+    pub(super) fn bad_findings(&self) -> u64 {
+        self.buses.iter().map(|bus| bus.findings.bad()).sum()
+    }
+
     fn bus(&mut self, index: usize) -> &mut Bus {
         if self.buses.len() <= index {
             self.buses.resize_with(index + 1, Bus::new);
@@ -133,10 +158,12 @@ impl Bus {
         Self {
             span: None,
             first_bits: 0,
+            digits: 0,
             total: Count::default(),
             nodes,
             connections: Vec::new(),
             problems: Problems::default(),
+            findings: Findings::default(),
         }
     }
 

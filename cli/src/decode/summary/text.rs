@@ -28,6 +28,9 @@ impl Summary {
             if bus.total.frames > 0 {
                 out += &format!("\n{}\n{}", self.node_table(bus), self.connection_table(bus));
             }
+            if !bus.findings.is_empty() {
+                out += &format!("\n{}", bus.findings);
+            }
             if !bus.problems.is_empty() {
                 out += &format!("\n{}", bus.problems.table());
             }
