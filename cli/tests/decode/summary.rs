@@ -181,3 +181,60 @@ fn the_bus_load_is_exact() {
     assert!((load - expected).abs() < 1e-12, "{load} instead of {expected}");
     assert_eq!(objects[0]["bit_rate"], 125_000);
 }
+
+/// Two polls without an answer, a second apart; the packet rate is not known.
+const SILENT: &str = "(1.000000) can0 455#01\n(1.000300) can0 3CA#02\n(2.000000) can0 455#01\n\
+                      (3.000000) can0 455#01\n(3.500000) can0 44D#01\n(3.500300) can0 3C9#01\n";
+
+#[test]
+fn the_summary_says_what_is_wrong_and_what_to_check_next() {
+    let output = run_with_input(&["decode", "--summary", "-"], SILENT);
+    let expected = "
+error    node 10 has not answered its polls for more than 1000 ms
+         since 2.000000, frames 3 4, code 72
+         check power, plug and drop cable of node 10, then its indicators: red is a duplicate MAC ID or bus-off, and takes a \
+                    power cycle
+";
+    assert!(stdout(&output).contains(expected), "{}", stdout(&output));
+    assert_exit(&output, 1);
+    let objects = json_lines(&run_with_input(&["decode", "--summary", "--json", "-"], SILENT));
+    let finding = objects.iter().find(|object| object["summary"] == "finding").unwrap();
+    for (field, value) in [
+        ("channel", serde_json::json!("can0")),
+        ("rule", serde_json::json!("not_answering")),
+        ("severity", serde_json::json!("error")),
+        ("node", serde_json::json!(10)),
+        ("scanner_status", serde_json::json!(72)),
+        ("since", serde_json::json!(2.0)),
+        ("frames", serde_json::json!([3, 4])),
+    ] {
+        assert_eq!(finding[field], value, "{field}");
+    }
+    assert!(finding["advice"].as_str().unwrap().starts_with("check power"), "{finding}");
+}
+
+/// Of the node and of the time that is shown.
+#[test]
+fn findings_obey_the_filters() {
+    for (filter, is_shown) in [
+        (&["--mac", "10"][..], true),
+        (&["--mac", "9"], false),
+        (&["--from", "2.2s"], true),
+        (&["--to", "900ms"], false),
+    ] {
+        let output = run_with_input(&[&["decode", "--summary"], filter, &["-"]].concat(), SILENT);
+        assert_eq!(stdout(&output).contains("error  "), is_shown, "{filter:?}");
+    }
+}
+
+/// A node that restarts in order is worth knowing, and no reason to fail.
+#[test]
+fn what_is_only_worth_knowing_is_no_finding_for_the_shell() {
+    let mut log = String::new();
+    for seconds in [1, 2, 10, 11] {
+        log += &format!("({seconds}.000000) can0 457#00341201000000\n");
+    }
+    let output = run_with_input(&["decode", "--summary", "-"], &log);
+    assert!(stdout(&output).contains("info     node 10 has restarted\n"), "{}", stdout(&output));
+    assert_exit(&output, 0);
+}

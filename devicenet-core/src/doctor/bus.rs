@@ -23,6 +23,8 @@ pub(super) struct Bus {
     last_kind: BusErrorKind,
     /// Missing acknowledges since the last good frame: when the first was, and how many.
     unacknowledged: Option<(Instant, u32)>,
+    /// The own controller takes no part in the bus: nothing is heard.
+    pub(super) is_blind: bool,
 }
 
 impl Bus {
@@ -33,6 +35,7 @@ impl Bus {
             first_error: None,
             last_kind: BusErrorKind::Other,
             unacknowledged: None,
+            is_blind: false,
         }
     }
 
@@ -110,6 +113,11 @@ impl Bus {
         }
     }
 
+    /// Nobody acknowledges, so that even those who try are not heard.
+    pub(super) const fn is_deaf(&self) -> bool {
+        self.unacknowledged.is_some()
+    }
+
     /// What a controller tells: that of a node, or the own one.
     pub(super) fn link<const N: usize>(
         &mut self,
@@ -122,6 +130,11 @@ impl Bus {
     ) {
         let sign =
             |rule, severity, facts| Sign { rule, severity, node, facts, since: at, at, frames: [n, None] };
+        match (node, event) {
+            (None, LinkEvent::BusOff | LinkEvent::Down) => self.is_blind = true,
+            (None, LinkEvent::Up) => self.is_blind = false,
+            _ => {}
+        }
         match event {
             LinkEvent::BusOff => {
                 ledger.see(&sign(Rule::BusOff, Severity::Error, Facts::None));
@@ -139,7 +152,7 @@ impl Bus {
                 let (since, count) = self.unacknowledged.unwrap_or((at, 0));
                 let count = count.saturating_add(1);
                 self.unacknowledged = Some((since, count));
-                if count >= MOST_UNACKNOWLEDGED {
+                if count >= MOST_UNACKNOWLEDGED && at.saturating_since(since) >= ALONE {
                     let facts = Facts::Errors { kind: BusErrorKind::Ack, in_window: count };
                     ledger.see(&Sign { since, ..sign(Rule::NotAcknowledged, Severity::Error, facts) });
                 }
@@ -207,6 +220,8 @@ const IMPOSSIBLE: u16 = 1_030;
 const HYSTERESIS: u16 = 50;
 /// Without a frame in between.
 const MOST_UNACKNOWLEDGED: u32 = 10;
+/// Whoever is switched on first is alone for a moment.
+const ALONE: Duration = Duration::from_secs(1);
 /// So many times the errors that are too many are an error and not a warning.
 const FLOOD: u32 = 10;
 /// Shorter than this nothing is looked at by time alone.

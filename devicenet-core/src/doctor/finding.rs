@@ -74,7 +74,7 @@ impl Evidence {
     }
 
     pub(super) fn add(&mut self, n: u64) {
-        if self.frames().last() == Some(&n) {
+        if self.frames().contains(&n) {
             return;
         }
         let place = usize::from(self.len).min(Self::CAPACITY.saturating_sub(1));

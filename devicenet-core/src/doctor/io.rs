@@ -135,7 +135,7 @@ impl<const N: usize> Clinic<'_, N> {
         self.event(rule, Severity::Warning, node, facts, seen);
     }
 
-    /// Which nodes are silent by now, and which masters.
+    /// Which nodes are silent by now.
     pub(super) fn look_at_io(&mut self, now: Instant) {
         for mac in MacId::all() {
             for which in COMMANDED {
@@ -149,7 +149,6 @@ impl<const N: usize> Clinic<'_, N> {
             }
             self.look_at_changes(mac, now);
         }
-        self.look_at_masters(now);
     }
 
     /// A slave that produces by change of state or cyclic does so at its expected packet rate at least.
@@ -165,7 +164,8 @@ impl<const N: usize> Clinic<'_, N> {
         self.silent(mac, which, active, patience, Seen { n: 0, at: now });
     }
 
-    fn look_at_masters(&mut self, now: Instant) {
+    /// Which masters are silent by now.
+    pub(super) fn look_at_masters(&mut self, now: Instant) {
         // By the number of the master, and one place for masters that are not known.
         let mut silent: [Option<Neglect>; MacId::COUNT + 1] = [None; MacId::COUNT + 1];
         let place_of = |master: Option<MacId>| master.map_or(MacId::COUNT, MacId::index);
@@ -201,6 +201,10 @@ impl<const N: usize> Clinic<'_, N> {
 
     /// Since when a slave waits for its master in vain, which it has always answered.
     fn neglected_since(&mut self, mac: MacId, now: Instant) -> Option<Instant> {
+        // The master asks for it, and it is the slave that is silent.
+        if self.patient(mac).asked.is_some() {
+            return None;
+        }
         let commanded = COMMANDED.into_iter().find_map(|which| {
             let lane = self.patient(mac).peek(which);
             lane.last.filter(|_| lane.since.is_none())?;

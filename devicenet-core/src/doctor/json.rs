@@ -1,7 +1,6 @@
 //! Findings as one flat object.
 
-use core::fmt;
-use core::time::Duration;
+use core::fmt::{self, Write as _};
 
 use link_core::Instant;
 use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
@@ -41,8 +40,13 @@ impl Serialize for Evidence {
     }
 }
 
+/// The nearest number to what stands in a trace. Computed, it would be off by a digit now and then.
 fn seconds(at: Instant) -> f64 {
-    Duration::from_nanos(at.as_nanos()).as_secs_f64()
+    let mut text = heapless::String::<TIME>::new();
+    match write!(text, "{at}") {
+        Ok(()) => text.parse().unwrap_or_default(),
+        Err(fmt::Error) => 0.0,
+    }
 }
 
 fn optional<M: SerializeMap, T: Serialize>(
@@ -61,3 +65,6 @@ impl<T: fmt::Display> Serialize for Words<T> {
         serializer.collect_str(&self.0)
     }
 }
+
+/// Characters of the latest moment that there is.
+const TIME: usize = 24;

@@ -195,7 +195,7 @@ impl<const N: usize> Ledger<N> {
         let precedes = |finding: &&Finding| {
             let is_near = finding.node.is_none() || finding.node == sign.node;
             let still = finding.until.is_none_or(|until| sign.since.saturating_since(until) <= AFTERMATH);
-            is_near && still && finding.since <= sign.at
+            is_near && still && finding.since <= sign.since
         };
         let known = |&cause: &Rule| self.findings().filter(precedes).any(|finding| finding.rule == cause);
         causes.iter().copied().find(known)

@@ -25,7 +25,7 @@
 //! | [`BusOff`](Rule::BusOff) | a controller is bus-off; a node tells a bus-off counter above 0 | it takes part again; the counter is 0 | 91 | error; warning |
 //! | [`ErrorPassive`](Rule::ErrorPassive) | a controller is error-passive | it is error-active | | warning |
 //! | [`ErrorFrames`](Rule::ErrorFrames) | 10 errors within 10 s | fewer than 5 | | warning; error from 100 |
-//! | [`NotAcknowledged`](Rule::NotAcknowledged) | ten missing acknowledges without a frame in between | a frame | 79 | error |
+//! | [`NotAcknowledged`](Rule::NotAcknowledged) | missing acknowledges for 1 s, ten at least, without a frame in between | a frame | 79 | error |
 //! | [`ForeignTraffic`](Rule::ForeignTraffic) | a 29-bit, remote or CAN FD frame, an identifier 0x7C0-0x7EB or 0x7F0-0x7FF | quiet | | warning |
 //! | [`BusLoad`](Rule::BusLoad) | more than 70 % of the last second, by the exact bits of the frames | below 65 % | | warning |
 //! | [`Overrun`](Rule::Overrun) | the controller has lost frames | quiet | 74 | warning |
@@ -177,6 +177,10 @@ impl<const N: usize> SizedDoctor<N> {
     pub fn link_of(&mut self, node: Option<MacId>, at: Instant, n: Option<u64>, event: LinkEvent) {
         self.now = self.now.max(at);
         self.bus.link(&self.config, &mut self.ledger, node, self.now, n, event);
+        if node.is_none() && event == LinkEvent::Up {
+            // What was said meanwhile was not heard.
+            self.patients.iter_mut().for_each(Patient::wait_anew);
+        }
     }
 
     /// Frame number `n` was one of CAN FD, which no monitor reads.
@@ -242,11 +246,18 @@ impl<const N: usize> SizedDoctor<N> {
         }
         self.look_at = now + LOOK_EVERY;
         self.bus.pass(&self.config, &mut self.ledger, now);
+        self.ledger.age(now, self.config.quiet_after, self.config.stuck_after);
+        if self.bus.is_blind {
+            return;
+        }
+        let is_deaf = self.bus.is_deaf();
         let mut clinic = self.clinic(records);
         clinic.look_at_io(now);
+        if !is_deaf {
+            clinic.look_at_masters(now);
+        }
         clinic.look_at_presence(now);
         clinic.look_at_ownership(now);
-        self.ledger.age(now, self.config.quiet_after, self.config.stuck_after);
     }
 
     fn clinic<'a>(&'a mut self, records: Records<'a>) -> Clinic<'a, N> {

@@ -37,7 +37,8 @@ impl<const N: usize> Clinic<'_, N> {
             return;
         }
         self.patient(mac).told = merged(before, told);
-        if let Some((field, expected, found)) = difference(before, told) {
+        let is_disputed = self.ledger.open(Rule::DuplicateMacId, Some(mac)).is_some();
+        if let Some((field, expected, found)) = difference(before, told).filter(|_| !is_disputed) {
             // A new device out of the box has MAC ID 63, and a replacement is told by its serial number alone.
             let is_usual = mac == MacId::DEFAULT || field == KeyField::SerialNumber;
             let severity = if is_usual { Severity::Info } else { Severity::Warning };

@@ -141,6 +141,12 @@ impl Patient {
         }
     }
 
+    /// Nothing was heard for a while: what waited for an answer waits no longer.
+    pub(super) fn wait_anew(&mut self) {
+        self.begin_anew();
+        (self.asked, self.unasked) = (None, None);
+    }
+
     /// Its connections begin anew.
     pub(super) fn begin_anew(&mut self) {
         self.lanes.iter_mut().for_each(|lane| {

@@ -53,15 +53,17 @@ fn errors_now_and_then_are_normal_and_many_are_not() {
 #[test]
 fn nobody_acknowledges() {
     let mut ward = Ward::new();
-    for _ in 0..9 {
-        ward.link(LinkEvent::BusError(BusErrorKind::Ack));
-    }
+    let alone = |ward: &mut Ward| {
+        for _ in 0..99 {
+            ward.link(LinkEvent::BusError(BusErrorKind::Ack)).wait(10);
+        }
+    };
+    // Switched on first.
+    alone(&mut ward);
     ward.check(10, 0, 1);
-    for _ in 0..9 {
-        ward.link(LinkEvent::BusError(BusErrorKind::Ack));
-    }
+    alone(&mut ward);
     ward.is_healthy();
-    ward.link(LinkEvent::BusError(BusErrorKind::Ack));
+    ward.wait(10).link(LinkEvent::BusError(BusErrorKind::Ack));
     assert_eq!(ward.only(Rule::NotAcknowledged).scanner_status().map(|status| status.0), Some(79));
     ward.check(10, 0, 1);
     assert!(ward.only(Rule::NotAcknowledged).is_over());

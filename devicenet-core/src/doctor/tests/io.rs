@@ -165,3 +165,26 @@ fn wrong_lengths_and_missing_fragments() {
         "node 10 sends fragment 2 of its I/O data after fragment 0"
     );
 }
+
+/// The master is there, but its frames are not: nobody acknowledges them. Then the slave is looked for.
+#[test]
+fn a_master_that_is_alone_is_not_silent() {
+    let mut ward = Ward::with_slave();
+    ward.poll().answer();
+    for _ in 0..200 {
+        ward.link(LinkEvent::BusError(link_core::BusErrorKind::Ack)).wait(10);
+    }
+    ward.group2(10, 6, &[1, 0x4B, 3, 1, 1, 1]).wait(100);
+    assert_eq!(ward.rules(), [Rule::NotAcknowledged]);
+}
+
+/// Whoever hears nothing cannot judge.
+#[test]
+fn a_listener_that_is_not_on_the_bus_finds_nobody_silent() {
+    for (leaves, expected) in [(LinkEvent::Down, &[][..]), (LinkEvent::BusOff, &[Rule::BusOff])] {
+        let mut ward = Ward::with_slave();
+        ward.poll().answer().poll().poll().link(leaves).wait(60_000).link(LinkEvent::Up).wait(100);
+        ward.poll().answer();
+        assert_eq!(ward.rules(), expected);
+    }
+}
