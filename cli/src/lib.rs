@@ -11,6 +11,7 @@
 //! | [`args`] | the command line |
 //! | [`decode`] | `devicenet decode` |
 //! | [`eds`] | `devicenet eds` |
+//! | [`health`] | what a doctor is told of a network beforehand |
 //! | [`live`] | `devicenet monitor`, `scan`, `get`, `set`, `slave`, `master`, `record`, `recover`: on an interface, on the simulated bus, over a recording |
 //! | [`recording`] | readers and writers of recordings of a CAN bus, streaming, the format found in the content |
 //! | [`scenario`] | scenario files: model, parser, diagnostics |
@@ -24,6 +25,7 @@ pub mod decode;
 pub mod eds;
 mod excerpt;
 pub mod exit;
+pub mod health;
 mod histogram;
 pub mod live;
 pub mod output;

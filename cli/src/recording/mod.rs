@@ -30,7 +30,6 @@ mod error;
 mod fields;
 mod frame;
 mod lines;
-mod link_events;
 mod notes;
 mod pcap;
 mod pcapng;

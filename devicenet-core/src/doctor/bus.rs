@@ -23,6 +23,8 @@ pub(super) struct Bus {
     last_kind: BusErrorKind,
     /// Missing acknowledges since the last good frame: when the first was, and how many.
     unacknowledged: Option<(Instant, u32)>,
+    /// When that was over last.
+    deaf_until: Instant,
     /// The own controller takes no part in the bus: nothing is heard.
     pub(super) is_blind: bool,
 }
@@ -35,6 +37,7 @@ impl Bus {
             first_error: None,
             last_kind: BusErrorKind::Other,
             unacknowledged: None,
+            deaf_until: Instant::ZERO,
             is_blind: false,
         }
     }
@@ -47,8 +50,11 @@ impl Bus {
         at: Instant,
         frame: &Frame,
     ) {
-        if self.unacknowledged.take().is_some() {
+        if let Some((_, count)) = self.unacknowledged.take() {
             ledger.end(Rule::NotAcknowledged, None, at);
+            if count >= MOST_UNACKNOWLEDGED {
+                self.deaf_until = at;
+            }
         }
         if config.bit_rate.is_some() {
             self.pass(config, ledger, at);
@@ -113,9 +119,9 @@ impl Bus {
         }
     }
 
-    /// Nobody acknowledges, so that even those who try are not heard.
-    pub(super) const fn is_deaf(&self) -> bool {
-        self.unacknowledged.is_some()
+    /// Up to when nobody has acknowledged, so that even those who tried were not heard.
+    pub(super) const fn deaf_until(&self, now: Instant) -> Instant {
+        if self.unacknowledged.is_some() { now } else { self.deaf_until }
     }
 
     /// What a controller tells: that of a node, or the own one.

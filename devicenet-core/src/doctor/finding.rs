@@ -51,6 +51,7 @@ impl Finding {
     pub const fn scanner_status(&self) -> Option<ScannerStatus> {
         match (self.rule, self.facts) {
             (Rule::BusOff, Facts::BusOffCount(_)) => None,
+            (Rule::IdentityChanged, _) if matches!(self.severity, Severity::Info) => None,
             _ => self.rule.scanner_status(),
         }
     }

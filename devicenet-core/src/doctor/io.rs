@@ -164,13 +164,14 @@ impl<const N: usize> Clinic<'_, N> {
         self.silent(mac, which, active, patience, Seen { n: 0, at: now });
     }
 
-    /// Which masters are silent by now.
-    pub(super) fn look_at_masters(&mut self, now: Instant) {
+    /// Which masters are silent by now, although they could be heard.
+    pub(super) fn look_at_masters(&mut self, now: Instant, deaf_until: Instant) {
         // By the number of the master, and one place for masters that are not known.
         let mut silent: [Option<Neglect>; MacId::COUNT + 1] = [None; MacId::COUNT + 1];
         let place_of = |master: Option<MacId>| master.map_or(MacId::COUNT, MacId::index);
         for mac in MacId::all() {
-            let Some(since) = self.neglected_since(mac, now) else { continue };
+            let since = self.neglected_since(mac, now).filter(|&since| since > deaf_until);
+            let Some(since) = since else { continue };
             let master = self.patient(mac).owner;
             if let Some(slot) = silent.get_mut(place_of(master)) {
                 let held = slot.get_or_insert(Neglect { master, slave: mac, slaves: 0, since });

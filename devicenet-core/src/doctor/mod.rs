@@ -157,6 +157,9 @@ impl<const N: usize> SizedDoctor<N> {
         n: u64,
         frame: &Frame,
     ) -> Reading<'m> {
+        // What time alone brings comes before the frame, which may be what puts an end to it.
+        self.now = self.now.max(at.preceding());
+        self.look(monitor.records());
         let (reading, records) = monitor.observe_with_records(at, n, frame);
         self.examine(&reading, records);
         reading
@@ -235,7 +238,6 @@ impl<const N: usize> SizedDoctor<N> {
         if let Some(foreign) = foreign {
             bus::foreign(&mut self.ledger, foreign, Seen { n: reading.n, at: self.now });
         }
-        self.look(records);
     }
 
     /// What time brings.
@@ -250,12 +252,10 @@ impl<const N: usize> SizedDoctor<N> {
         if self.bus.is_blind {
             return;
         }
-        let is_deaf = self.bus.is_deaf();
+        let deaf_until = self.bus.deaf_until(now);
         let mut clinic = self.clinic(records);
         clinic.look_at_io(now);
-        if !is_deaf {
-            clinic.look_at_masters(now);
-        }
+        clinic.look_at_masters(now, deaf_until);
         clinic.look_at_presence(now);
         clinic.look_at_ownership(now);
     }

@@ -2,7 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use crate::harness::{Line, decode, trace};
+use devicenet_core::doctor::{Doctor, DoctorConfig, Rule};
+use devicenet_core::monitor::{Monitor, MonitorConfig};
+
+use crate::harness::{Line, capture, decode, trace};
 
 /// Frame number and code of a problem.
 type Found = (u64, &'static str);
@@ -113,6 +116,30 @@ fn a_late_start_makes_no_problems() {
                 assert!(allowed.contains(&problem), "{name} from frame {}: {problem:?}", skipped + 1);
             }
         }
+    }
+}
+
+/// What a doctor finds in them; in all others, nothing.
+const FINDINGS: &[(&str, &[Rule])] = &[
+    // A twin of MAC ID 10.
+    ("session-two-slaves-on-vcan.log", &[Rule::DuplicateMacId]),
+    // Frames that are not DeviceNet.
+    ("candump-L-mixed.log", &[Rule::ForeignTraffic]),
+    ("socketcan-le-usec.pcap", &[Rule::ForeignTraffic]),
+    ("socketcan.pcapng", &[Rule::ForeignTraffic]),
+];
+
+#[test]
+fn no_false_alarms_in_captures() {
+    for (name, ..) in CAPTURES {
+        let mut monitor = Box::new(Monitor::new(MonitorConfig::default()));
+        let mut doctor = Box::new(Doctor::new(DoctorConfig::default()));
+        for (n, (at, frame)) in (1..).zip(capture(name)) {
+            doctor.observe(&mut monitor, at, n, &frame);
+        }
+        let found: Vec<Rule> = doctor.findings().map(|finding| finding.rule).collect();
+        let expected = FINDINGS.iter().find(|(listed, _)| listed == name).map_or(&[][..], |(_, rules)| rules);
+        assert_eq!(found, expected, "{name}");
     }
 }
 

@@ -13,6 +13,7 @@ mod actions;
 mod duplicate_mac;
 mod exchange;
 mod faults;
+mod health;
 mod network_access;
 mod reproducible;
 mod results;

@@ -1,0 +1,29 @@
+//! What a doctor is told of a network beforehand.
+
+use std::collections::BTreeMap;
+
+use devicenet_core::MacId;
+use devicenet_core::doctor::{Doctor, ExpectedNode};
+
+use crate::scenario::{Role, Scenario};
+
+/// Tells a doctor what the scan lists of a scenario say: which slaves there are, which devices they must be, and whose. The
+/// masters themselves are expected, too. A slave in two scan lists may be of either master.
+pub fn expect(doctor: &mut Doctor, scenario: &Scenario) {
+    let mut nodes: BTreeMap<MacId, ExpectedNode> = BTreeMap::new();
+    for node in &scenario.nodes {
+        let Role::Master(master) = &node.role else { continue };
+        let Some(own) = MacId::new(master.access.mac) else { continue };
+        nodes.entry(own).or_default();
+        for slave in &master.scan {
+            let expected = ExpectedNode { key: slave.entry.key, serial: None, master: Some(own) };
+            let held = nodes.entry(slave.entry.mac_id).or_insert(expected);
+            if held.master != expected.master {
+                held.master = None;
+            }
+        }
+    }
+    for (mac, node) in nodes {
+        doctor.expect(mac, node);
+    }
+}
