@@ -1,6 +1,8 @@
 //! A session through the passive decoder: it stays within bounds, every line and object is sound, what it puts together
-//! was sent, what it pairs came before, and the time of day makes no difference.
+//! was sent, what it pairs came before, and the time of day makes no difference. A doctor looks at it all the while: what it finds
+//! is sound, and told once.
 
+mod findings;
 mod session;
 
 use std::collections::HashMap;
@@ -13,30 +15,36 @@ use devicenet_core::monitor::{FragmentationGuess, Monitor, MonitorConfig, Predef
 use link_core::Instant;
 
 use crate::readings;
+use findings::Practice;
 use session::Sent;
 pub use session::session_bytes;
 
-/// Byte 0: bit 0 fragmented I/O is not guessed, bit 1 the sizes of a connection are told. Then a session.
+/// Byte 0: bit 0 fragmented I/O is not guessed, bit 1 the sizes of a connection are told, bits 2-3 which nodes belong to the
+/// network. Then a session.
 pub fn run(data: &[u8]) {
     let mut input = Unstructured::new(data);
     let Ok(options) = input.arbitrary::<u8>() else { return };
     let (mut monitor, mut later) = (new_monitor(options), new_monitor(options));
+    let (mut practice, mut same_practice) = (Practice::new(options), Practice::new(options));
     let sent = session::read(&mut input, MOST_FRAMES);
     let mut numbers = HashMap::new();
     for (index, Sent { at, frame }) in sent.iter().enumerate() {
         // The numbers of a recording, in which other frames lie between.
         let n = 2 * index as u64 + 1;
         numbers.insert(n, *at);
-        let reading = monitor.observe(START + *at, n, frame);
+        let reading = practice.observe(&mut monitor, START + *at, n, frame);
         let text = readings::judge(&reading, frame);
         check_request(&reading, &numbers, *at);
         check_message(&reading, &sent[..=index]);
-        let same = later.observe(MUCH_LATER + *at, n, frame);
+        let same = same_practice.observe(&mut later, MUCH_LATER + *at, n, frame);
         assert_eq!(same.to_string(), text, "at another time of day");
         assert_eq!(same.message.map(|message| message.data), reading.message.map(|message| message.data));
         assert_eq!(same.request, reading.request);
     }
     check_summary(&monitor, &sent);
+    practice.finish(&monitor, START, &numbers);
+    same_practice.finish(&later, MUCH_LATER, &numbers);
+    practice.finds_the_same(&same_practice);
 }
 
 fn new_monitor(options: u8) -> Box<Monitor> {
@@ -119,7 +127,8 @@ fn check_summary(monitor: &Monitor, sent: &[Sent]) {
 const MOST_FRAMES: usize = 256;
 const LONGEST_MESSAGE: usize = 512;
 const FRAGMENT_TIMEOUT: Duration = Duration::from_secs(3);
-const START: Instant = Instant::ZERO;
+/// Not zero, before which there is no moment.
+const START: Instant = Instant::from_millis(1_000);
 const MUCH_LATER: Instant = Instant::from_millis(1_700_000_000_000);
 
 #[cfg(test)]
