@@ -93,6 +93,7 @@ Examples:
   devicenet decode --from 5s --to 5.2s recording.log
   devicenet decode --time delta --kind poll_command recording.asc
   devicenet decode --summary --bit-rate 500k recording.log
+  devicenet decode --summary --expect line.toml recording.log
   devicenet decode --json recording.log | jq -r 'select(.problem) | [.n, .text] | @tsv'
   devicenet decode --mac 10 --record only-10.pcapng recording.log
   devicenet decode --eds valve.eds --eds 10=drive.eds recording.log
@@ -131,6 +132,10 @@ pub struct DecodeArgs {
     /// It is that of the whole recording
     #[arg(long, conflicts_with_all = ["summary", "mac", "kind", "from", "to"])]
     pub scanlist: bool,
+    /// For the summary: a scenario whose scan lists say which slaves belong to the bus, which devices they must be, and whose.
+    /// Others, and other masters, are told
+    #[arg(long, value_name = "FILE", requires = "summary")]
+    pub expect: Option<PathBuf>,
     /// The bit rate of the bus, from which the summary computes the bus load: 125k unless told otherwise
     #[arg(long, value_name = "RATE", value_parser = parse_bit_rate)]
     pub bit_rate: Option<u32>,

@@ -4,7 +4,7 @@ use core::fmt;
 use core::time::Duration;
 
 use devicenet_core::MacId;
-use devicenet_core::doctor::{Doctor, DoctorConfig};
+use devicenet_core::doctor::{Doctor, DoctorConfig, Intrusion};
 use devicenet_core::monitor::{Detail, Kind, Monitor, MonitorConfig, Reading};
 use link_core::{BitRate, Instant};
 
@@ -15,9 +15,10 @@ use super::scan_list::{self, ScanLists};
 use super::sheets::{Note, Sheets};
 use super::summary::Summary;
 use crate::args::DecodeArgs;
+use crate::health;
 use crate::output;
 use crate::recording::{Channels, Content, RecordedFrame};
-use crate::scenario::Time;
+use crate::scenario::{Scenario, Time};
 use crate::text::{printable, push_number};
 use crate::trace::{Emphasis, Trace};
 
@@ -28,6 +29,8 @@ pub struct Decoder {
     monitors: Vec<Box<Monitor>>,
     /// One for each monitor, if there is to be a summary.
     doctors: Vec<Box<Doctor>>,
+    /// What belongs to the network.
+    expected: Option<Scenario>,
     sheets: Sheets,
     view: View,
     node: Vec<u8>,
@@ -88,7 +91,15 @@ impl Decoder {
             }
         };
         let (filter, sheets) = (Filter::new(args), Sheets::default());
-        Self { filter, monitors: Vec::new(), doctors: Vec::new(), sheets, view, node: Vec::new() }
+        Self {
+            filter,
+            monitors: Vec::new(),
+            doctors: Vec::new(),
+            expected: None,
+            sheets,
+            view,
+            node: Vec::new(),
+        }
     }
 
     /// The same, with names from Electronic Data Sheets.
@@ -97,26 +108,36 @@ impl Decoder {
         Self { sheets, ..self }
     }
 
+    /// The same, with scan lists that say what belongs to the network.
+    #[must_use]
+    pub fn with_expected(self, expected: Option<Scenario>) -> Self {
+        Self { expected, ..self }
+    }
+
     /// Decodes a frame, and appends its line to `out` unless there is to be a summary.
     #[inline]
     pub fn frame(&mut self, out: &mut Vec<u8>, frame: &RecordedFrame, channels: &Channels) -> Verdict {
         let bus = frame.channel.map_or(0, |channel| channel.index());
         let meaning = match &frame.content {
-            Content::Classic(classic) => Meaning::Read(match doctor(&mut self.doctors, bus, &self.view) {
-                Some(doctor) => {
-                    let monitor = monitor(&mut self.monitors, bus, &self.sheets);
-                    doctor.observe(monitor, frame.at, frame.n, classic)
-                }
-                None => monitor(&mut self.monitors, bus, &self.sheets).observe(frame.at, frame.n, classic),
-            }),
+            Content::Classic(classic) => {
+                Meaning::Read(match doctor(&mut self.doctors, bus, &self.view, self.expected.as_ref()) {
+                    Some(doctor) => {
+                        let monitor = monitor(&mut self.monitors, bus, &self.sheets);
+                        doctor.observe(monitor, frame.at, frame.n, classic)
+                    }
+                    None => {
+                        monitor(&mut self.monitors, bus, &self.sheets).observe(frame.at, frame.n, classic)
+                    }
+                })
+            }
             Content::Error(error) => {
-                if let Some(doctor) = doctor(&mut self.doctors, bus, &self.view) {
+                if let Some(doctor) = doctor(&mut self.doctors, bus, &self.view, self.expected.as_ref()) {
                     error.link_events().for_each(|event| doctor.link(frame.at, Some(frame.n), event));
                 }
                 Meaning::Outside(Outside::Error(*error))
             }
             Content::Fd(_) => {
-                if let Some(doctor) = doctor(&mut self.doctors, bus, &self.view) {
+                if let Some(doctor) = doctor(&mut self.doctors, bus, &self.view, self.expected.as_ref()) {
                     doctor.can_fd(frame.at, frame.n);
                 }
                 Meaning::Outside(Outside::Fd)
@@ -230,12 +251,24 @@ fn monitor<'a>(monitors: &'a mut Vec<Box<Monitor>>, bus: usize, sheets: &Sheets)
 }
 
 /// The doctor of a bus, where one is wanted.
-fn doctor<'a>(doctors: &'a mut Vec<Box<Doctor>>, bus: usize, view: &View) -> Option<&'a mut Doctor> {
+fn doctor<'a>(
+    doctors: &'a mut Vec<Box<Doctor>>,
+    bus: usize,
+    view: &View,
+    expected: Option<&Scenario>,
+) -> Option<&'a mut Doctor> {
     let View::Summary { summary, .. } = view else { return None };
     while doctors.len() <= bus {
         let mut config = DoctorConfig::default();
         config.bit_rate = Some(BitRate(summary.bit_rate()));
-        doctors.push(Box::new(Doctor::new(config)));
+        if expected.is_some() {
+            config.intrusion = Intrusion::Expected;
+        }
+        let mut doctor = Box::new(Doctor::new(config));
+        if let Some(scenario) = expected {
+            health::expect(&mut doctor, scenario);
+        }
+        doctors.push(doctor);
     }
     doctors.get_mut(bus).map(|doctor| &mut **doctor)
 }

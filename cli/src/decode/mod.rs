@@ -21,6 +21,7 @@ use crate::args::{DecodeArgs, Protocol};
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Attentive, Output};
 use crate::recording::{Format, Notes, RecordedFrame, Recording, RecordingError};
+use crate::scenario::Scenario;
 use crate::standard::{at_most_one, is_standard, shown};
 use crate::text::count;
 use copy::Copy;
@@ -34,6 +35,8 @@ use progress::Progress;
 pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
     check(args, json)?;
     let sheets = Sheets::read(&args.eds)?;
+    let expected = args.expect.as_deref().map(Scenario::load).transpose();
+    let expected = expected.map_err(|error| Failure::Usage(error.to_string()))?;
     let file = shown(&args.file, "<stdin>");
     let output = Rc::new(RefCell::new(Output::new()));
     let recording = match is_standard(&args.file) {
@@ -43,7 +46,9 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
     let mut recording = recording.map_err(|error| unreadable(&file, error))?;
     let copy = args.record.as_deref().map(|path| Copy::create(path, &args.file)).transpose()?;
     let mut session = Session {
-        decoder: Decoder::new(args, json, output.borrow().is_coloured()).with_sheets(sheets),
+        decoder: Decoder::new(args, json, output.borrow().is_coloured())
+            .with_sheets(sheets)
+            .with_expected(expected),
         progress: Progress::new(args, &output.borrow()),
         output: Rc::clone(&output),
         copy,

@@ -238,3 +238,21 @@ fn what_is_only_worth_knowing_is_no_finding_for_the_shell() {
     assert!(stdout(&output).contains("info     node 10 has restarted\n"), "{}", stdout(&output));
     assert_exit(&output, 0);
 }
+
+/// What belongs to the bus is told by the scan lists of a scenario.
+#[test]
+fn strangers_and_wrong_devices_are_told_by_the_scan_lists() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let list = root.join("tests/scenarios/health/key_mismatch-not.toml").to_string_lossy().into_owned();
+    // Vendor 0x4321 at a MAC ID where the key says 0x1234, and a MAC ID that no scan list has.
+    let log = "(1.0) can0 457#00214301000000\n(2.0) can0 4A7#00341202000000\n";
+    let rules = |options: &[&str]| -> Vec<String> {
+        let output = run_with_input(&[&["decode", "--summary", "--json"], options, &["-"]].concat(), log);
+        let findings = json_lines(&output).into_iter().filter(|object| object["summary"] == "finding");
+        findings.map(|finding| finding["rule"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(rules(&["--expect", &list]), ["key_mismatch", "foreign_mac_id"]);
+    assert_eq!(rules(&[]), [""; 0]);
+    assert_exit(&run_with_input(&["decode", "--expect", &list, "-"], log), 2);
+    assert_exit(&run_with_input(&["decode", "--summary", "--expect", "no such file", "-"], log), 2);
+}
