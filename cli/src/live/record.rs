@@ -95,11 +95,11 @@ struct Capture {
 
 impl Recorder<'_> {
     fn run(&mut self, port: &mut LivePort) -> Result<(), PortError> {
-        let mut look_at = port.now();
+        let mut at = port.now();
         loop {
-            look_at += LOOK_EVERY;
-            let (at, input) = port.wait(Some(Deadline { at: look_at, why: "a look at the connections" }))?;
-            look_at = look_at.max(at);
+            let look = Deadline { at: at + LOOK_EVERY, why: "a look at the connections" };
+            let input;
+            (at, input) = port.wait(Some(look))?;
             self.see(at, input).map_err(PortError::Failed)?;
             if self.captured == self.args.count && self.capture.is_none() {
                 return Ok(());

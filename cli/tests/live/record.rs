@@ -110,6 +110,24 @@ fn a_bus_that_falls_silent_is_noticed() {
     assert!(run.err().contains("nothing was heard for 2s"), "{}", run.err());
 }
 
+/// Not only when there is a next frame, and as soon after a long time with frames as after a short one.
+#[test]
+fn a_bus_that_stays_silent_is_noticed_in_time() {
+    let path = file("stays-silent.log");
+    let arguments =
+        ["--trigger", "silence=2s", "--before", "1s", "--after", "1s", "-o", path.to_str().unwrap()];
+    let run = devicenet(&[&["record", "sim:silence.toml"][..], &arguments].concat());
+    assert_eq!(run.code(), 1, "{}", run.err());
+    let at: f64 = run
+        .err()
+        .lines()
+        .find_map(|line| {
+            line.strip_prefix("note: ")?.split_once(" s: nothing was heard for 2s")?.0.parse().ok()
+        })
+        .unwrap();
+    assert!((11.9..12.02).contains(&at), "{at}");
+}
+
 #[test]
 fn nothing_is_overwritten() {
     let path = file("kept.log");
