@@ -1,9 +1,9 @@
 //! Listening before talking: who is there, and whose.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 use devicenet_core::MacId;
-use devicenet_core::monitor::{Kind, Monitor, MonitorConfig, NodeRecord};
+use devicenet_core::monitor::{Kind, Monitor, MonitorConfig, NodeRecord, Reading};
 use link_core::machine::Deadline;
 use link_core::{Input, Instant, LinkEvent, Port};
 
@@ -17,8 +17,8 @@ pub(super) struct Heard {
     pub(super) frames: u64,
     /// Errors on the bus.
     pub(super) errors: u64,
-    /// Who is polled, strobed, or otherwise sent I/O, and when last.
-    polled: BTreeMap<MacId, Instant>,
+    /// Who has I/O with a master, be it only the half of it that was heard.
+    slaves: BTreeSet<MacId>,
     link: Link,
 }
 
@@ -33,7 +33,7 @@ pub(super) enum Link {
 impl Heard {
     pub(super) fn new() -> Self {
         let monitor = Box::new(Monitor::new(MonitorConfig::default()));
-        Self { monitor, frames: 0, errors: 0, polled: BTreeMap::new(), link: Link::Down }
+        Self { monitor, frames: 0, errors: 0, slaves: BTreeSet::new(), link: Link::Down }
     }
 
     /// Takes note of an input.
@@ -42,9 +42,7 @@ impl Heard {
             Input::Frame(frame) => {
                 self.frames += 1;
                 let reading = self.monitor.observe(at, self.frames, &frame);
-                if let (Kind::PollCommand | Kind::CosCyclic, Some(slave)) = (reading.kind, reading.dst) {
-                    self.polled.insert(slave, at);
-                }
+                self.slaves.extend(slave(&reading));
             }
             Input::Link(LinkEvent::BusError(_)) => self.errors += 1,
             Input::Link(LinkEvent::Up) => self.link = Link::Up,
@@ -92,7 +90,23 @@ impl Heard {
     /// Another master that has the node, or `None` in its place if it is not known who sends it its data.
     pub(super) fn master_of(&self, mac: MacId) -> Option<Option<MacId>> {
         let master = self.node(mac).and_then(|node| node.master);
-        if master.is_some() || self.polled.contains_key(&mac) { Some(master) } else { None }
+        if master.is_some() || self.slaves.contains(&mac) { Some(master) } else { None }
+    }
+}
+
+/// The slave that a frame of I/O comes from or goes to. A strobe or a multicast poll is for several.
+fn slave(reading: &Reading<'_>) -> Option<MacId> {
+    match reading.kind {
+        Kind::PollCommand
+        | Kind::PollResponse
+        | Kind::BitStrobeResponse
+        | Kind::MulticastPollResponse
+        | Kind::CosCyclic
+        | Kind::CosCyclicAck => {
+            // In the predefined connection set a slave produces in Group 1, and consumes in Group 2.
+            if reading.group == Some(1) { reading.src } else { reading.dst }
+        }
+        _ => None,
     }
 }
 
@@ -141,5 +155,42 @@ mod tests {
         let mut heard = Heard::new();
         heard.listen(&mut Crowded(Instant::ZERO), Instant::from_millis(10)).unwrap();
         assert_eq!(heard.frames, 11);
+    }
+
+    fn heard(frames: &[(u16, &[u8])]) -> Heard {
+        let mut heard = Heard::new();
+        for (n, (id, data)) in (0..).zip(frames) {
+            let frame = Frame::new(standard_id(*id), data).unwrap();
+            heard.note(Instant::from_millis(n), Input::Frame(frame));
+        }
+        heard
+    }
+
+    /// Identifiers of the predefined connection set (CIP Vol. 3, chapter 3), for a slave with MAC ID 10.
+    #[test]
+    fn half_of_the_io_shows_that_a_slave_has_a_master() {
+        for (id, what) in [
+            (0x455, "poll command"),
+            (0x3CA, "poll response"),
+            (0x38A, "bit-strobe response"),
+            (0x30A, "multicast poll response"),
+            (0x34A, "change of state"),
+            (0x452, "its acknowledge"),
+        ] {
+            assert_eq!(heard(&[(id, &[1])]).master_of(mac(10)), Some(None), "{what}");
+        }
+        assert_eq!(heard(&[(0x457, &[0, 0x34, 0x12, 1, 0, 0, 0])]).master_of(mac(10)), None, "a check");
+    }
+
+    #[test]
+    fn who_is_sent_a_change_of_state_is_no_slave() {
+        // Allocate explicit, change of state, without acknowledge; then the slave produces.
+        let heard = heard(&[(0x456, &[1, 0x4B, 3, 1, 0x51, 1]), (0x453, &[1, 0xCB, 0]), (0x34A, &[0x55])]);
+        assert_eq!(heard.master_of(mac(10)), Some(Some(mac(1))));
+        assert_eq!(heard.master_of(mac(1)), None);
+    }
+
+    fn mac(number: u8) -> MacId {
+        MacId::new(number).unwrap()
     }
 }
