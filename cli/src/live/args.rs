@@ -106,6 +106,7 @@ Examples:
   devicenet record can0
   devicenet record can0 --trigger timeout=10 --before 5s --after 5s -o drop.pcapng
   devicenet record can0 --trigger kind=explicit_response,data=??94 --count 3
+  devicenet record can0 --trigger duplicate -o - | devicenet decode -
   devicenet record sim:line.toml --trigger silence=2s")]
 pub struct RecordArgs {
     /// A CAN interface such as can0, sim:FILE for a scenario, log:FILE for a recording
@@ -122,7 +123,7 @@ pub struct RecordArgs {
     /// How many recordings to make; with several the files are numbered
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub count: u32,
-    /// Where to: pcapng for a name that ends so, else a candump log
+    /// Where to: pcapng for a name that ends so, else a candump log; `-` is standard output
     #[arg(long, short = 'o', value_name = "FILE", default_value = "record.log")]
     pub output: PathBuf,
     /// How long to listen; without, until all is recorded or Ctrl-C

@@ -18,8 +18,7 @@ pub(super) struct LivePort {
     bus: Bus,
     /// Of a scenario.
     bit_rate: Option<BitRate>,
-    /// Waiting ends here.
-    until: Instant,
+    end: End,
     /// So does it when this is set.
     interrupted: Option<&'static AtomicBool>,
     /// The latest that was told.
@@ -32,6 +31,24 @@ enum Bus {
     Interface(Box<transport_socketcan::SocketCanPort>),
     Simulated(Box<NetworkPort<NodeEvent, Ignore>>),
     Recorded(Box<Recorded>),
+}
+
+/// When waiting ends.
+struct End {
+    at: Instant,
+    /// What came later. It is told when there is time again: with a [`Input::TxDone`] a machine can go on.
+    late: Option<(Instant, Input)>,
+}
+
+impl End {
+    /// Lets an input pass, unless it came too late: on a bus that is faster than this program there is always one more.
+    fn admit(&mut self, input: (Instant, Input)) -> Result<(Instant, Input), PortError> {
+        if input.0 <= self.at {
+            return Ok(input);
+        }
+        self.late = Some(input);
+        Err(PortError::Over)
+    }
 }
 
 /// Why waiting ends.
@@ -49,7 +66,8 @@ impl LivePort {
         Self::with(endpoint, NodeConfig::named("devicenet"), max_in_flight)
     }
 
-    /// Opens an endpoint to listen to: on the simulated bus nothing is changed by it, not even by an acknowledge.
+    /// Opens an endpoint to listen to: nothing can be sent, and on the simulated bus nothing is changed by it, not even by an
+    /// acknowledge.
     pub(super) fn open_listen_only(endpoint: &Endpoint) -> Result<Self, Failure> {
         let config = NodeConfig { listen_only: true, ..NodeConfig::named("devicenet") };
         Self::with(endpoint, config, NONE_IN_FLIGHT)
@@ -58,7 +76,7 @@ impl LivePort {
     fn with(endpoint: &Endpoint, config: NodeConfig, max_in_flight: usize) -> Result<Self, Failure> {
         let mut bit_rate = None;
         let bus = match endpoint {
-            Endpoint::Interface(name) => interface(name)?,
+            Endpoint::Interface(name) => interface(name, config.listen_only)?,
             Endpoint::Scenario(path) => {
                 let scenario = Scenario::load(path).map_err(|error| Failure::Usage(error.to_string()))?;
                 let network = simulate::network(&scenario);
@@ -73,7 +91,7 @@ impl LivePort {
         Ok(Self {
             bus,
             bit_rate,
-            until: Instant::MAX,
+            end: End { at: Instant::MAX, late: None },
             interrupted: None,
             #[cfg(target_os = "linux")]
             refusal: None,
@@ -81,8 +99,8 @@ impl LivePort {
     }
 
     /// Sets the moment at which waiting ends.
-    pub(super) const fn set_end(&mut self, until: Instant) {
-        self.until = until;
+    pub(super) const fn set_end(&mut self, at: Instant) {
+        self.end.at = at;
     }
 
     /// Ends waiting when somebody interrupts the command.
@@ -98,7 +116,7 @@ impl LivePort {
     /// Interrupted or not, there is this much time to come to an end.
     pub(super) fn end_within(&mut self, span: Duration) {
         self.interrupted = None;
-        self.until = self.now() + span;
+        self.end.at = self.now() + span;
     }
 
     fn wait_for_the_bus(&mut self, deadline: Option<Deadline>) -> Result<(Instant, Input), PortError> {
@@ -148,9 +166,10 @@ impl LivePort {
 }
 
 #[cfg(target_os = "linux")]
-fn interface(name: &str) -> Result<Bus, Failure> {
+fn interface(name: &str, listen_only: bool) -> Result<Bus, Failure> {
     use transport_socketcan::{Error, SocketCanPort};
-    let port = SocketCanPort::open(name).map_err(|error| match error {
+    let open = if listen_only { SocketCanPort::open_listen_only } else { SocketCanPort::open };
+    let port = open(name).map_err(|error| match error {
         Error::NoInterface { .. } | Error::NotCan { .. } if std::path::Path::new(name).is_file() => {
             Failure::Usage(format!(
                 "{name} is a file: write log:{name} for a recording, sim:{name} for a scenario"
@@ -162,7 +181,7 @@ fn interface(name: &str) -> Result<Bus, Failure> {
 }
 
 #[cfg(not(target_os = "linux"))]
-fn interface(name: &str) -> Result<Bus, Failure> {
+fn interface(name: &str, _: bool) -> Result<Bus, Failure> {
     Err(Failure::Transport(format!("{name}: CAN interfaces are supported on Linux only")))
 }
 
@@ -215,7 +234,10 @@ impl Port for LivePort {
     }
 
     fn wait(&mut self, deadline: Option<Deadline>) -> Result<(Instant, Input), PortError> {
-        let end = Deadline { at: self.until, why: "the end" };
+        if let Some(late) = self.end.late.take() {
+            return self.end.admit(late);
+        }
+        let end = Deadline { at: self.end.at, why: "the end" };
         let is_last = deadline.is_none_or(|deadline| end.at < deadline.at);
         let deadline = Deadline::earlier(deadline, Some(end)).filter(|deadline| deadline.at < Instant::MAX);
         loop {
@@ -227,9 +249,7 @@ impl Port for LivePort {
             match self.wait_for_the_bus(Deadline::earlier(deadline, look))? {
                 (now, Input::Tick) if deadline.is_none_or(|deadline| now < deadline.at) => {}
                 (_, Input::Tick) if is_last => return Err(PortError::Over),
-                // On a bus that is faster than this program there is always one more.
-                (now, _) if now > end.at => return Err(PortError::Over),
-                other => return Ok(other),
+                input => return self.end.admit(input),
             }
         }
     }
@@ -243,4 +263,27 @@ fn failed(error: transport_socketcan::Error) -> PortError {
 /// How often an interruption is looked for. Longer than the short wait of a socket, which is one call of the kernel.
 const LOOK_AFTER: Duration = Duration::from_millis(200);
 /// How many frames a machine may have in flight when only listening.
-pub(super) const NONE_IN_FLIGHT: usize = 0;
+const NONE_IN_FLIGHT: usize = 0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// A command that runs late reads what came after its end, and has something to do still.
+    #[test]
+    fn what_came_after_the_end_is_told_when_there_is_time_again() {
+        let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/live/two.toml");
+        let mut port = LivePort::open(&Endpoint::Scenario(scenario), 1).ok().unwrap();
+        let frame = loop {
+            if let input @ (_, Input::Frame(_)) = port.wait(None).unwrap() {
+                break input;
+            }
+        };
+        port.set_end(Instant::ZERO);
+        assert!(matches!(port.end.admit(frame), Err(PortError::Over)));
+        assert!(matches!(port.wait(None), Err(PortError::Over)), "there is no more time yet");
+        port.set_end(Instant::MAX);
+        assert_eq!(port.wait(None).unwrap(), frame);
+    }
+}

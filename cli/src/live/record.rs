@@ -3,7 +3,7 @@
 use core::time::Duration;
 use std::collections::VecDeque;
 use std::fs::File;
-use std::io::{self, BufWriter};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -12,12 +12,13 @@ use link_core::{Input, Instant, LinkEvent, Port as _};
 
 use super::args::RecordArgs;
 use super::endpoint::Endpoint;
-use super::port::{LivePort, NONE_IN_FLIGHT, PortError};
+use super::port::{LivePort, PortError};
 use super::trigger::{Cause, LOOK_EVERY, Trigger, Watch};
 use crate::exit::{Exit, Failure};
 use crate::output;
 use crate::recording::{Content, ErrorFrame, WriteFormat, Writer};
 use crate::simulate;
+use crate::standard::{is_standard, shown};
 use crate::text::count;
 
 /// Records what leads to an event and what follows from it.
@@ -25,14 +26,15 @@ use crate::text::count;
 /// # Errors
 /// [`Failure`] when the endpoint cannot be used, or a file cannot be written.
 pub fn record(args: &RecordArgs) -> Result<Exit, Failure> {
-    if let Some(path) = (1..=args.count).map(|n| args.file_name(n)).find(|path| path.exists()) {
+    let mut files = (1..=args.count).map(|n| args.file_name(n)).filter(|path| !is_standard(path));
+    if let Some(path) = files.find(|path| path.exists()) {
         return Err(Failure::Usage(format!(
             "{} exists already: name another file with --output",
             path.display()
         )));
     }
     let interrupted = simulate::interruption()?;
-    let mut port = LivePort::open(&args.endpoint, NONE_IN_FLIGHT)?;
+    let mut port = LivePort::open_listen_only(&args.endpoint)?;
     port.set_interruption(interrupted);
     let now = port.now();
     if let Some(span) = args.span {
@@ -63,7 +65,7 @@ pub fn record(args: &RecordArgs) -> Result<Exit, Failure> {
 impl RecordArgs {
     /// The file of the n-th recording, from 1: with its number if there may be several.
     fn file_name(&self, n: u32) -> PathBuf {
-        if self.count == 1 {
+        if self.count == 1 || is_standard(&self.output) {
             return self.output.clone();
         }
         let stem = self.output.file_stem().unwrap_or_default().to_string_lossy();
@@ -88,7 +90,7 @@ struct Recorder<'a> {
 
 struct Capture {
     path: PathBuf,
-    writer: Writer<BufWriter<File>>,
+    writer: Writer<BufWriter<Box<dyn Write>>>,
     until: Instant,
     frames: u64,
 }
@@ -138,8 +140,8 @@ impl Recorder<'_> {
     fn begin(&mut self, at: Instant, cause: &Cause) -> Result<(), Failure> {
         self.captured += 1;
         let path = self.args.file_name(self.captured);
-        output::note(format_args!("{at:.3} s: {cause}; recording to {}", path.display()));
-        let writer = create(&path).map_err(|error| unwritable(&path, &error))?;
+        output::note(format_args!("{at:.3} s: {cause}; recording to {}", shown(&path, STDOUT)));
+        let writer = create(&path).map_err(|error| unwritable(&path, error))?;
         let mut capture = Capture { path, writer, until: at + self.args.after.0, frames: 0 };
         let oldest = at.saturating_sub(self.args.before.0);
         for (at, content) in self.ring.drain(..).filter(|(at, _)| *at >= oldest) {
@@ -152,8 +154,8 @@ impl Recorder<'_> {
     /// Ends the recording that is under way.
     fn finish(&mut self) -> Result<(), Failure> {
         let Some(Capture { path, writer, frames, .. }) = self.capture.take() else { return Ok(()) };
-        writer.finish().map_err(|error| unwritable(&path, &error))?;
-        output::note(format_args!("{}: {}", path.display(), count(frames, "frame")));
+        writer.finish().map_err(|error| unwritable(&path, error))?;
+        output::note(format_args!("{}: {}", shown(&path, STDOUT), count(frames, "frame")));
         Ok(())
     }
 }
@@ -172,7 +174,7 @@ impl Capture {
             Endpoint::Recording(_) => "log0",
         };
         self.frames += 1;
-        self.writer.write(at + zero, DIGITS, channel, content).map_err(|error| unwritable(&self.path, &error))
+        self.writer.write(at + zero, DIGITS, channel, content).map_err(|error| unwritable(&self.path, error))
     }
 }
 
@@ -199,12 +201,17 @@ fn content(input: Input) -> Option<Content> {
     }
 }
 
-fn create(path: &Path) -> io::Result<Writer<BufWriter<File>>> {
+fn create(path: &Path) -> io::Result<Writer<BufWriter<Box<dyn Write>>>> {
     let format = WriteFormat::of_name(&path.to_string_lossy());
-    Writer::new(BufWriter::new(File::create_new(path)?), format)
+    let out: Box<dyn Write> =
+        if is_standard(path) { Box::new(io::stdout()) } else { Box::new(File::create_new(path)?) };
+    Writer::new(BufWriter::new(out), format)
 }
 
-fn unwritable(path: &Path, error: &io::Error) -> Failure {
+fn unwritable(path: &Path, error: io::Error) -> Failure {
+    if is_standard(path) {
+        return Failure::Output(error);
+    }
     Failure::Usage(format!("{}: {error}", path.display()))
 }
 
@@ -215,5 +222,7 @@ const DEFAULT: [Trigger; 4] =
 const CLASS_BUS_OFF: u32 = 0x40;
 /// Two minutes of a full bus at 1 Mbit/s, in 50 megabytes.
 const MOST_FRAMES: usize = 1_000_000;
+/// Standard output, in messages.
+const STDOUT: &str = "<stdout>";
 /// Nanoseconds.
 const DIGITS: u8 = 9;

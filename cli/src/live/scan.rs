@@ -13,7 +13,7 @@ use super::attribute::AttributePath;
 use super::endpoint::Endpoint;
 use super::listen::Heard;
 use super::permit;
-use super::port::{LivePort, NONE_IN_FLIGHT};
+use super::port::LivePort;
 use super::visit::{Answer, Question, Report, Visitor};
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Output};
@@ -34,8 +34,7 @@ pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
         Endpoint::Recording(_) => false,
     };
     let (heard, reports) = if is_active {
-        let what =
-            "to each node that no master owns Allocate, Get_Attribute_Single of Identity 1 to 7, Release";
+        let what = "to each node that no master owns Allocate, Get_Attribute_Single of Identity 1 to 4, 6 and 7, Release";
         let mut visitor = Visitor::new(endpoint, own);
         let (mut port, heard) = permit::enter(endpoint, &node.permit, own, what, visitor.max_in_flight())?;
         for mac in MacId::all().filter(|mac| *mac != own && heard.master_of(*mac).is_none()) {
@@ -47,7 +46,7 @@ pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
         // Ctrl-C ends listening, and what was heard is told.
         let is_live = matches!(endpoint, Endpoint::Interface(_));
         let interrupted = is_live.then(simulate::interruption).transpose()?;
-        let mut port = LivePort::open(endpoint, NONE_IN_FLIGHT)?;
+        let mut port = LivePort::open_listen_only(endpoint)?;
         if let Some(interrupted) = interrupted {
             port.set_interruption(interrupted);
         }

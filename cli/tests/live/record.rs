@@ -110,6 +110,26 @@ fn a_bus_that_falls_silent_is_noticed() {
     assert!(run.err().contains("nothing was heard for 2s"), "{}", run.err());
 }
 
+#[test]
+fn a_recording_goes_to_standard_output() {
+    let path = file("as-on-standard-output.log");
+    assert_eq!(record(&path, &["--trigger", "timeout"]).code(), 1);
+    let run = devicenet(&["record", "sim:drop.toml", "--trigger", "timeout", "--output", "-"]);
+    assert_eq!(run.code(), 1, "{}", run.err());
+    assert_eq!(run.out(), std::fs::read_to_string(&path).unwrap());
+    assert!(run.err().contains("recording to <stdout>\n"), "{}", run.err());
+}
+
+/// A frame that nobody but the recorder could acknowledge is not acknowledged: its sender ends it with an error flag.
+#[test]
+fn who_records_changes_nothing_on_the_bus() {
+    let path = file("lone.log");
+    let arguments = ["--trigger", "error", "--for", "20s", "-o", path.to_str().unwrap()];
+    let run = devicenet(&[&["record", "sim:late.toml"][..], &arguments].concat());
+    assert_eq!(run.code(), 1, "{}", run.err());
+    assert!(run.err().contains("note: 15.000 s: form error; recording to"), "{}", run.err());
+}
+
 /// Not only when there is a next frame, and as soon after a long time with frames as after a short one.
 #[test]
 fn a_bus_that_stays_silent_is_noticed_in_time() {
