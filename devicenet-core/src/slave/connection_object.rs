@@ -121,14 +121,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
             }
             18 => {
                 let [code] = exact(value)?;
-                let multiplier = TimeoutMultiplier(code);
-                match which {
-                    Which::Explicit => self.server.node.explicit.settings_mut().set_multiplier(multiplier),
-                    Which::Io(kind) => {
-                        self.server.node.io_mut(kind).settings_mut().set_multiplier(multiplier)
-                    }
-                    Which::Dynamic(index) => self.dynamic(index)?.settings_mut().set_multiplier(multiplier),
-                }?;
+                let settings = match which {
+                    Which::Explicit => self.server.node.explicit.settings_mut(),
+                    Which::Io(kind) => self.server.node.io_mut(kind).settings_mut(),
+                    Which::Dynamic(index) => self.dynamic(index)?.settings_mut(),
+                };
+                settings.set_multiplier(TimeoutMultiplier(code))?;
             }
             _ => return Err(NOT_SETTABLE),
         }
@@ -190,8 +188,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
 
     /// Attribute 5 of instance 5: the group whose command is consumed, while the connection is being configured.
     fn set_multicast_group(&mut self, which: Which, value: &[u8]) -> Result<(), Failure> {
-        let Which::Io(kind @ IoKind::MulticastPoll) = which else { return Err(NOT_SETTABLE) };
-        if self.server.node.io(kind).state() != IoState::Configuring {
+        let Which::Io(kind) = which else { return Err(NOT_SETTABLE) };
+        let kind = kind.known::<A>();
+        if kind != IoKind::MulticastPoll || self.server.node.io(kind).state() != IoState::Configuring {
             return Err(NOT_SETTABLE);
         }
         let id = u16::from_le_bytes(exact(value)?);

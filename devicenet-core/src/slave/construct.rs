@@ -73,7 +73,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let device = application.identity().device;
         let (vendor, serial) = (device.vendor, device.serial);
         let identity = application.identity();
-        let module = ModuleStatus::of(identity.state.unwrap_or(DeviceState::OPERATIONAL), identity.status);
+        // What was told last: without that part nothing ever is.
+        let module = if A::PARTS.contains(Parts::INDICATOR_EVENTS) {
+            ModuleStatus::of(identity.state.unwrap_or(DeviceState::OPERATIONAL), identity.status)
+        } else {
+            ModuleStatus::Off
+        };
         let node = Node::new(&config);
         let mut access = config.access;
         access.offline_set &= A::PARTS.contains(Parts::OFFLINE_SET);
