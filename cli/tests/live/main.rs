@@ -14,6 +14,8 @@ mod monitor;
 mod record;
 mod recover;
 mod scan;
+#[cfg(target_os = "linux")]
+mod terminal;
 mod usage;
 
 use std::process::{Command, Output};

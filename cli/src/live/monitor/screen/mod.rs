@@ -10,6 +10,7 @@ mod view;
 use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
 use std::io;
+use std::path::Path;
 
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{self, Event};
@@ -40,11 +41,21 @@ pub(super) fn run(
         Endpoint::Interface(_) => Player::live(),
         Endpoint::Scenario(_) | Endpoint::Recording(_) => Player::recorded(args.span.is_none()),
     };
-    let screen = Screen { title: args.endpoint.to_string(), player, view: View::default(), theme };
+    let screen = Screen { title: title(&args.endpoint), player, view: View::default(), theme };
     let ended = screen.run(&mut terminal.0, port, model, interrupted);
     drop(terminal);
     drop(held);
     ended
+}
+
+/// Of a file its name is enough.
+fn title(endpoint: &Endpoint) -> String {
+    let name = |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    match endpoint {
+        Endpoint::Interface(interface) => interface.clone(),
+        Endpoint::Scenario(path) => format!("sim:{}", name(path)),
+        Endpoint::Recording(path) => format!("log:{}", name(path)),
+    }
 }
 
 /// What a frame of the screen is drawn from.

@@ -173,6 +173,8 @@ impl Player {
                 }
                 Err(PortError::Failed(failure)) => return Err(failure),
                 Err(PortError::Over) => {
+                    // The silence before the end counts.
+                    model.see(port.now(), Input::Tick, |_| {});
                     self.is_over = !self.stays;
                     self.playback = Playback::Ended;
                     break;

@@ -29,8 +29,8 @@ struct Session {
 impl Session {
     fn open(scenario: &str) -> Self {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/");
-        let title = format!("sim:{}", scenario.rsplit('/').next().unwrap());
         let endpoint: Endpoint = format!("sim:{folder}{scenario}").parse().unwrap();
+        let title = super::title(&endpoint);
         let port = LivePort::open_listen_only(&endpoint).unwrap();
         let model = Model::new(port.bit_rate().unwrap_or(BitRate::K125));
         let playback = Playback::Playing(Speed::Times(1));
