@@ -1,0 +1,107 @@
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
+//! `monitor` on a full bus: memory that does not grow with time.
+//!
+//! `cargo test --release -p devicenet-cli --test memory -- --ignored --nocapture` watches a whole day.
+
+use std::fmt::Write as _;
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+use clap::Parser as _;
+use devicenet_cli::args::Cli;
+use peak_alloc::PeakAlloc;
+
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
+
+/// After seconds every table has its size: half a minute needs no more than a third of it. Of the difference that is allowed,
+/// all is the length of numbers in the summary.
+#[test]
+fn a_longer_time_needs_no_more_memory() {
+    let [short, long] = ["10s", "30s"].map(|span| watch(8, span).peak);
+    assert!(long <= short + SLACK, "{long} bytes instead of {short}");
+}
+
+#[test]
+#[ignore = "takes minutes in release mode"]
+fn a_day_needs_no_more_memory_than_a_minute() {
+    let begin = Instant::now();
+    let minute = watch(62, "60s");
+    let day = watch(62, "24h");
+    let (frames, load) = (day.summary["frames"].clone(), day.summary["load_total"]["all"].as_f64().unwrap());
+    println!(
+        "24 h, {frames} frames, load {:.2} %: {} bytes at most, {} after a minute; {:.0} s",
+        load * 100.0,
+        day.peak,
+        minute.peak,
+        begin.elapsed().as_secs_f64()
+    );
+    assert!(
+        load > 0.95 && day.peak <= minute.peak + SLACK,
+        "{load}, {} instead of {}",
+        day.peak,
+        minute.peak
+    );
+}
+
+/// What was needed, and the last summary.
+struct Watched {
+    peak: usize,
+    summary: serde_json::Value,
+}
+
+/// A process of its own watches a full bus for a time.
+fn watch(slaves: u8, span: &str) -> Watched {
+    let path = format!("{}/full-{slaves}-{span}.toml", env!("CARGO_TARGET_TMPDIR"));
+    std::fs::write(&path, scenario(slaves)).unwrap();
+    let child = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "the_process_that_is_measured", "--ignored", "--nocapture"])
+        .env("DEVICENET_WATCH", format!("sim:{path} {span}"))
+        .stderr(Stdio::piped())
+        .output()
+        .unwrap();
+    let (out, err) = (String::from_utf8(child.stdout).unwrap(), String::from_utf8(child.stderr).unwrap());
+    let peak = err.lines().find_map(|line| line.strip_prefix("peak ")).unwrap_or_else(|| panic!("{err}"));
+    let last = out.lines().rfind(|line| line.contains("\"last\":true")).unwrap();
+    let summary = serde_json::from_str(last).unwrap();
+    Watched { peak: peak.parse().unwrap(), summary }
+}
+
+#[test]
+#[ignore = "is called by the others"]
+fn the_process_that_is_measured() {
+    let Ok(arguments) = std::env::var("DEVICENET_WATCH") else { return };
+    let (endpoint, span) = arguments.split_once(' ').unwrap();
+    let command = ["devicenet", "monitor", endpoint, "--json", "--for", span, "--interval", span];
+    devicenet_cli::run(&Cli::parse_from(command)).unwrap();
+    eprintln!("peak {}", MEMORY.peak_usage());
+}
+
+/// A master that polls its slaves without a pause: the bus is never idle.
+fn scenario(slaves: u8) -> String {
+    let mut text = String::from("[bus]\nbit_rate = 125_000\nduration = \"24h\"\n");
+    for mac in 1..=slaves {
+        let identity = format!(
+            "{{ vendor = 0x1234, device_type = 0, product = 1, revision = [1, 1], serial = {mac}, name = \"slave {mac}\" }}"
+        );
+        writeln!(
+            text,
+            "[[node]]\nname = \"slave-{mac}\"\nprotocol = \"devicenet\"\nrole = \"slave\"\nmac = {mac}\n\
+             identity = {identity}\npoll = {{ produce = 2, consume = 2 }}"
+        )
+        .unwrap();
+    }
+    text += "[[node]]\nname = \"scanner\"\nprotocol = \"devicenet\"\nrole = \"master\"\nmac = 0\ninterscan_delay = \"0s\"\n\
+             identity = { vendor = 0x1234, device_type = 12, product = 2, revision = [1, 1], serial = 99, name = \"scanner\" }\n";
+    for mac in 1..=slaves {
+        writeln!(
+            text,
+            "[[node.scan]]\nmac = {mac}\npoll = {{ produce = 2, consume = 2 }}\nepr = \"200ms\"\noutput = \"0102\""
+        )
+        .unwrap();
+    }
+    text
+}
+
+/// Bytes.
+const SLACK: usize = 512;
