@@ -97,6 +97,22 @@ fn a_plant_in_order() {
     assert!(session.screen(59, 16).contains("This terminal is too small"));
 }
 
+/// The picture in the README.
+#[test]
+fn a_plant_in_trouble() {
+    let screen = Session::open(PLANT).until(13_500).screen(80, 24);
+    assert_screen!(
+        "screen__trouble",
+        "a node without power, another that comes back, a third repaired",
+        screen
+    );
+    let readme = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../README.md")).unwrap();
+    let lines = screen.lines().map(|line| line.trim_matches('"').trim_end());
+    for line in lines {
+        assert!(readme.lines().any(|other| other == line), "not drawn so in the README: {line}");
+    }
+}
+
 #[test]
 fn a_bus_before_anybody_speaks() {
     let session = Session::open("tests/live/late.toml").until(500);

@@ -31,12 +31,15 @@ pub(super) fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, area: Rect) {
     };
     let mut lines =
         vec![line("all", picture.load.all, theme.bar(picture.load.all), recent.iter().map(all).collect())];
-    let mut used: Vec<Purpose> =
-        Purpose::ALL.into_iter().filter(|purpose| picture.total.by_purpose[purpose.index()] > 0.0).collect();
-    // The largest first, if there is no room for all.
-    if used.len() + 1 > usize::from(inner.height) {
-        let share = |purpose: &Purpose| picture.total.by_purpose[purpose.index()];
-        used.sort_by(|a, b| share(b).total_cmp(&share(a)));
+    let share = |purpose: &Purpose| picture.total.by_purpose[purpose.index()];
+    let mut used: Vec<Purpose> = Purpose::ALL.into_iter().filter(|purpose| share(purpose) > 0.0).collect();
+    // Without room for all, the smallest are left out.
+    while used.len() + 1 > usize::from(inner.height) {
+        let smallest = used.iter().enumerate().min_by(|(_, a), (_, b)| share(a).total_cmp(&share(b)));
+        match smallest.map(|(place, _)| place) {
+            Some(place) => _ = used.remove(place),
+            None => break,
+        }
     }
     for purpose in used {
         let style = match purpose {

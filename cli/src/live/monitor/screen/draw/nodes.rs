@@ -10,7 +10,7 @@ use super::{nothing, pane};
 use crate::live::monitor::model::{NodePicture, words};
 use crate::live::monitor::screen::Scene;
 use crate::live::monitor::screen::view::Focus;
-use crate::live::monitor::words::{clock, connections, device, fit, or_dash, percent, time};
+use crate::live::monitor::words::{connections, device, fit, or_dash, percent, time};
 
 pub(super) fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, area: Rect) {
     let Scene { theme, view, picture, .. } = scene;
@@ -50,10 +50,7 @@ fn row<'a>(scene: &Scene<'_>, node: &NodePicture, widths: &Widths) -> Row<'a> {
     }
     let fault = view.fault(picture, node.mac()).map_or_else(Span::default, |fault| {
         let title = fault.finding.rule.words();
-        let words = match fault.until {
-            None => title.to_owned(),
-            Some(until) => format!("{title}, over {}", clock(until)),
-        };
+        let words = if fault.is_over() { format!("over: {title}") } else { title.to_owned() };
         let style = if fault.is_over() { theme.dim() } else { theme.severity(fault.finding.severity) };
         Span::styled(fit(&words, widths.fault.into()), style)
     });
