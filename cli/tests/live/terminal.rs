@@ -81,6 +81,19 @@ impl Terminal {
         }
     }
 
+    /// The same, when nothing is drawn any more: a picture does not come in one piece.
+    #[track_caller]
+    fn settled(&self, what: &str, is_there: impl Fn(&str) -> bool) -> String {
+        let mut screen = self.until(what, &is_there);
+        let mut same = 0;
+        while same < OFTEN {
+            let next = self.until(what, &is_there);
+            same = if next == screen { same + 1 } else { 0 };
+            screen = next;
+        }
+        screen
+    }
+
     /// The exit code, when the program has ended; then the terminal is as it was.
     #[track_caller]
     fn ended(&self) -> String {
@@ -104,6 +117,8 @@ impl Drop for Terminal {
     }
 }
 
+/// Looks at the screen, of which each takes some milliseconds.
+const OFTEN: u32 = 30;
 /// It takes a fraction of it, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 const RECORDING: &str = "log:../../../tests/captures/slave-01-startup-poll.log";
@@ -114,10 +129,11 @@ fn a_recording_is_watched_to_its_end_and_looked_at() {
     let terminal = Terminal::open("recording", &[], &[RECORDING]);
     terminal.until("the beginning", |screen| screen.contains("playing 1x"));
     terminal.press(&["+", "+", "+"]);
-    let end = terminal.until("the end", |screen| screen.contains("END"));
+    let end = terminal
+        .settled("the end", |screen| screen.contains("END") && screen.contains("net access    0.0 %"));
     assert_screen!("terminal__end", "a recording that has come to its end", end);
     terminal.press(&["Down", "Enter"]);
-    let detail = terminal.until("the details", |screen| screen.contains("watchdog"));
+    let detail = terminal.settled("the details", |screen| screen.contains("watchdog"));
     assert_screen!("terminal__detail", "the node that was polled", detail);
     terminal.press(&["?"]);
     terminal.until("the help", |screen| screen.contains("from the nodes to the findings and back"));
@@ -151,7 +167,7 @@ fn a_scenario_is_paused_and_goes_step_by_step() {
     terminal.until("a step", |screen| screen.lines().next() != Some(&before));
     // At full speed to the end; what was wrong on the way is there.
     terminal.press(&["+", "+", "+", "p"]);
-    let end = terminal.until("the end", |screen| screen.contains("END"));
+    let end = terminal.settled("the end", |screen| screen.contains("END"));
     assert!(end.contains("stopped answe") && end.contains("0:00:40.0"), "{end}");
     terminal.press(&["C-c"]);
     assert_eq!(terminal.ended(), "1");
