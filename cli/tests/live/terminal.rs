@@ -88,7 +88,7 @@ impl Terminal {
         let mut same = 0;
         while same < OFTEN {
             let next = self.until(what, &is_there);
-            same = if next == screen { same + 1 } else { 0 };
+            same = if next == screen { u32::saturating_add(same, 1) } else { 0 };
             screen = next;
         }
         screen
