@@ -178,7 +178,7 @@ fn a_signal_leaves_the_terminal_as_it_was() {
     needs_tmux!();
     for signal in ["INT", "TERM", "HUP"] {
         let terminal = Terminal::open(signal, &[], &["sim:long.toml"]);
-        terminal.until("the screen", |screen| screen.contains("playing 1x"));
+        terminal.until("the beginning", |screen| screen.contains("playing 1x"));
         let killed = Command::new("kill").args(["-s", signal, &terminal.process()]).status().unwrap();
         assert!(killed.success());
         assert_eq!(terminal.ended(), "0", "{signal}");
@@ -187,11 +187,25 @@ fn a_signal_leaves_the_terminal_as_it_was() {
 }
 
 #[test]
+fn a_terminal_that_is_closed_ends_the_monitor() {
+    needs_tmux!();
+    let terminal = Terminal::open("closed", &[], &["sim:long.toml"]);
+    terminal.until("the beginning", |screen| screen.contains("playing"));
+    let process = terminal.process();
+    drop(terminal);
+    let begin = Instant::now();
+    // Of a process that nobody has asked for its end, the command line is empty.
+    while std::fs::read(format!("/proc/{process}/cmdline")).is_ok_and(|line| !line.is_empty()) {
+        assert!(begin.elapsed() < PATIENCE, "the process {process} is still there");
+    }
+}
+
+#[test]
 fn colours_are_left_out_where_they_are_not_wanted() {
     needs_tmux!();
     for (name, environment, is_coloured) in [("colours", "NO_COLOR=", true), ("plain", "NO_COLOR=1", false)] {
         let terminal = Terminal::open(name, &["-u", "CLICOLOR", environment], &["sim:long.toml"]);
-        terminal.until("the screen", |screen| screen.contains("playing 1x"));
+        terminal.until("the beginning", |screen| screen.contains("playing 1x"));
         let screen = String::from_utf8(terminal.tmux(&["capture-pane", "-p", "-e"]).stdout).unwrap();
         // Foreground and background colours, 30 to 49 and 90 to 107.
         let colours = screen.split("\x1b[").skip(1).filter(|code| {

@@ -1,6 +1,7 @@
 //! The screen: a terminal that shows the bus as it is.
 
 mod draw;
+mod keys;
 mod player;
 mod style;
 #[cfg(test)]
@@ -8,12 +9,11 @@ mod tests;
 mod view;
 
 use core::sync::atomic::{AtomicBool, Ordering};
-use core::time::Duration;
-use std::io;
+use std::io::{self, IsTerminal as _};
 use std::path::Path;
 
 use ratatui::DefaultTerminal;
-use ratatui::crossterm::event::{self, Event};
+use ratatui::crossterm::event::Event;
 
 use super::model::{Model, Picture};
 use crate::exit::Failure;
@@ -21,6 +21,7 @@ use crate::live::args::MonitorArgs;
 use crate::live::endpoint::Endpoint;
 use crate::live::port::LivePort;
 use crate::output;
+use keys::Keys;
 use player::{Playback, Player};
 use view::{Command, View};
 
@@ -82,20 +83,22 @@ impl Screen {
         model: &mut Model,
         interrupted: &AtomicBool,
     ) -> Result<(), Failure> {
+        let mut keys = Keys::open();
         let mut picture = model.picture();
         loop {
             if !self.player.is_frozen() {
                 picture = model.picture();
             }
             terminal.draw(|frame| draw::draw(frame, &self.scene(&picture)))?;
-            self.player.play(port, model)?;
-            while event::poll(Duration::ZERO)? {
-                if self.key(&event::read()?, &picture) {
+            self.player.play(port, model, &mut keys)?;
+            let is_closed = !io::stdout().is_terminal();
+            if self.player.is_over() || interrupted.load(Ordering::Relaxed) || is_closed {
+                return Ok(());
+            }
+            while let Some(event) = keys.next()? {
+                if self.key(&event, &picture) {
                     return Ok(());
                 }
-            }
-            if self.player.is_over() || interrupted.load(Ordering::Relaxed) {
-                return Ok(());
             }
         }
     }

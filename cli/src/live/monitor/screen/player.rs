@@ -1,13 +1,12 @@
 //! How fast what is heard is shown.
 
 use core::time::Duration;
-use std::io;
 use std::time;
 
 use link_core::machine::Deadline;
 use link_core::{Input, Instant, Port as _};
-use ratatui::crossterm::event;
 
+use super::keys::Keys;
 use crate::exit::Failure;
 use crate::live::monitor::model::Model;
 use crate::live::port::{LivePort, PortError};
@@ -123,7 +122,12 @@ impl Player {
     }
 
     /// Lets the bus go on until it is time for the next picture, or a key is pressed.
-    pub(super) fn play(&mut self, port: &mut LivePort, model: &mut Model) -> Result<(), Failure> {
+    pub(super) fn play(
+        &mut self,
+        port: &mut LivePort,
+        model: &mut Model,
+        keys: &mut Keys,
+    ) -> Result<(), Failure> {
         let now = time::Instant::now();
         let passed = self.called.replace(now).map_or(Duration::ZERO, |called| now - called);
         let until = match self.playback {
@@ -143,7 +147,7 @@ impl Player {
             // The port has waited.
             Playback::Live | Playback::Frozen => {}
             Playback::Playing(_) | Playback::Paused(_) | Playback::Ended => {
-                wait_for_a_key(PICTURE.saturating_sub(now.elapsed()))?;
+                keys.wait(PICTURE.saturating_sub(now.elapsed()));
             }
         }
         Ok(())
@@ -184,10 +188,6 @@ impl Player {
         self.due = self.due.saturating_sub(at.saturating_since(from)).min(MOST_DUE);
         Ok(())
     }
-}
-
-fn wait_for_a_key(span: Duration) -> io::Result<()> {
-    event::poll(span).map(|_| ())
 }
 
 /// Time from picture to picture.
