@@ -14,33 +14,33 @@ use peak_alloc::PeakAlloc;
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
 
-/// After seconds every table has its size: half a minute needs no more than a third of it. Of the difference that is allowed,
-/// all is the length of numbers in the summary.
+/// Every table has its size from the beginning. What is allowed is the length of numbers in the summary, and 80 bytes for each
+/// second of the load's history, which is kept for five minutes.
 #[test]
 fn a_longer_time_needs_no_more_memory() {
     let [short, long] = ["10s", "30s"].map(|span| watch(8, span).peak);
-    assert!(long <= short + SLACK, "{long} bytes instead of {short}");
+    assert!(long <= short + 20 * 80 + SLACK, "{long} bytes instead of {short}");
 }
 
 #[test]
 #[ignore = "takes minutes in release mode"]
-fn a_day_needs_no_more_memory_than_a_minute() {
+fn a_day_needs_no_more_memory_than_six_minutes() {
+    let minutes = watch(62, "6min");
     let begin = Instant::now();
-    let minute = watch(62, "60s");
     let day = watch(62, "24h");
     let (frames, load) = (day.summary["frames"].clone(), day.summary["load_total"]["all"].as_f64().unwrap());
     println!(
-        "24 h, {frames} frames, load {:.2} %: {} bytes at most, {} after a minute; {:.0} s",
+        "24 h, {frames} frames, load {:.2} %: {} bytes at most, {} in six minutes; {:.0} s",
         load * 100.0,
         day.peak,
-        minute.peak,
+        minutes.peak,
         begin.elapsed().as_secs_f64()
     );
     assert!(
-        load > 0.95 && day.peak <= minute.peak + SLACK,
+        load > 0.95 && day.peak <= minutes.peak + SLACK,
         "{load}, {} instead of {}",
         day.peak,
-        minute.peak
+        minutes.peak
     );
 }
 
@@ -104,4 +104,4 @@ fn scenario(slaves: u8) -> String {
 }
 
 /// Bytes.
-const SLACK: usize = 512;
+const SLACK: usize = 2048;

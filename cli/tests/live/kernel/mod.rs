@@ -10,6 +10,7 @@ mod process;
 #[path = "../../../../transport-socketcan/tests/kernel/real_kernel.rs"]
 mod real_kernel;
 mod same_trace;
+mod watched;
 mod witness;
 
 /// They wait for one another most of the time, so they run side by side, each on an interface of its own. Those with many processes have

@@ -40,8 +40,15 @@ impl Changes {
         core::mem::swap(&mut self.connections, &mut self.before);
         self.connections.clear();
         self.connections.extend(monitor.connections().map(|record| Known::of(&record)));
+        // They come in the same order each time, but for those that come and go.
+        let mut expected = 0;
         for now in &self.connections {
-            let before = self.before.iter().find(|known| known.is_same(now));
+            let place = match self.before.get(expected) {
+                Some(known) if known.is_same(now) => Some(expected),
+                _ => self.before.iter().position(|known| known.is_same(now)),
+            };
+            expected = place.unwrap_or(expected) + 1;
+            let before = place.map(|place| self.before[place]);
             let from = before.map_or(ConnectionState::Unknown, |known| known.state);
             let was_never = (from, now.state) == (ConnectionState::Unknown, ConnectionState::NonExistent);
             if from != now.state && !was_never {

@@ -1,0 +1,49 @@
+//! `monitor` beside those who speak.
+
+use super::process::{Process, wait_for_listeners};
+use super::real_kernel::Interface;
+
+fn last(out: &str) -> serde_json::Value {
+    serde_json::from_str(out.lines().last().unwrap()).unwrap()
+}
+
+#[test]
+#[ignore = "needs vcan"]
+fn a_master_and_its_slaves_are_watched() {
+    let bus = Interface::new("vcan60");
+    let mut monitor = Process::start(&["monitor", bus.0, "--json"]);
+    wait_for_listeners(bus.0, 1);
+    let slaves = ["valve", "gauge", "switch"].map(|name| Process::node("slave", bus.0, "line.toml", name));
+    let mut master = Process::node("master", bus.0, "line.toml", "scanner");
+    master.until_all(&["slave 10: poll: input data", "slave 11: poll: input data", "slave 12: COS/cyclic"]);
+    monitor.until("\"text\":\"COS/cyclic: configuring -> established");
+    // A summary while they are there: every ten seconds.
+    monitor.until("\"event\":\"summary\"");
+    let watched = monitor.interrupted();
+    let summary = watched.out.lines().find(|line| line.contains("\"event\":\"summary\"")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(summary).unwrap();
+    let owned: Vec<u64> = (summary["nodes"].as_array().unwrap().iter())
+        .filter(|node| node["state"] == "online" && node["master"] == 1)
+        .filter_map(|node| node["mac"].as_u64())
+        .collect();
+    assert_eq!(owned, [10, 11, 12], "{summary}");
+    assert!(summary["load"]["poll"].as_f64().unwrap() > 0.0, "{summary}");
+    let last = last(&watched.out);
+    assert_eq!((&last["last"], &last["lost"]), (&true.into(), &0.into()), "{}", watched.err);
+    drop((master, slaves));
+}
+
+#[test]
+#[ignore = "needs vcan"]
+fn an_interface_that_is_down_in_the_end_is_told_after_the_summary() {
+    let bus = Interface::new("vcan61");
+    let mut monitor = Process::start(&["monitor", bus.0, "--json"]);
+    monitor.until("\"state\":\"error_active\"");
+    bus.set("down");
+    monitor.until("\"state\":\"down\"");
+    let ended = monitor.interrupted();
+    assert_eq!(ended.code, 3, "{}", ended.err);
+    assert!(ended.err.contains("vcan61 is down"), "{}", ended.err);
+    let last = last(&ended.out);
+    assert_eq!((&last["last"], &last["link"]), (&true.into(), &"down".into()));
+}
