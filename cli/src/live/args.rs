@@ -45,6 +45,16 @@ is used for, and what is wrong with it; `?` lists the keys. Elsewhere, and with 
 happens, and a summary at every --interval and at the end. On the screen a scenario or a recording is played at its own pace; `+` \
 is faster. As lines it is read as fast as possible.
 
+With --json every line has `event` and `t`, in seconds since the beginning; loads are parts of 1, other times seconds:
+  link        state: down, error_active, error_warning, error_passive, bus_off
+  access      mac, from, to: states of network access
+  connection  mac of the server, client, connection, from, to
+  finding     change: begins, escalates, ends; id, rule, severity, mac, since, last, until, count, frames, scanner_status, facts,
+              first_cause, text, advice
+  lost        frames, 0 if they were not counted
+  summary     bit_rate, link, tec, rec, frames, error_frames, lost, problems, span; load of the span and load_total, by purpose;
+              nodes with connections, loads, response times and their limit; findings; in the end last: true
+
 Exit codes:
   0  healthy until --for, Ctrl-C, or the end
   1  something is or was wrong
