@@ -49,11 +49,12 @@ With --json every line has `event` and `t`, in seconds since the beginning; load
   link        state: down, error_active, error_warning, error_passive, bus_off
   access      mac, from, to: states of network access
   connection  mac of the server, client, connection, from, to
-  finding     change: begins, escalates, ends; id, rule, severity, mac, since, last, until, count, frames, scanner_status, facts,
-              first_cause, text, advice
+  finding     change: begins, escalates, ends; id, rule, severity, mac, since, last, until,
+              count, frames, scanner_status, facts, first_cause, text, advice
   lost        frames, 0 if they were not counted
-  summary     bit_rate, link, tec, rec, frames, error_frames, lost, problems, span; load of the span and load_total, by purpose;
-              nodes with connections, loads, response times and their limit; findings; in the end last: true
+  summary     bit_rate, link, tec, rec, frames, error_frames, lost, problems, span; load of the
+              span and load_total, by purpose; nodes with connections, loads, response times
+              and their limit; findings; in the end last: true
 
 Exit codes:
   0  healthy until --for, Ctrl-C, or the end
