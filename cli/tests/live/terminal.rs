@@ -168,7 +168,7 @@ fn a_scenario_is_paused_and_goes_step_by_step() {
     // At full speed to the end; what was wrong on the way is there.
     terminal.press(&["+", "+", "+", "p"]);
     let end = terminal.settled("the end", |screen| screen.contains("END"));
-    assert!(end.contains("stopped answe") && end.contains("0:00:40.0"), "{end}");
+    assert!(end.contains("node 10: stopped answering") && end.contains("0:00:40.0"), "{end}");
     terminal.press(&["C-c"]);
     assert_eq!(terminal.ended(), "1");
 }
