@@ -23,6 +23,8 @@ pub(super) struct Bus {
     last_kind: BusErrorKind,
     /// Missing acknowledges since the last good frame: when the first was, and how many.
     unacknowledged: Option<(Instant, u32)>,
+    /// Form errors in a row without a frame in between: when the last was, and how many.
+    form_errors: Option<(Instant, u32)>,
     /// When that was over last.
     deaf_until: Instant,
     /// The own controller takes no part in the bus: nothing is heard.
@@ -37,6 +39,7 @@ impl Bus {
             first_error: None,
             last_kind: BusErrorKind::Other,
             unacknowledged: None,
+            form_errors: None,
             deaf_until: Instant::ZERO,
             is_blind: false,
         }
@@ -50,6 +53,10 @@ impl Bus {
         at: Instant,
         frame: &Frame,
     ) {
+        if self.is_blind {
+            self.takes_part(ledger, None, at);
+        }
+        self.form_errors = None;
         if let Some((_, count)) = self.unacknowledged.take() {
             ledger.end(Rule::NotAcknowledged, None, at);
             if count >= MOST_UNACKNOWLEDGED {
@@ -136,22 +143,20 @@ impl Bus {
     ) {
         let sign =
             |rule, severity, facts| Sign { rule, severity, node, facts, since: at, at, frames: [n, None] };
-        match (node, event) {
-            (None, LinkEvent::BusOff | LinkEvent::Down) => self.is_blind = true,
-            (None, LinkEvent::Up) => self.is_blind = false,
-            _ => {}
-        }
         match event {
             LinkEvent::BusOff => {
+                self.is_blind |= node.is_none();
                 ledger.see(&sign(Rule::BusOff, Severity::Error, Facts::None));
                 ledger.end(Rule::ErrorPassive, node, at);
             }
+            LinkEvent::Down => self.is_blind |= node.is_none(),
             LinkEvent::ErrorPassive => {
+                self.takes_part(ledger, node, at);
                 ledger.see(&sign(Rule::ErrorPassive, Severity::Warning, Facts::None));
             }
-            LinkEvent::ErrorActive => ledger.end(Rule::ErrorPassive, node, at),
-            LinkEvent::Up => {
-                ledger.end(Rule::BusOff, node, at);
+            // From the warning limit on, a controller is error-active still, or again.
+            LinkEvent::Up | LinkEvent::ErrorActive | LinkEvent::ErrorWarning => {
+                self.takes_part(ledger, node, at);
                 ledger.end(Rule::ErrorPassive, node, at);
             }
             LinkEvent::BusError(BusErrorKind::Ack) => {
@@ -167,13 +172,17 @@ impl Bus {
             LinkEvent::Overrun { lost } => {
                 ledger.see(&sign(Rule::Overrun, Severity::Warning, Facts::Lost(lost)));
             }
-            LinkEvent::Down
-            | LinkEvent::ErrorWarning
-            | LinkEvent::Counters { .. }
+            LinkEvent::Counters { .. }
             | LinkEvent::ModeSet(_)
             | LinkEvent::FilterSet
             | LinkEvent::Refused(_) => {}
         }
+    }
+
+    /// A controller that hears, or is in any error state, is not bus-off. Not every one tells that it was restarted.
+    fn takes_part<const N: usize>(&mut self, ledger: &mut Ledger<N>, node: Option<MacId>, at: Instant) {
+        self.is_blind &= node.is_some();
+        ledger.end(Rule::BusOff, node, at);
     }
 
     fn error<const N: usize>(
@@ -184,6 +193,9 @@ impl Bus {
         seen: Seen,
         n: Option<u64>,
     ) {
+        if kind == BusErrorKind::Form && self.is_of_a_lone_sender(seen.at) {
+            return;
+        }
         let since = *self.first_error.get_or_insert(seen.at);
         self.errors.advance(seen.at, config.error_window);
         self.errors.add(1);
@@ -202,6 +214,15 @@ impl Bus {
             at: seen.at,
             frames: [n, None],
         });
+    }
+
+    /// Who sends without being acknowledged begins an error flag where the delimiter of the acknowledge is, which is a form
+    /// error to whoever listens, and tries again at once, until it is error-passive. All of that is one error.
+    fn is_of_a_lone_sender(&mut self, at: Instant) -> bool {
+        let before = self.form_errors.filter(|(last, _)| at.saturating_since(*last) <= TRIES_AGAIN);
+        let count = before.map_or(0, |(_, count)| count).saturating_add(1);
+        self.form_errors = Some((at, count));
+        (2..=UNTIL_ERROR_PASSIVE).contains(&count)
     }
 }
 
@@ -228,6 +249,10 @@ const HYSTERESIS: u16 = 50;
 const MOST_UNACKNOWLEDGED: u32 = 10;
 /// Whoever is switched on first is alone for a moment.
 const ALONE: Duration = Duration::from_secs(1);
+/// The longest frame at the lowest bit rate with its error frame, and time for the node to begin.
+const TRIES_AGAIN: Duration = Duration::from_millis(2);
+/// Each failed attempt adds 8 to the transmit error counter; at 128 a sender is error-passive, and heard by those who listen.
+const UNTIL_ERROR_PASSIVE: u32 = 16;
 /// So many times the errors that are too many are an error and not a warning.
 const FLOOD: u32 = 10;
 /// Shorter than this nothing is looked at by time alone.

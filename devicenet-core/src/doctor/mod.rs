@@ -22,9 +22,9 @@
 //! | [`ForeignMacId`](Rule::ForeignMacId) | a node that is neither expected nor learned ([`Intrusion`]) | quiet | | error |
 //! | [`UnexpectedAllocation`](Rule::UnexpectedAllocation) | a slave is allocated by another master than the expected or learned one | quiet | | error |
 //! | [`IdentifierCollision`](Rule::IdentifierCollision) | three I/O responses of a node within 10 s that nobody has asked for; ten, if it was never asked | quiet | | error |
-//! | [`BusOff`](Rule::BusOff) | a controller is bus-off; a node tells a bus-off counter above 0 | it takes part again; the counter is 0 | 91 | error; warning |
-//! | [`ErrorPassive`](Rule::ErrorPassive) | a controller is error-passive | it is error-active | | warning |
-//! | [`ErrorFrames`](Rule::ErrorFrames) | 10 errors within 10 s | fewer than 5 | | warning; error from 100 |
+//! | [`BusOff`](Rule::BusOff) | a controller is bus-off; a node tells a bus-off counter above 0 | it takes part again; the counter is 0, or the node begins anew | 91 | error; warning |
+//! | [`ErrorPassive`](Rule::ErrorPassive) | a controller is error-passive | it is error-active, with or without warning | | warning |
+//! | [`ErrorFrames`](Rule::ErrorFrames) | 10 errors within 10 s; up to 16 form errors of one that tries again at once are one | fewer than 5 | | warning; error from 100 |
 //! | [`NotAcknowledged`](Rule::NotAcknowledged) | missing acknowledges for 1 s, ten at least, without a frame in between | a frame | 79 | error |
 //! | [`ForeignTraffic`](Rule::ForeignTraffic) | a 29-bit, remote or CAN FD frame, an identifier 0x7C0-0x7EB or 0x7F0-0x7FF | quiet | | warning |
 //! | [`BusLoad`](Rule::BusLoad) | more than 70 % of the last second, by the exact bits of the frames | below 65 % | | warning |
@@ -179,11 +179,13 @@ impl<const N: usize> SizedDoctor<N> {
     /// The controller of a node tells something, where that can be known.
     pub fn link_of(&mut self, node: Option<MacId>, at: Instant, n: Option<u64>, event: LinkEvent) {
         self.now = self.now.max(at);
+        let was_blind = self.bus.is_blind;
         self.bus.link(&self.config, &mut self.ledger, node, self.now, n, event);
-        if node.is_none() && event == LinkEvent::Up {
-            // What was said meanwhile was not heard.
-            self.patients.iter_mut().for_each(Patient::wait_anew);
+        if node.is_none() && matches!(event, LinkEvent::Overrun { .. }) {
+            // Their questions may be among what was lost.
+            self.patients.iter_mut().for_each(|patient| patient.unasked = None);
         }
+        self.sees_again(was_blind);
     }
 
     /// Frame number `n` was one of CAN FD, which no monitor reads.
@@ -219,7 +221,9 @@ impl<const N: usize> SizedDoctor<N> {
             reading
         };
         self.begin.get_or_insert(self.now);
+        let was_blind = self.bus.is_blind;
         self.bus.frame(&self.config, &mut self.ledger, self.now, &reading.frame);
+        self.sees_again(was_blind);
         let mut clinic = self.clinic(records);
         clinic.presence(reading);
         match Identifier::of_frame(&reading.frame) {
@@ -237,6 +241,13 @@ impl<const N: usize> SizedDoctor<N> {
         };
         if let Some(foreign) = foreign {
             bus::foreign(&mut self.ledger, foreign, Seen { n: reading.n, at: self.now });
+        }
+    }
+
+    /// What was said while nothing was heard is not known.
+    fn sees_again(&mut self, was_blind: bool) {
+        if was_blind && !self.bus.is_blind {
+            self.patients.iter_mut().for_each(Patient::wait_anew);
         }
     }
 

@@ -69,6 +69,45 @@ fn nobody_acknowledges() {
     assert!(ward.only(Rule::NotAcknowledged).is_over());
 }
 
+/// To one that only listens, sixteen form errors in a row are a sender that nobody acknowledges. More are not.
+#[test]
+fn a_lone_sender_is_no_disturbance() {
+    for (errors, frames_between, expected) in
+        [(16, false, &[][..]), (27, false, &[Rule::ErrorFrames]), (16, true, &[Rule::ErrorFrames])]
+    {
+        let mut ward = Ward::new();
+        for _ in 0..errors {
+            ward.link(LinkEvent::BusError(BusErrorKind::Form)).wait(1);
+            if frames_between {
+                ward.poll();
+            }
+        }
+        assert_eq!(ward.rules(), expected, "{errors} {frames_between}");
+    }
+}
+
+/// Not every controller tells that it was restarted.
+#[test]
+fn a_controller_that_hears_or_has_another_state_is_not_bus_off() {
+    for event in [LinkEvent::ErrorActive, LinkEvent::ErrorWarning, LinkEvent::ErrorPassive] {
+        let mut ward = Ward::new();
+        ward.link(LinkEvent::BusOff).wait(5).link(event);
+        assert!(ward.of(Rule::BusOff)[0].1.is_some(), "{event:?}");
+    }
+    let mut ward = Ward::with_slave();
+    ward.link(LinkEvent::BusOff).wait(5).poll().answer();
+    assert!(ward.only(Rule::BusOff).is_over());
+    ward.poll().wait(99).poll().wait(99).poll().wait(99).poll().wait(120);
+    assert_eq!(ward.rules(), [Rule::BusOff, Rule::NotAnswering], "what is silent now is found");
+}
+
+#[test]
+fn at_the_warning_limit_a_controller_is_error_active_again() {
+    let mut ward = Ward::new();
+    ward.link(LinkEvent::ErrorPassive).wait(5).link(LinkEvent::ErrorWarning);
+    assert!(ward.only(Rule::ErrorPassive).is_over());
+}
+
 #[test]
 fn the_controller_leaves_the_bus_and_comes_back() {
     let mut ward = Ward::new();
