@@ -6,7 +6,7 @@ use cip_core::code::{AttributeId, ClassId, ServiceCode};
 use link_core::Instant;
 
 use super::Clinic;
-use super::finding::{Exchange, Facts};
+use super::finding::Facts;
 use super::ledger::Sign;
 use super::patient::{Asked, Check, Seen, Unasked};
 use super::rule::{Rule, Severity};
@@ -36,16 +36,7 @@ impl<const N: usize> Clinic<'_, N> {
         let patient = self.patient(source);
         patient.asked = None;
         patient.was_heard = true;
-        let is_explicit = |facts: Facts| {
-            matches!(facts, Facts::Requests { .. } | Facts::Silence { exchange: Exchange::Explicit, .. })
-        };
-        for rule in [Rule::NotFound, Rule::NotAnswering] {
-            if self.ledger.has_open(rule) {
-                self.ledger.end_where(rule, seen.at, |finding| {
-                    finding.node == Some(source) && is_explicit(finding.facts)
-                });
-            }
-        }
+        self.end_requests(source, seen.at);
         if reading.kind != Kind::Shutdown {
             self.ledger.end(Rule::Left, Some(source), seen.at);
         }
@@ -83,9 +74,25 @@ impl<const N: usize> Clinic<'_, N> {
         }
     }
 
+    /// It is there after all, or nobody asks for it any more.
+    fn end_requests(&mut self, mac: MacId, at: Instant) {
+        for rule in [Rule::NotFound, Rule::NotAnswering] {
+            self.ledger.end_where(rule, at, |finding| {
+                finding.node == Some(mac) && matches!(finding.facts, Facts::Requests { .. })
+            });
+        }
+    }
+
     fn restarts(&mut self, reading: &Reading<'_>, mac: MacId, seen: Seen) {
+        let before = self.patient(mac).check;
         self.patient(mac).begin_anew();
-        if reading.note == Some(Note::Restarted) {
+        // What it has told of itself is no longer true, and it tells it anew.
+        for rule in [Rule::Fault, Rule::BusOff] {
+            self.ledger.end(rule, Some(mac), seen.at);
+        }
+        // One that nobody acknowledges sends each of its two checks many times.
+        let begins = before.is_none_or(|before| seen.at.saturating_since(before.seen.at) > BEGINS_ANEW);
+        if reading.note == Some(Note::Restarted) && begins {
             let before = self.ledger.open(Rule::Restarted, Some(mac)).map_or(0, |finding| finding.count);
             let severity = if before >= OFTEN { Severity::Warning } else { Severity::Info };
             self.event(Rule::Restarted, severity, Some(mac), Facts::None, seen);
@@ -206,17 +213,25 @@ impl<const N: usize> Clinic<'_, N> {
 
     /// Who does not answer by now, and which duplicates are over.
     pub(super) fn look_at_presence(&mut self, now: Instant) {
+        let quiet = self.config.quiet_after;
         for mac in MacId::all() {
             let patient = self.patient(mac);
-            let Some(asked) = patient.asked.filter(|asked| asked.count >= FEWEST_REQUESTS) else { continue };
-            if now.saturating_since(asked.first.at) < NO_ANSWER {
+            let Some(asked) = patient.asked else { continue };
+            if now.saturating_since(asked.last.at) >= quiet {
+                patient.asked = None;
+                self.end_requests(mac, asked.last.at + quiet);
                 continue;
             }
-            let (rule, severity) = match (patient.was_heard, patient.expected.is_some()) {
-                (true, _) => (Rule::NotAnswering, Severity::Error),
-                (false, true) => (Rule::NotFound, Severity::Error),
-                (false, false) => (Rule::NotFound, Severity::Warning),
+            let is_late = now.saturating_since(asked.first.at) >= NO_ANSWER;
+            let is_sought = asked.last.at.saturating_since(asked.first.at) >= SOUGHT;
+            let (rule, severity, is_due) = match (patient.was_heard, patient.expected.is_some()) {
+                (true, _) => (Rule::NotAnswering, Severity::Error, is_late),
+                (false, true) => (Rule::NotFound, Severity::Error, is_late),
+                (false, false) => (Rule::NotFound, Severity::Warning, is_sought),
             };
+            if asked.count < FEWEST_REQUESTS || !is_due {
+                continue;
+            }
             let facts = Facts::Requests { by: asked.by, count: asked.count };
             let held = self.ledger.open(rule, Some(mac)).map(|finding| finding.facts);
             // It is already told that its I/O stands still.
@@ -277,6 +292,8 @@ const OFTEN: u32 = 2;
 const FEWEST_REQUESTS: u16 = 3;
 /// A client waits a second for an answer and asks again; after this time it has given up.
 const NO_ANSWER: Duration = Duration::from_millis(2_500);
+/// A tool that looks who is there asks each MAC ID for four seconds at most; a master goes on.
+const SOUGHT: Duration = Duration::from_secs(5);
 const MOST_UNASKED: u16 = 3;
 /// Of a node of which no command was ever seen.
 const MOST_UNASKED_AT_ALL: u16 = 10;

@@ -25,7 +25,7 @@ pub struct DoctorConfig {
     pub error_frames: u32,
     /// 10 s.
     pub error_window: Duration,
-    /// A fault that a node reports for so long is one that it is stuck in: 10 s.
+    /// A fault that a node reports again so long after the first time is one that it is stuck in: 10 s.
     pub stuck_after: Duration,
     /// What only happens, such as a refusal or a foreign frame, is over when it has not happened for so long: 60 s.
     pub quiet_after: Duration,

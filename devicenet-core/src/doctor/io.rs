@@ -34,22 +34,17 @@ impl<const N: usize> Clinic<'_, N> {
     }
 
     fn command(&mut self, mac: MacId, which: Predefined, seen: Seen) {
-        let owner = self.records.owner(mac);
-        let is_awaited = self.records.awaits(mac, which, seen.n);
-        let patient = self.patient(mac);
-        patient.owner = owner.or(patient.owner);
-        if is_awaited {
-            patient.lane(which).command(seen);
+        self.is_served(mac, seen.at);
+        if self.records.awaits(mac, which, seen.n) {
+            self.patient(mac).lane(which).command(seen);
         }
     }
 
     fn command_to_all(&mut self, sender: MacId, which: Predefined, seen: Seen) {
         for mac in MacId::all() {
             if self.records.is_addressed(mac, which, sender) {
-                let owner = self.records.owner(mac);
-                let patient = self.patient(mac);
-                patient.owner = owner.or(patient.owner);
-                patient.lane(which).command(seen);
+                self.is_served(mac, seen.at);
+                self.patient(mac).lane(which).command(seen);
             }
         }
     }
@@ -95,9 +90,9 @@ impl<const N: usize> Clinic<'_, N> {
             });
         }
         if self.ledger.has_open(Rule::SlowAnswers) {
-            let lane = self.patient(mac).lane(which);
-            lane.prompt = lane.prompt.saturating_add(1);
-            if lane.prompt >= PROMPT_AGAIN {
+            let patient = self.patient(mac);
+            patient.lane(which).is_in_time();
+            if patient.is_prompt() {
                 self.ledger.end(Rule::SlowAnswers, node, answer.at);
             }
         }
@@ -245,5 +240,3 @@ const fn exchange_of(which: Predefined) -> Exchange {
 }
 
 const COMMANDED: [Predefined; 3] = [Predefined::Poll, Predefined::BitStrobe, Predefined::MulticastPoll];
-/// So many answers in time end the finding of slow ones.
-const PROMPT_AGAIN: u8 = 10;

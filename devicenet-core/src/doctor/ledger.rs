@@ -126,7 +126,8 @@ impl<const N: usize> Ledger<N> {
             if finding.rule.subsides() && now.saturating_since(finding.last) >= quiet {
                 entry.end(finding.last + quiet);
                 self.has_news = true;
-            } else if finding.rule == Rule::Fault && now.saturating_since(finding.since) >= stuck {
+            } else if finding.rule == Rule::Fault && finding.last.saturating_since(finding.since) >= stuck {
+                // It was told again, so long after.
                 entry.escalate(Severity::Error);
                 self.has_news = true;
             }

@@ -8,13 +8,13 @@
 //!
 //! | Rule | Found when | Over when | Code | Severity |
 //! |---|---|---|---|---|
-//! | [`NotAnswering`](Rule::NotAnswering) | two or more I/O commands unanswered for EPR x 4 (1 s if it is unknown); no change-of-state message for EPR x 4; a node that was heard answers none of three requests for 2.5 s | it answers, or is allocated or released | 72 | error |
-//! | [`NotFound`](Rule::NotFound) | a node never heard answers none of three requests for 2.5 s | it is heard | 78 | warning; error if it is expected |
-//! | [`SlowAnswers`](Rule::SlowAnswers) | from the first unanswered command to the answer 70 % of EPR x 4 | ten answers in time, or quiet | | warning |
+//! | [`NotAnswering`](Rule::NotAnswering) | two or more I/O commands unanswered for EPR x 4 (1 s if it is unknown); no change-of-state message for EPR x 4; a node that was heard answers none of three requests for 2.5 s | it answers, is allocated or released, or not asked for 60 s | 72 | error |
+//! | [`NotFound`](Rule::NotFound) | a node never heard answers none of three requests for 2.5 s; 5 s, if nobody expects it | it is heard, or not asked for 60 s | 78 | warning; error if it is expected |
+//! | [`SlowAnswers`](Rule::SlowAnswers) | from the first unanswered command to the answer 70 % of EPR x 4 | ten answers in time of each kind of I/O, or quiet | | warning |
 //! | [`MasterSilent`](Rule::MasterSilent) | the watchdog of a slave that has answered everything must have expired | its slaves are commanded, allocated or released | | error |
 //! | [`DuplicateMacId`](Rule::DuplicateMacId) | a duplicate MAC ID check response; two devices check within 1 s | one checks another MAC ID, or the second has got it | 70 | error |
 //! | [`WaitingForRecovery`](Rule::WaitingForRecovery) | a device answers Who | it checks a MAC ID | | error |
-//! | [`Fault`](Rule::Fault) | a heartbeat with a fault, or a fault in the status of the Identity object | told otherwise | | warning; error if unrecoverable or for 10 s |
+//! | [`Fault`](Rule::Fault) | a heartbeat with a fault, or a fault in the status of the Identity object | told otherwise, or the node begins anew | | warning; error if unrecoverable, or told still after 10 s |
 //! | [`KeyMismatch`](Rule::KeyMismatch) | the identity differs from that [expected](SizedDoctor::expect) | it does not | 73 | error |
 //! | [`IdentityChanged`](Rule::IdentityChanged) | another vendor, device type, product or serial number than before | quiet | 73 | warning; info if only the serial number differs, or at MAC ID 63 |
 //! | [`AllocationRefused`](Rule::AllocationRefused) | an error response to Allocate; "already allocated" only if it stays so for 5 s | an allocation succeeds, or quiet | 83 | error |

@@ -120,13 +120,14 @@ impl<const N: usize> Clinic<'_, N> {
         let learns = self.is_learning(seen.at);
         let is_watched = self.config.intrusion != Intrusion::Allowed && !learns;
         let patient = self.patient(slave);
-        let wanted = patient
-            .expected
-            .and_then(|expected| expected.master)
-            .or(patient.owner.filter(|_| patient.is_learned && patient.expected.is_none()));
+        let learned = patient.learned_owner;
+        let wanted = patient.expected.map_or(learned, |expected| expected.master);
         patient.begin_anew();
         patient.refused = None;
         patient.owner = owner;
+        if learns {
+            patient.learned_owner = owner;
+        }
         let is_wrong = is_watched && (wanted.is_some() && wanted != owner);
         self.ledger.end(Rule::AllocationRefused, Some(slave), seen.at);
         self.ledger.end(Rule::NotAnswering, Some(slave), seen.at);
@@ -137,6 +138,17 @@ impl<const N: usize> Clinic<'_, N> {
         if is_wrong {
             let facts = Facts::Masters { owner: wanted, other: owner };
             self.event(Rule::UnexpectedAllocation, Severity::Error, Some(slave), facts, seen);
+        }
+    }
+
+    /// Takes note of the master that commands a slave.
+    pub(super) fn is_served(&mut self, slave: MacId, at: Instant) {
+        let owner = self.records.owner(slave);
+        let learns = self.is_learning(at);
+        let patient = self.patient(slave);
+        patient.owner = owner.or(patient.owner);
+        if learns {
+            patient.learned_owner = patient.owner;
         }
     }
 

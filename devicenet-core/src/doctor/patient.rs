@@ -27,7 +27,7 @@ pub(super) struct Lane {
     pub(super) unanswered: u16,
     /// The last answer, or what it has produced by itself.
     pub(super) last: Option<Seen>,
-    /// Answers in time since the last slow one.
+    /// Answers in time since the last slow one, up to [`PROMPT_AGAIN`].
     pub(super) prompt: u8,
 }
 
@@ -75,10 +75,12 @@ pub(super) struct Patient {
     pub(super) expected: Option<ExpectedNode>,
     /// It was heard while the doctor was learning.
     pub(super) is_learned: bool,
+    /// Its owner at that time: whoever takes it over later does not become it.
+    pub(super) learned_owner: Option<MacId>,
 }
 
 impl Lane {
-    const NEW: Self = Self { since: None, newest: None, unanswered: 0, last: None, prompt: 0 };
+    const NEW: Self = Self { since: None, newest: None, unanswered: 0, last: None, prompt: PROMPT_AGAIN };
 
     /// A command that wants an answer.
     pub(super) fn command(&mut self, seen: Seen) {
@@ -92,6 +94,11 @@ impl Lane {
         self.last = Some(seen);
         self.unanswered = 0;
         self.since.take()
+    }
+
+    /// An answer in time.
+    pub(super) fn is_in_time(&mut self) {
+        self.prompt = self.prompt.saturating_add(1).min(PROMPT_AGAIN);
     }
 
     /// No command waits.
@@ -118,6 +125,7 @@ impl Patient {
         unasked: None,
         expected: None,
         is_learned: false,
+        learned_owner: None,
     };
 
     /// Its I/O; explicit messages have no lane.
@@ -141,6 +149,11 @@ impl Patient {
         }
     }
 
+    /// No kind of I/O was answered slowly of late.
+    pub(super) fn is_prompt(&self) -> bool {
+        self.lanes.iter().all(|lane| lane.prompt >= PROMPT_AGAIN)
+    }
+
     /// Nothing was heard for a while: what waited for an answer waits no longer.
     pub(super) fn wait_anew(&mut self) {
         self.begin_anew();
@@ -151,10 +164,12 @@ impl Patient {
     pub(super) fn begin_anew(&mut self) {
         self.lanes.iter_mut().for_each(|lane| {
             lane.settle();
-            lane.last = None;
+            (lane.last, lane.prompt) = (None, PROMPT_AGAIN);
         });
     }
 }
 
+/// So many answers in time end the finding of slow ones.
+const PROMPT_AGAIN: u8 = 10;
 /// One command can be lost; the slave need not have been.
 const FEWEST_COMMANDS: u16 = 2;

@@ -7,11 +7,13 @@ fn a_node_that_was_never_heard_is_not_found() {
     let mut ward = Ward::new();
     ward.group2(10, 6, &[1, 0x4B, 3, 1, 1, 1]).wait(1_000);
     ward.group2(10, 6, &[1, 0x4B, 3, 1, 1, 1]).wait(2_000);
+    // That could be a tool that looks who is there.
+    ward.group2(10, 6, &[1, 0x4B, 3, 1, 1, 1]).wait(2_000);
     ward.is_healthy();
     ward.group2(10, 6, &[1, 0x4B, 3, 1, 1, 1]).wait(10);
     let found = ward.only(Rule::NotFound);
     assert_eq!((found.severity, found.since), (Severity::Warning, Instant::from_millis(1)));
-    assert_eq!(found.to_string(), "node 10 was never heard, and answers none of 3 requests of node 1");
+    assert_eq!(found.to_string(), "node 10 was never heard, and answers none of 4 requests of node 1");
     assert_eq!(found.scanner_status().map(|status| status.0), Some(78));
     ward.check(10, 0, 1);
     assert!(ward.only(Rule::NotFound).is_over());
@@ -25,6 +27,39 @@ fn a_node_that_is_expected_and_not_found_is_an_error() {
         ward.group2(10, 6, &[1, 0x4B, 3, 1, 1, 1]).wait(1_000);
     }
     assert_eq!(ward.only(Rule::NotFound).severity, Severity::Error);
+}
+
+/// Nobody wants it any more: that it is silent is no fault.
+#[test]
+fn a_node_that_nobody_asks_for_any_more_is_not_missed() {
+    for is_known in [false, true] {
+        let mut ward = Ward::new();
+        if is_known {
+            ward.check(10, 0, 1);
+        }
+        for _ in 0..7 {
+            ward.group2(10, 6, &[1, 0x4B, 3, 1, 1, 1]).wait(1_000);
+        }
+        let rule = if is_known { Rule::NotAnswering } else { Rule::NotFound };
+        assert!(!ward.only(rule).is_over());
+        ward.wait(58_990);
+        assert!(!ward.only(rule).is_over());
+        ward.wait(20);
+        assert!(ward.only(rule).is_over());
+    }
+}
+
+/// Two checks, each sent again and again until somebody else is there to acknowledge it.
+#[test]
+fn a_check_that_nobody_acknowledges_is_no_restart() {
+    let mut ward = Ward::new();
+    for _ in 0..3 {
+        for _ in 0..990 {
+            ward.check(10, 0, 1);
+        }
+        ward.wait(10);
+    }
+    assert_eq!(ward.of(Rule::Restarted), []);
 }
 
 /// With power it says something, though it does not answer at that door.
@@ -150,11 +185,26 @@ fn a_fault_that_stays_is_an_error() {
         core::iter::from_fn(|| ward.doctor.poll()).map(|news| news.kind).collect::<Vec<_>>()
     };
     assert_eq!(kinds(&mut ward), [ChangeKind::Begins]);
+    // Nothing has told that it stays.
     ward.wait(10_000);
+    assert_eq!(ward.only(Rule::Fault).severity, Severity::Warning);
+    ward.group2(10, 3, &heartbeat(4, 1)).wait(10);
     assert_eq!(ward.only(Rule::Fault).severity, Severity::Error);
     assert_eq!(kinds(&mut ward), [ChangeKind::Escalates]);
     ward.group2(10, 3, &heartbeat(3, 0));
     assert_eq!(kinds(&mut ward), [ChangeKind::Ends]);
+}
+
+/// After a restart it tells anew.
+#[test]
+fn a_fault_and_a_bus_off_counter_end_with_the_power() {
+    let mut ward = Ward::new();
+    ward.allocate(10, 1, 1);
+    ward.group2(10, 4, &[1, 0x0E, 1, 1, 5]).group2(10, 3, &[1, 0x8E, 0x01, 0x04]);
+    ward.group2(10, 4, &[1, 0x0E, 3, 1, 4]).group2(10, 3, &[1, 0x8E, 2]);
+    assert_eq!(ward.rules(), [Rule::Fault, Rule::BusOff]);
+    ward.check(10, 0, 1);
+    assert!([Rule::Fault, Rule::BusOff].iter().all(|&rule| ward.of(rule)[0].1.is_some()));
 }
 
 #[test]
@@ -201,4 +251,10 @@ fn answers_that_nobody_has_asked_for_have_a_second_sender() {
         ward.poll().answer().answer().wait(6_000);
     }
     assert_eq!(ward.of(Rule::IdentifierCollision), []);
+    // Or it has missed many, and knows it.
+    let mut ward = Ward::with_slave();
+    for _ in 0..10 {
+        ward.poll().answer().link(LinkEvent::Overrun { lost: 1 }).answer();
+    }
+    assert_eq!(ward.rules(), [Rule::Overrun]);
 }

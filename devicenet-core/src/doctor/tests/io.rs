@@ -64,6 +64,23 @@ fn slow_answers_are_over_after_ten_in_time() {
     assert!(ward.only(Rule::SlowAnswers).is_over());
 }
 
+/// Its bit-strobe is prompt and its poll slow: a finding, and not one that comes and goes.
+#[test]
+fn slow_answers_are_over_when_all_io_is_in_time() {
+    let mut ward = Ward::with_slave_of(DoctorConfig::default(), 0x07);
+    ward.group2(10, 4, &[1, 0x10, 5, 3, 9, 100, 0]).group2(10, 3, &[1, 0x90, 100, 0]);
+    ward.poll().wait(300).answer();
+    let strobe = |ward: &mut Ward| _ = ward.group2(1, 0, &[0; 8]).group1(0xE, 10, &[1]);
+    for _ in 0..20 {
+        strobe(&mut ward);
+    }
+    assert!(!ward.only(Rule::SlowAnswers).is_over());
+    for _ in 0..10 {
+        ward.poll().answer();
+    }
+    assert!(ward.only(Rule::SlowAnswers).is_over());
+}
+
 /// Nothing tells its rate: a second, and two commands at least.
 #[test]
 fn a_recording_that_starts_in_the_middle() {

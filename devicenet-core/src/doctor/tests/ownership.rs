@@ -117,6 +117,15 @@ fn allocations_by_another_master_than_before() {
         ward.allocate(10, master, 3);
         assert_eq!(ward.rules(), expected, "master {master}");
     }
+    // The intruder is not what was learned: the own master comes back.
+    let mut ward = Ward::with_slave_of(config, 0x01);
+    ward.wait(12_000);
+    ward.allocate(10, 2, 3);
+    ward.group2(10, 4, &[2, 0x10, 5, 2, 9, 100, 0]).group2(10, 3, &[2, 0x90, 100, 0]).poll().answer();
+    ward.group2(10, 4, &[2, 0x4C, 3, 1, 3]).group2(10, 3, &[2, 0xCC]);
+    ward.allocate(10, 1, 3);
+    let found = ward.of(Rule::UnexpectedAllocation);
+    assert_eq!(found[0].2, "node 10 was allocated by master 2 instead of master 1");
     let config = DoctorConfig { intrusion: Intrusion::Expected, ..DoctorConfig::default() };
     for (master, expected) in [(1, 0), (2, 1)] {
         let mut ward = Ward::with(config);
