@@ -1,5 +1,6 @@
 //! A recording as a bus to listen to.
 
+use core::time::Duration;
 use std::collections::VecDeque;
 use std::path::Path;
 
@@ -15,7 +16,10 @@ pub(super) struct Recorded {
     file: String,
     recording: Recording,
     now: Instant,
-    first: Option<Instant>,
+    /// The time stamp of the last entry; `None` before the first.
+    last: Option<Instant>,
+    /// When that was.
+    heard: Instant,
     ahead: VecDeque<(Instant, Input)>,
 }
 
@@ -23,7 +27,14 @@ impl Recorded {
     pub(super) fn open(path: &Path) -> Result<Self, Failure> {
         let file = crate::standard::shown(path, "<stdin>");
         let recording = Recording::open(path).map_err(|error| Failure::Usage(format!("{file}: {error}")))?;
-        Ok(Self { file, recording, now: Instant::ZERO, first: None, ahead: VecDeque::new() })
+        Ok(Self {
+            file,
+            recording,
+            now: Instant::ZERO,
+            last: None,
+            heard: Instant::ZERO,
+            ahead: VecDeque::new(),
+        })
     }
 
     pub(super) const fn now(&self) -> Instant {
@@ -31,18 +42,22 @@ impl Recorded {
     }
 
     pub(super) fn next(&mut self, deadline: Option<Deadline>) -> Result<(Instant, Input), PortError> {
-        if self.first.is_none() {
-            self.first = Some(self.peek()?.map_or(Instant::ZERO, |(at, _)| at));
+        let Some(last) = self.last else {
+            self.last = Some(self.peek()?.map_or(Instant::ZERO, |(at, _)| at));
             return Ok((self.now, Input::Link(LinkEvent::Up)));
-        }
-        let Some((at, input)) = self.peek()? else { return Err(PortError::Over) };
+        };
+        let Some((stamp, input)) = self.peek()? else { return Err(PortError::Over) };
         // From its first frame on, as on a bus that one has just come to.
-        let at = Instant::ZERO + at.saturating_since(self.first.unwrap_or(Instant::ZERO));
+        let at = self.heard + stamp.saturating_since(last);
         if let Some(deadline) = deadline.filter(|deadline| deadline.at < at) {
             self.now = deadline.at;
             return Ok((self.now, Input::Tick));
         }
         self.ahead.pop_front();
+        // Where the clock was set back, time goes on; where two entries have changed places, it waits.
+        if stamp >= last || last.saturating_since(stamp) >= SET_BACK {
+            (self.last, self.heard) = (Some(stamp), at);
+        }
         self.now = self.now.max(at);
         Ok((self.now, input))
     }
@@ -68,3 +83,6 @@ impl Recorded {
         Ok(self.ahead.front().copied())
     }
 }
+
+/// By less, entries are only out of order.
+const SET_BACK: Duration = Duration::from_secs(1);

@@ -102,6 +102,37 @@ fn a_lone_node_stays_alone() {
     assert!(last["nodes"][0]["mac"] == 10 && last["nodes"][0]["state"] != "online", "{last}");
 }
 
+/// Of a bus that falls silent: at once, and not with the next summary.
+#[test]
+fn a_master_without_power_is_told_when_it_is_missed() {
+    let scenario = "sim:../../../tests/scenarios/health/master_silent.toml";
+    let run = devicenet(&["monitor", scenario, "--json", "--interval", "1min"]);
+    let found = run.json().into_iter().find(|object| object["rule"] == "master_silent").unwrap();
+    let (at, since) = (found["t"].as_f64().unwrap(), found["since"].as_f64().unwrap());
+    assert!((0.4..0.6).contains(&(at - since)), "{found}");
+}
+
+/// The clock is set back by an hour, and two entries have changed places: time goes on, and a slave that falls silent is missed.
+#[test]
+fn a_recording_whose_clock_was_set_back() {
+    let path = concat!(env!("CARGO_TARGET_TMPDIR"), "/set-back.log");
+    let mut log =
+        String::from("(9000.000000) can0 455#01\n(9000.000900) can0 3CA#02\n(9000.000500) can0 44D#01\n");
+    for tenth in 0..30 {
+        log += &format!("(5400.{:06}) can0 455#01\n", tenth * 33_000);
+    }
+    for second in 5_401..5_404 {
+        log += &format!("({second}.000000) can0 455#01\n");
+    }
+    std::fs::write(path, log).unwrap();
+    let run = devicenet(&["monitor", &format!("log:{path}"), "--json"]);
+    let objects = run.json();
+    let last = objects.last().unwrap();
+    assert!((last["t"].as_f64().unwrap() - 3.0009).abs() < 1e-6, "{last}");
+    let found = objects.iter().find(|object| object["rule"] == "not_answering").unwrap();
+    assert!((1.0..1.2).contains(&found["t"].as_f64().unwrap()), "{found}");
+}
+
 #[test]
 fn errors_in_a_recording_are_heard() {
     let path = concat!(env!("CARGO_TARGET_TMPDIR"), "/errors.log");

@@ -195,8 +195,8 @@ const OTHERS: &[(&str, &[Found])] = &[
     (
         "wrong-bit-rate",
         &[
-            (Rule::ErrorFrames, None),
             (Rule::ErrorPassive, Some(5)),
+            (Rule::ErrorFrames, None),
             (Rule::ErrorPassive, Some(10)),
             (Rule::ErrorPassive, Some(0)),
         ],

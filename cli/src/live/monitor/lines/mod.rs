@@ -25,9 +25,9 @@ pub(super) fn run(
     let begin = port.now();
     let mut lines = Lines { output, json };
     let mut report_at = begin.saturating_add(args.interval.0);
-    let mut look_at = begin;
+    let mut now = begin;
     let ended = loop {
-        look_at = report_at.min(look_at.saturating_add(LOOK_EVERY));
+        let look_at = report_at.min(now.saturating_add(LOOK_EVERY));
         match port.wait(Some(Deadline { at: look_at, why: "a look" })) {
             Ok((at, input)) => {
                 if at >= report_at {
@@ -38,7 +38,7 @@ pub(super) fn run(
                     }
                 }
                 lines.see(model, at, input);
-                look_at = look_at.max(at);
+                now = now.max(at);
                 lines.show(input)?;
             }
             Err(error) => break error,
