@@ -2,10 +2,34 @@
 
 use std::collections::BTreeMap;
 
+use core::time::Duration;
+
 use devicenet_core::MacId;
-use devicenet_core::doctor::{Doctor, ExpectedNode};
+use devicenet_core::doctor::{Doctor, DoctorConfig, ExpectedNode, Intrusion};
+use link_core::BitRate;
 
 use crate::scenario::{Role, Scenario};
+
+/// A doctor of a bus with this bit rate. The scan lists of a scenario, and what is heard in the time of learning, say what
+/// belongs to the network; with neither, everything does.
+pub(crate) fn doctor(
+    bit_rate: BitRate,
+    expected: Option<&Scenario>,
+    learning: Option<Duration>,
+) -> Box<Doctor> {
+    let mut config = DoctorConfig::default();
+    config.bit_rate = Some(bit_rate);
+    config.intrusion = match (expected, learning) {
+        (_, Some(span)) => Intrusion::Learned(span),
+        (Some(_), None) => Intrusion::Expected,
+        (None, None) => Intrusion::Allowed,
+    };
+    let mut doctor = Box::new(Doctor::new(config));
+    if let Some(scenario) = expected {
+        expect(&mut doctor, scenario);
+    }
+    doctor
+}
 
 /// Tells a doctor what the scan lists of a scenario say: which slaves there are, which devices they must be, and whose. The
 /// masters themselves are expected, too. A slave in two scan lists may be of either master.

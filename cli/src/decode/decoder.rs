@@ -4,7 +4,7 @@ use core::fmt;
 use core::time::Duration;
 
 use devicenet_core::MacId;
-use devicenet_core::doctor::{Doctor, DoctorConfig, Intrusion};
+use devicenet_core::doctor::Doctor;
 use devicenet_core::monitor::{Detail, Kind, Monitor, MonitorConfig, Reading};
 use link_core::{BitRate, Instant};
 
@@ -259,16 +259,7 @@ fn doctor<'a>(
 ) -> Option<&'a mut Doctor> {
     let View::Summary { summary, .. } = view else { return None };
     while doctors.len() <= bus {
-        let mut config = DoctorConfig::default();
-        config.bit_rate = Some(BitRate(summary.bit_rate()));
-        if expected.is_some() {
-            config.intrusion = Intrusion::Expected;
-        }
-        let mut doctor = Box::new(Doctor::new(config));
-        if let Some(scenario) = expected {
-            health::expect(&mut doctor, scenario);
-        }
-        doctors.push(doctor);
+        doctors.push(health::doctor(BitRate(summary.bit_rate()), expected, None));
     }
     doctors.get_mut(bus).map(|doctor| &mut **doctor)
 }

@@ -66,7 +66,8 @@ Examples:
   devicenet monitor can0
   devicenet monitor sim:plant.toml
   devicenet monitor log:recording.log
-  devicenet monitor can0 --for 1h --interval 1min > shift.txt
+  devicenet monitor can0 --expect line.toml
+  devicenet monitor can0 --learn 5min --for 1h --interval 1min > shift.txt
   devicenet monitor can0 --json | jq -c 'select(.event == \"finding\")'")]
 pub struct MonitorArgs {
     /// A CAN interface such as can0, sim:FILE for a scenario, log:FILE for a recording
@@ -81,6 +82,13 @@ pub struct MonitorArgs {
     /// unless told otherwise
     #[arg(long, value_name = "RATE", value_parser = parse_bit_rate)]
     pub bit_rate: Option<u32>,
+    /// A scenario whose scan lists say which slaves belong to the bus, which devices they must be, and whose. Others, and other
+    /// masters, are told
+    #[arg(long, value_name = "FILE")]
+    pub expect: Option<PathBuf>,
+    /// How long to learn who belongs to the bus, and whose the slaves are. Others, and other masters, are told after that
+    #[arg(long, value_name = "TIME")]
+    pub learn: Option<Time>,
     /// Lines instead of the screen, on a terminal too
     #[arg(long)]
     pub text: bool,

@@ -112,6 +112,25 @@ fn a_master_without_power_is_told_when_it_is_missed() {
     assert!((0.4..0.6).contains(&(at - since)), "{found}");
 }
 
+/// What belongs to the bus is told by a scan list, or learned.
+#[test]
+fn who_does_not_belong_to_the_bus_is_told() {
+    let scenario = "sim:../../../tests/scenarios/health/foreign_mac_id.toml";
+    let rules = |options: &[&str]| {
+        let run = devicenet(&[&["monitor", scenario, "--json"], options].concat());
+        let last = run.json().pop().unwrap();
+        let rules = last["findings"].as_array().unwrap().iter();
+        rules.map(|finding| (finding["rule"].to_string(), finding["mac"].as_u64())).collect::<Vec<_>>()
+    };
+    let found = [("\"foreign_mac_id\"".to_owned(), Some(20))];
+    assert_eq!(rules(&[]), []);
+    assert_eq!(rules(&["--expect", "../../../tests/scenarios/health/foreign_mac_id.toml"]), found);
+    assert_eq!(rules(&["--learn", "2100ms"]), found);
+    assert_eq!(rules(&["--learn", "1h"]), []);
+    let run = devicenet(&["monitor", scenario, "--expect", "missing.toml"]);
+    assert!(run.code() == 2 && run.err().contains("missing.toml"), "{}", run.err());
+}
+
 /// The clock is set back by an hour, and two entries have changed places: time goes on, and a slave that falls silent is missed.
 #[test]
 fn a_recording_whose_clock_was_set_back() {

@@ -19,7 +19,9 @@ use super::endpoint::Endpoint;
 use super::permit;
 use super::port::LivePort;
 use crate::exit::{Exit, Failure};
+use crate::health;
 use crate::output::Output;
+use crate::scenario::Scenario;
 use crate::simulate;
 use model::{LinkState, Model};
 use screen::Theme;
@@ -29,6 +31,8 @@ use screen::Theme;
 /// # Errors
 /// [`Failure`] when the endpoint cannot be used or fails, or the output cannot be written.
 pub fn monitor(args: &MonitorArgs, json: bool) -> Result<Exit, Failure> {
+    let expected = args.expect.as_deref().map(Scenario::load).transpose();
+    let expected = expected.map_err(|error| Failure::Usage(error.to_string()))?;
     let mut port = LivePort::open_listen_only(&args.endpoint)?;
     let interrupted = simulate::interruption()?;
     port.set_interruption(interrupted);
@@ -37,7 +41,9 @@ pub fn monitor(args: &MonitorArgs, json: bool) -> Result<Exit, Failure> {
         port.set_end(end);
     }
     let chosen = args.bit_rate.map(BitRate);
-    let mut model = Model::new(port.bit_rate().or(chosen).unwrap_or(BitRate::K125));
+    let bit_rate = port.bit_rate().or(chosen).unwrap_or(BitRate::K125);
+    let learning = args.learn.map(|span| span.0);
+    let mut model = Model::new(bit_rate, health::doctor(bit_rate, expected.as_ref(), learning));
     let output = Output::new();
     if json || args.text || !output.is_terminal() || !io::stdin().is_terminal() {
         lines::run(args, &mut port, &mut model, output, json)?;

@@ -18,7 +18,7 @@ mod times;
 use core::time::Duration;
 
 use devicenet_core::MacId;
-use devicenet_core::doctor::{Doctor, DoctorConfig, Finding, Forgotten, Severity};
+use devicenet_core::doctor::{Doctor, Finding, Forgotten, Severity};
 use devicenet_core::monitor::{
     ConnectionName, ConnectionRecord, ConnectionState, Kind, Monitor, MonitorConfig, NodeRecord, Predefined,
     Reading,
@@ -69,12 +69,11 @@ struct Responses {
 }
 
 impl Model {
-    pub(super) fn new(bit_rate: BitRate) -> Self {
-        let mut config = DoctorConfig::default();
-        config.bit_rate = Some(bit_rate);
+    /// `doctor` knows the same bit rate.
+    pub(super) fn new(bit_rate: BitRate, doctor: Box<Doctor>) -> Self {
         Self {
             monitor: Box::new(Monitor::new(MonitorConfig::default())),
-            doctor: Box::new(Doctor::new(config)),
+            doctor,
             bit_rate,
             begin: None,
             now: Instant::ZERO,

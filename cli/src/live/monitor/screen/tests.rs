@@ -32,7 +32,8 @@ impl Session {
         let endpoint: Endpoint = format!("sim:{folder}{scenario}").parse().unwrap();
         let title = super::title(&endpoint);
         let port = LivePort::open_listen_only(&endpoint).unwrap();
-        let model = Model::new(port.bit_rate().unwrap_or(BitRate::K125));
+        let bit_rate = port.bit_rate().unwrap_or(BitRate::K125);
+        let model = Model::new(bit_rate, crate::health::doctor(bit_rate, None, None));
         let playback = Playback::Playing(Speed::Times(1));
         Self { title, port, model, view: View::default(), playback }
     }
