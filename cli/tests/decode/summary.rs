@@ -206,11 +206,22 @@ error    node 10 has not answered its polls for more than 1000 ms
         ("node", serde_json::json!(10)),
         ("scanner_status", serde_json::json!(72)),
         ("since", serde_json::json!(2.0)),
-        ("frames", serde_json::json!([3, 4])),
+        ("evidence", serde_json::json!([3, 4])),
+        ("facts", serde_json::json!({ "silence": { "exchange": "poll", "patience": 1.0 } })),
     ] {
         assert_eq!(finding[field], value, "{field}");
     }
     assert!(finding["advice"].as_str().unwrap().starts_with("check power"), "{finding}");
+}
+
+/// What is said in full by the rule has no facts.
+#[test]
+fn a_finding_without_facts_has_none() {
+    let check = "(1.000000) can0 457#00341201000000\n(2.000000) can0 457#00341201000000\n\
+                 (9.000000) can0 457#00341201000000\n";
+    let objects = json_lines(&run_with_input(&["decode", "--summary", "--json", "-"], check));
+    let finding = objects.iter().find(|object| object["summary"] == "finding").unwrap();
+    assert_eq!((&finding["rule"], finding.get("facts")), (&"restarted".into(), None));
 }
 
 /// Of the node and of the time that is shown.

@@ -152,6 +152,7 @@ pub enum Facts {
         /// Of what.
         exchange: Exchange,
         /// How long a peer waits.
+        #[cfg_attr(feature = "serde", serde(serialize_with = "super::json::span"))]
         patience: Duration,
     },
     /// Requests without an answer.
@@ -164,8 +165,10 @@ pub enum Facts {
     /// An answer was late.
     Wait {
         /// The longest wait for an answer.
+        #[cfg_attr(feature = "serde", serde(serialize_with = "super::json::span"))]
         longest: Duration,
         /// When the peer gives up.
+        #[cfg_attr(feature = "serde", serde(serialize_with = "super::json::span"))]
         patience: Duration,
     },
     /// Slaves without their master.

@@ -1,16 +1,18 @@
 //! Findings as one flat object.
 
 use core::fmt::{self, Write as _};
+use core::time::Duration;
 
 use link_core::Instant;
 use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
 
-use super::finding::{Evidence, Finding};
+use super::finding::{Evidence, Facts, Finding};
 
 /// Absent fields are left out; times are seconds from the zero of the doctor's clock:
 ///
-/// `id`, `rule`, `severity`, `node`, `scanner_status`, `since`, `last`, `until`, `count`, `frames`, `facts`, `first_cause`,
-/// `text`, `advice`.
+/// `id`, `rule`, `severity`, `node`, `scanner_status`, `since`, `last`, `until`, `count`, `evidence` (numbers of frames),
+/// `facts`, `first_cause`, `text`, `advice`. `facts` is an object with one entry, the name of the variant of [`Facts`] in lower
+/// case with underscores: `{"silence":{"exchange":"poll","patience":0.32}}`, `{"status":1025}`.
 impl Serialize for Finding {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
@@ -23,8 +25,8 @@ impl Serialize for Finding {
         map.serialize_entry("last", &seconds(self.last))?;
         optional(&mut map, "until", self.until.map(seconds))?;
         map.serialize_entry("count", &self.count)?;
-        map.serialize_entry("frames", &self.evidence)?;
-        map.serialize_entry("facts", &self.facts)?;
+        map.serialize_entry("evidence", &self.evidence)?;
+        optional(&mut map, "facts", Some(self.facts).filter(|facts| *facts != Facts::None))?;
         optional(&mut map, "first_cause", self.first_cause)?;
         map.serialize_entry("text", &Words(self))?;
         map.serialize_entry("advice", &Words(self.advice()))?;
@@ -38,6 +40,11 @@ impl Serialize for Evidence {
         self.frames().iter().try_for_each(|n| sequence.serialize_element(n))?;
         sequence.end()
     }
+}
+
+/// Seconds.
+pub(super) fn span<S: Serializer>(span: &Duration, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_f64(span.as_secs_f64())
 }
 
 /// The nearest number to what stands in a trace. Computed, it would be off by a digit now and then.

@@ -28,7 +28,7 @@ pub(super) struct Sign {
 pub struct Forgotten {
     /// Findings that were over, given up for newer ones.
     pub past: u64,
-    /// Findings that were not over, given up for worse ones, or never kept.
+    /// Findings that were not over, given up for worse ones, or never kept: each rule and node once, however long it lasts.
     pub present: u64,
     /// Changes of findings given up that nobody had asked for.
     pub changes: u64,
@@ -56,6 +56,8 @@ pub(super) struct Ledger<const N: usize> {
     open: u32,
     next_id: u32,
     has_news: bool,
+    /// By rule, the nodes of findings that were never kept; the last bit is for those of no node.
+    turned_away: [u128; Rule::ALL.len()],
     pub(super) forgotten: Forgotten,
 }
 
@@ -66,6 +68,7 @@ impl<const N: usize> Ledger<N> {
             open: 0,
             next_id: 1,
             has_news: false,
+            turned_away: [0; Rule::ALL.len()],
             forgotten: Forgotten { past: 0, present: 0, changes: 0 },
         }
     }
@@ -147,8 +150,7 @@ impl<const N: usize> Ledger<N> {
 
     fn begin(&mut self, sign: &Sign) {
         if self.entries.is_full() && !self.make_room(sign.severity) {
-            self.forgotten.present = self.forgotten.present.saturating_add(1);
-            return;
+            return self.turn_away(sign);
         }
         let finding = Finding {
             id: self.next_id,
@@ -167,6 +169,16 @@ impl<const N: usize> Ledger<N> {
         // There is room by now, unless there never is any.
         let entry = Entry { finding, untold: Untold { begins: true, ..Untold::default() } };
         if self.entries.push(entry).is_err() {
+            self.turn_away(sign);
+        }
+    }
+
+    /// There is no room. What lasts is seen again and again, and counts once.
+    fn turn_away(&mut self, sign: &Sign) {
+        let nodes = self.turned_away.get_mut(sign.rule.index());
+        let bit = 1_u128.rotate_left(sign.node.map_or(u128::BITS - 1, |mac| mac.number().into()));
+        if let Some(nodes) = nodes.filter(|nodes| **nodes & bit == 0) {
+            *nodes |= bit;
             self.forgotten.present = self.forgotten.present.saturating_add(1);
         }
     }

@@ -163,9 +163,12 @@ rules! {
 impl Rule {
     /// Its bit in a set of rules.
     pub(super) fn bit(self) -> u32 {
-        let index =
-            Self::ALL.iter().position(|&rule| rule == self).and_then(|index| u32::try_from(index).ok());
-        index.and_then(|index| 1_u32.checked_shl(index)).unwrap_or(0)
+        u32::try_from(self.index()).ok().and_then(|index| 1_u32.checked_shl(index)).unwrap_or(0)
+    }
+
+    /// Its place among all.
+    pub(super) fn index(self) -> usize {
+        Self::ALL.iter().position(|&rule| rule == self).unwrap_or_default()
     }
 
     /// A finding of it is over when it has not recurred for a while: nothing else tells its end.

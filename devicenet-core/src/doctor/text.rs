@@ -177,6 +177,7 @@ impl Finding {
                            sender"
                 )
             }
+            (Rule::BusOff, Facts::BusOffCount(1)) => write!(f, "{node} tells that it was bus-off once"),
             (Rule::BusOff, Facts::BusOffCount(count)) => {
                 write!(f, "{node} tells that it was bus-off {count} times")
             }
@@ -195,6 +196,7 @@ impl Finding {
                 write!(f, "bus load up to {}.{} %", peak_permille / 10, peak_permille % 10)
             }
             (Rule::Overrun, Facts::Lost(0)) => f.write_str("frames were lost before they were seen"),
+            (Rule::Overrun, Facts::Lost(1)) => f.write_str("1 frame was lost before it was seen"),
             (Rule::Overrun, Facts::Lost(lost)) => write!(f, "{lost} frames were lost before they were seen"),
             (Rule::WrongLength, Facts::Length { expected, found }) => {
                 write!(f, "{node} sends {found} bytes of I/O data where the connection has {expected}")

@@ -143,6 +143,8 @@ fn frames_that_are_not_devicenets() {
 #[test]
 fn frames_that_were_lost() {
     let mut ward = Ward::new();
-    ward.link(LinkEvent::Overrun { lost: 3 }).link(LinkEvent::Overrun { lost: 4 });
-    assert_eq!(ward.only(Rule::Overrun).to_string(), "7 frames were lost before they were seen, 2 times");
+    ward.link(LinkEvent::Overrun { lost: 1 });
+    assert_eq!(ward.only(Rule::Overrun).to_string(), "1 frame was lost before it was seen");
+    ward.link(LinkEvent::Overrun { lost: 2 }).link(LinkEvent::Overrun { lost: 4 });
+    assert_eq!(ward.only(Rule::Overrun).to_string(), "7 frames were lost before they were seen, 3 times");
 }

@@ -1,5 +1,7 @@
 //! What is kept, what makes room, and what is told.
 
+use std::vec;
+
 use link_core::LinkEvent;
 
 use super::*;
@@ -28,6 +30,19 @@ fn what_is_over_makes_room_and_is_counted() {
     let doctor = told(&[(1, ErrorPassive), (2, BusOff), (3, BusOff), (4, ErrorPassive)]);
     assert_eq!(ids(&doctor), [2, 3]);
     assert_eq!(doctor.forgotten(), Forgotten { past: 0, present: 2, changes: 1 });
+}
+
+/// It was seen a hundred times, and is one finding that there was no room for.
+#[test]
+fn what_lasts_and_finds_no_room_is_counted_once() {
+    use LinkEvent::{BusOff, Up};
+    let mut events = vec![(1, BusOff), (2, BusOff)];
+    events.extend([(3, BusOff); 100]);
+    events.push((4, BusOff));
+    assert_eq!(told(&events).forgotten(), Forgotten { past: 0, present: 2, changes: 0 });
+    // There is room again.
+    events.extend([(1, Up), (3, BusOff)]);
+    assert_eq!(ids(&told(&events)), [2, 3]);
 }
 
 #[test]

@@ -27,9 +27,10 @@
 //! | `rule`, `severity` | which rule; `info`, `warning`, `error` |
 //! | `mac` | the node; absent for what concerns the bus |
 //! | `since`, `last`, `until` | seconds since the beginning; `until` only if it is over |
-//! | `count`, `frames` | how often it was seen; numbers of the frames that show it |
+//! | `count`, `evidence` | how often it was seen; numbers of the frames that show it, at most four |
 //! | `scanner_status` | the code on the display of a scanner, if there is one |
-//! | `facts`, `first_cause` | what was seen; the rule that explains it |
+//! | `facts` | what exactly was seen, if there is more to say: an object with one entry, as `{"silence": {"exchange": "poll", "patience": 0.32}}`; times in seconds |
+//! | `first_cause` | the rule that explains it |
 //! | `text`, `advice` | in words; what to check next |
 
 use core::time::Duration;
