@@ -50,7 +50,7 @@ With --json every line has `event` and `t`, in seconds since the beginning; load
   access      mac, from, to: states of network access
   connection  mac of the server, client, connection, from, to
   finding     change: begins, escalates, ends; id, rule, severity, mac, since, last, until,
-              count, frames, scanner_status, facts, first_cause, text, advice
+              count, evidence, scanner_status, facts, first_cause, text, advice
   lost        frames, 0 if they were not counted
   summary     bit_rate, link, tec, rec, frames, error_frames, lost, problems, span; load of the
               span and load_total, by purpose; nodes with connections, loads, response times

@@ -9,12 +9,17 @@ use link_core::{Input, Instant, LinkEvent};
 
 use super::port::PortError;
 use crate::exit::Failure;
-use crate::recording::{Content, RecordedFrame, Recording};
+use crate::recording::{ChannelId, Content, RecordedFrame, Recording};
+use crate::text::printable;
 
 /// A recording that is played to a listener, as fast as it is read. Its bad lines are told.
 pub(super) struct Recorded {
     file: String,
     recording: Recording,
+    /// That of its first entry: each channel is a bus of its own, and one is listened to.
+    channel: Option<Option<ChannelId>>,
+    /// The user knows of the others.
+    is_told: bool,
     now: Instant,
     /// The time stamp of the last entry; `None` before the first.
     last: Option<Instant>,
@@ -30,6 +35,8 @@ impl Recorded {
         Ok(Self {
             file,
             recording,
+            channel: None,
+            is_told: false,
             now: Instant::ZERO,
             last: None,
             heard: Instant::ZERO,
@@ -66,6 +73,7 @@ impl Recorded {
         while self.ahead.is_empty() {
             match self.recording.next() {
                 None => return Ok(None),
+                Some(Ok(RecordedFrame { channel, .. })) if !self.is_heard(channel) => {}
                 Some(Ok(RecordedFrame { at, content, .. })) => match content {
                     Content::Classic(frame) => self.ahead.push_back((at, Input::Frame(frame))),
                     Content::Error(error) => {
@@ -81,6 +89,27 @@ impl Recorded {
             }
         }
         Ok(self.ahead.front().copied())
+    }
+
+    /// Whether an entry is of the channel that is listened to. That there are others is told once.
+    fn is_heard(&mut self, channel: Option<ChannelId>) -> bool {
+        let chosen = *self.channel.get_or_insert(channel);
+        let is_heard = chosen == channel;
+        if !is_heard && !core::mem::replace(&mut self.is_told, true) {
+            let name = |channel: Option<ChannelId>| {
+                channel.map_or_else(
+                    || "no channel".to_owned(),
+                    |channel| printable(self.recording.channels().name(channel)).into_owned(),
+                )
+            };
+            crate::output::warn(format_args!(
+                "{}: {} is listened to, {} and any other channel is left out; `devicenet decode` reads all",
+                self.file,
+                name(chosen),
+                name(channel),
+            ));
+        }
+        is_heard
     }
 }
 

@@ -152,6 +152,23 @@ fn a_recording_whose_clock_was_set_back() {
     assert!((1.0..1.2).contains(&found["t"].as_f64().unwrap()), "{found}");
 }
 
+/// Each channel is a bus: what is sent on one is no answer on the other.
+#[test]
+fn one_channel_of_a_recording_is_listened_to() {
+    let path = concat!(env!("CARGO_TARGET_TMPDIR"), "/channels.log");
+    let mut log = String::new();
+    for second in 1..9 {
+        log += &format!(
+            "({second}.000000) can0 455#01\n({second}.000300) can1 3CA#02\n({second}.000500) can0 3CA#03\n"
+        );
+    }
+    std::fs::write(path, log).unwrap();
+    let run = devicenet(&["monitor", &format!("log:{path}"), "--json"]);
+    let last = run.json().pop().unwrap();
+    assert_eq!((&last["frames"], &last["problems"], run.code()), (&16.into(), &0.into(), 0), "{last}");
+    assert_eq!(run.err().matches("can0 is listened to, can1").count(), 1, "{}", run.err());
+}
+
 #[test]
 fn errors_in_a_recording_are_heard() {
     let path = concat!(env!("CARGO_TARGET_TMPDIR"), "/errors.log");
