@@ -15,6 +15,7 @@ mod selection;
 mod summary;
 mod usage;
 
+use std::io::ErrorKind::BrokenPipe;
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
@@ -44,7 +45,9 @@ fn run_with_input(arguments: &[&str], input: &str) -> Output {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    child.stdin.take().unwrap().write_all(input.as_bytes()).unwrap();
+    let written = child.stdin.take().unwrap().write_all(input.as_bytes());
+    // A command that refuses its arguments may end before it has read anything.
+    assert!(written.as_ref().map_or_else(|error| error.kind() == BrokenPipe, |()| true), "{written:?}");
     child.wait_with_output().unwrap()
 }
 
