@@ -40,6 +40,21 @@ pub(crate) fn to_kernel(frame: &Frame) -> Option<CanFrame> {
     frame.to_can()
 }
 
+/// A frame as a socket takes it, `struct can_frame` of linux/can.h:
+///
+/// | bytes | field |
+/// |---|---|
+/// | 0-3 | identifier and flags, in the byte order of the machine |
+/// | 4 | length |
+/// | 5-7 | 0 |
+/// | 8-15 | data |
+pub(crate) fn bytes(frame: &CanFrame) -> [u8; 16] {
+    let raw: &libc::can_frame = frame.as_ref();
+    let [i0, i1, i2, i3] = raw.can_id.to_ne_bytes();
+    let [d0, d1, d2, d3, d4, d5, d6, d7] = raw.data;
+    [i0, i1, i2, i3, raw.can_dlc, 0, 0, 0, d0, d1, d2, d3, d4, d5, d6, d7]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -77,6 +92,21 @@ mod tests {
         assert_eq!(as_sent(&remote).to_string(), "52F [8] remote");
         let short = Frame::remote(StandardId::new(0x52F).unwrap(), 3).unwrap();
         assert_eq!(as_sent(&short), short);
+    }
+
+    #[test]
+    fn the_bytes_of_a_frame() {
+        let bytes_of = |frame: Frame| bytes(&to_kernel(&frame).unwrap());
+        let extended = Frame::new(ExtendedId::new(0x0102_0304).unwrap(), &[0xAB, 0xCD]).unwrap();
+        let mut expected = [0; 16];
+        expected[..4].copy_from_slice(&0x8102_0304_u32.to_ne_bytes());
+        (expected[4], expected[8], expected[9]) = (2, 0xAB, 0xCD);
+        assert_eq!(bytes_of(extended), expected);
+        let remote = Frame::remote(StandardId::new(0x52F).unwrap(), 8).unwrap();
+        let mut expected = [0; 16];
+        expected[..4].copy_from_slice(&0x4000_052F_u32.to_ne_bytes());
+        expected[4] = 8;
+        assert_eq!(bytes_of(remote), expected);
     }
 
     proptest! {

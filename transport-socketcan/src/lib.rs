@@ -31,7 +31,7 @@
 //! | error frame with counters | `Counters`, before the change of state |
 //! | `SO_RXQ_OVFL` | `Overrun { lost }` |
 //! | `ENETDOWN`, `ENODEV`, `ENXIO` | `Down`; frames in flight are `Dropped`; `Up` when the interface is back, found by its name |
-//! | `ENOBUFS` | nothing: the transmit queue is full, and the frame is offered again |
+//! | `ENOBUFS`, `EAGAIN` | nothing: the transmit queue, or the part of it that a socket may fill, is full; the frame is offered again |
 //!
 //! The kernel's transmit queue is first in, first out. So that the most urgent frame goes first, the kernel has one frame of
 //! a port at a time; the others wait in the order of their arbitration keys.

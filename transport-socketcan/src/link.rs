@@ -160,12 +160,14 @@ impl Link {
                 LinkEvent::Refused(link_core::link::LinkCommandKind::SetMode)
             }
         };
+        self.answer();
         self.tell(event);
         self.hand_over()
     }
 
     fn reset(&mut self) -> Result<(), Error> {
         self.outbox.drop_all();
+        self.answer();
         match self.interface.restart() {
             // A controller that restarts says so by an error frame, which is then the second news of it.
             Ok(()) => {
@@ -250,6 +252,7 @@ impl Link {
         }
         if self.echo_lost.take_if(|at| *at <= now).is_some() {
             self.outbox.give_up();
+            self.hand_over()?;
         }
         Ok(())
     }
@@ -315,6 +318,8 @@ impl Link {
         self.take_the_rest();
         self.state = State::Down(self.now().saturating_add(LOOK_AGAIN_AFTER));
         (self.retry_at, self.echo_lost) = (None, None);
+        // What an interface without an echo has taken is sent already.
+        self.answer();
         self.outbox.drop_all();
         self.tell(LinkEvent::Down);
     }

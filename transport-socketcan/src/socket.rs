@@ -6,6 +6,8 @@ use std::os::fd::{AsFd, BorrowedFd};
 use core::time::Duration;
 use link_core::{Filter, FilterSet, Frame};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::io::Errno;
+use rustix::net::{SendFlags, send};
 use socketcan::id::ERR_MASK_ALL;
 use socketcan::{CanFilter, CanSocket, Socket as _, SocketOptions as _};
 
@@ -46,15 +48,15 @@ impl Socket {
         if filters.is_empty() { self.inner.set_filter_drop_all() } else { self.inner.set_filters(&filters) }
     }
 
-    /// `Ok(false)`: the transmit queue is full.
+    /// `Ok(false)`: the transmit queue is full, or has as much of this socket as it may have. Never waits for room.
     pub(crate) fn send(&self, frame: &Frame) -> io::Result<bool> {
         let Some(frame) = frame::to_kernel(frame) else {
             return Err(io::ErrorKind::InvalidInput.into());
         };
-        match self.inner.write_frame(&frame) {
-            Ok(()) => Ok(true),
-            Err(error) if is_full(&error) => Ok(false),
-            Err(error) => Err(error),
+        match send(&self.inner, &frame::bytes(&frame), SendFlags::DONTWAIT) {
+            Ok(_) => Ok(true),
+            Err(Errno::NOBUFS | Errno::AGAIN | Errno::INTR) => Ok(false),
+            Err(error) => Err(error.into()),
         }
     }
 
@@ -76,7 +78,7 @@ pub(crate) fn wait(socket: Option<&Socket>, span: Option<Duration>) -> io::Resul
         socket.into_iter().map(|socket| PollFd::new(socket, PollFlags::IN)).collect();
     match poll(&mut sockets, timeout.as_ref()) {
         // After a signal the caller looks at the clock again.
-        Ok(_) | Err(rustix::io::Errno::INTR) => Ok(()),
+        Ok(_) | Err(Errno::INTR) => Ok(()),
         Err(error) => Err(error.into()),
     }
 }
@@ -85,11 +87,6 @@ impl AsFd for Socket {
     fn as_fd(&self) -> BorrowedFd<'_> {
         self.inner.as_fd()
     }
-}
-
-fn is_full(error: &io::Error) -> bool {
-    error.raw_os_error() == Some(libc::ENOBUFS)
-        || matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted)
 }
 
 /// The kernel compares the extended flag too. Remote frames pass as data frames do, because their flag is not in the mask.

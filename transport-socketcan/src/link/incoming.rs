@@ -47,7 +47,7 @@ impl Link {
             // An echo that nobody waits for is of a frame that was given up.
             Some(frame) if message.is_own => {
                 if self.outbox.confirm(&frame) {
-                    self.answer(at);
+                    self.answer();
                 }
             }
             Some(frame) => self.inputs.push_back((at, Input::Frame(frame))),
@@ -76,16 +76,17 @@ impl Link {
     fn bus_off(&mut self, at: Instant) {
         self.state = State::BusOff;
         self.restart_is_told = false;
+        // Sent before, and dropped before the restart that may be told next.
+        self.answer();
         self.inputs.push_back((at, Input::Link(LinkEvent::BusOff)));
         self.outbox.drop_all();
-        // Before the restart, which may be told next.
-        self.answer(at);
+        self.answer();
     }
 
     /// Tells what became of frames behind the inputs that there are.
-    fn answer(&mut self, at: Instant) {
+    pub(super) fn answer(&mut self) {
         while let Some((token, outcome)) = self.outbox.answer() {
-            self.inputs.push_back((at, Input::TxDone(token, outcome)));
+            self.inputs.push_back((self.stamps.last(), Input::TxDone(token, outcome)));
         }
     }
 

@@ -4,7 +4,7 @@
 use std::fs::File;
 use std::io::{BufReader, Read as _, Write as _};
 use std::process::{Child, Command, Stdio};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
@@ -30,9 +30,9 @@ impl Adapter {
         let tty = ptsname(&line, Vec::new()).unwrap().into_string().unwrap();
         let line = File::from(line);
         let other = BufReader::new(line.try_clone().unwrap());
-        let (say, said) = channel();
+        let (say, said) = sync_channel(4096);
         std::thread::spawn(move || {
-            // The test may have heard enough.
+            // A test that hears nothing of this has a line that gets full.
             other.bytes().map_while(Result::ok).try_for_each(|byte| say.send(byte)).unwrap_or_default();
         });
         let daemon = Command::new("slcand")

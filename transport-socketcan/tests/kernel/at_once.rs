@@ -1,8 +1,8 @@
 //! Interfaces that echo nothing, as virtual ones: a frame is on the bus when the interface has taken it.
 
-use link_core::{Input, Port, TxToken};
+use link_core::{Input, LinkEvent, Port, TxToken};
 
-use crate::rig::{Interface, frame, input, sent, silent};
+use crate::rig::{Interface, dropped, frame, input, sent, silent};
 
 #[test]
 #[ignore = "needs vcan"]
@@ -32,6 +32,17 @@ fn a_twins_identical_frame_is_not_the_echo() {
     assert_eq!(input(&mut one), Input::Frame(check), "the twin's");
     assert_eq!(input(&mut twin), sent(1));
     assert_eq!(input(&mut twin), Input::Frame(check));
+}
+
+#[test]
+#[ignore = "needs vcan"]
+fn what_was_sent_before_the_interface_went_down_is_told_before_that() {
+    let bus = Interface::new("vcan73");
+    let mut port = bus.port();
+    port.transmit(TxToken(1), frame(0x100, &[])).unwrap();
+    bus.set("down");
+    port.transmit(TxToken(2), frame(0x100, &[])).unwrap();
+    assert_eq!([1, 2, 3].map(|_| input(&mut port)), [sent(1), Input::Link(LinkEvent::Down), dropped(2)]);
 }
 
 /// It could go on for ever without looking into its socket.

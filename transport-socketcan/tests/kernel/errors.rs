@@ -34,8 +34,8 @@ fn bus_off_drops_what_is_in_flight_until_a_reset() {
     port.transmit(TxToken(1), frame(0x100, &[])).unwrap();
     silent(&mut port);
     port.command(LinkCommand::Reset).unwrap();
-    assert_eq!(input(&mut port), Input::Link(LinkEvent::Up));
     assert_eq!(input(&mut port), dropped(1), "a controller that begins anew has nothing to send");
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::Up));
     port.transmit(TxToken(2), frame(0x100, &[])).unwrap();
     assert_eq!(input(&mut port), sent(2));
 }

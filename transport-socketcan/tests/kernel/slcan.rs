@@ -1,10 +1,12 @@
 //! An adapter at a serial line, which has a bit rate.
 
-use link_core::{BitRate, Input, LinkCommand, LinkEvent, Mode, Port, TxToken};
+use std::time::Duration;
+
+use link_core::{BitRate, Input, LinkCommand, LinkEvent, Mode, Port, TxOutcome, TxToken};
 use transport_socketcan::{Kind, SocketCanPort};
 
 use crate::adapter::Adapter;
-use crate::rig::{frame, input, run, sent, timed_input};
+use crate::rig::{frame, input, run, sent, timed_input, wait};
 
 #[test]
 #[ignore = "needs slcan"]
@@ -53,3 +55,26 @@ fn the_bit_rate_and_the_mode_are_set_by_netlink() {
     adapter.says("t12320102\r");
     assert_eq!(timed_input(&mut port).1, Input::Frame(frame(0x123, &[1, 2])));
 }
+
+/// Of a long transmit queue a socket may fill only a part; beyond that the kernel would make the sender wait.
+#[test]
+#[ignore = "needs slcan"]
+fn an_adapter_that_takes_nothing_does_not_hold_a_machine_up() {
+    let adapter = Adapter::attach("slcan82", &[]);
+    adapter.set_up(&["bitrate", "125000"]);
+    run("ip", &["link", "set", adapter.name, "txqueuelen", "5000"]);
+    let mut port = SocketCanPort::open(adapter.name).unwrap();
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::Up));
+    for token in 0..MANY {
+        port.transmit(TxToken(token), frame(0x100, &[0; 8])).unwrap();
+    }
+    let mut taken = 0;
+    while wait(&mut port, Duration::from_millis(50)).1 == sent(taken) {
+        taken += 1;
+    }
+    assert!((10..MANY).contains(&taken), "{taken}");
+    port.withdraw(TxToken(taken)).unwrap();
+    assert_eq!(input(&mut port), Input::TxDone(TxToken(taken), TxOutcome::Withdrawn));
+}
+
+const MANY: u16 = 2000;
