@@ -135,7 +135,9 @@ pub(super) const fn trouble(cause: Option<Cause>) -> &'static str {
             "no answer: it is absent, faulted, or at another bit rate; `devicenet scan` lists who is there"
         }
         Some(Cause::OwnedByAnother) => "it belongs to another master, and is left alone",
-        Some(Cause::Refused) => "it refuses an explicit connection",
+        Some(Cause::Refused) => {
+            "it refuses an explicit connection: another client may have it; ask again in ten seconds"
+        }
         Some(Cause::TimedOut | Cause::CheckHeard) => "it restarted while it was asked: ask again",
         Some(_) | None => "the connection ended before it answered: ask again",
     }

@@ -70,7 +70,7 @@ pub(super) fn run<E: Errand>(
     }
     let is_interrupted = is_over(&ended) && port.is_interrupted();
     if is_interrupted && watched.errand.access().is_online() {
-        port.end_within(LONGEST_GOODBYE);
+        port.end_soon();
         watched.errand.leave();
         ended = drive(&mut watched, port, &mut on_event);
     }
@@ -167,5 +167,3 @@ pub(super) fn identity(endpoint: &Endpoint) -> DeviceIdentity {
 
 /// How long the way on line may take. Two duplicate MAC ID checks take two seconds, and more where others begin at the same time.
 const LONGEST_WAY: Duration = Duration::from_secs(10);
-/// How long giving back may take: an answer that is on its way, and that to the release.
-const LONGEST_GOODBYE: Duration = Duration::from_secs(3);

@@ -113,10 +113,10 @@ impl LivePort {
         self.interrupted.is_some_and(|interrupted| interrupted.load(Ordering::Relaxed))
     }
 
-    /// Interrupted or not, there is this much time to come to an end.
-    pub(super) fn end_within(&mut self, span: Duration) {
+    /// Interrupted or not, there is a little time to come to an end, and to give back what is held of others.
+    pub(super) fn end_soon(&mut self) {
         self.interrupted = None;
-        self.end.at = self.now() + span;
+        self.end.at = self.now() + LONGEST_GOODBYE;
     }
 
     fn wait_for_the_bus(&mut self, deadline: Option<Deadline>) -> Result<(Instant, Input), PortError> {
@@ -262,6 +262,8 @@ fn failed(error: transport_socketcan::Error) -> PortError {
 
 /// How often an interruption is looked for. Longer than the short wait of a socket, which is one call of the kernel.
 const LOOK_AFTER: Duration = Duration::from_millis(200);
+/// An answer that is on its way, and that to the release.
+const LONGEST_GOODBYE: Duration = Duration::from_secs(3);
 /// How many frames a machine may have in flight when only listening.
 const NONE_IN_FLIGHT: usize = 0;
 

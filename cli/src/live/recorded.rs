@@ -57,7 +57,7 @@ impl Recorded {
         // From its first frame on, as on a bus that one has just come to.
         let at = self.heard + stamp.saturating_since(last);
         if let Some(deadline) = deadline.filter(|deadline| deadline.at < at) {
-            self.now = deadline.at;
+            self.now = self.now.max(deadline.at);
             return Ok((self.now, Input::Tick));
         }
         self.ahead.pop_front();

@@ -1,7 +1,6 @@
 //! `devicenet slave` and `devicenet master`: a node of a scenario on a live bus.
 
 use core::ops::ControlFlow;
-use core::time::Duration;
 use std::io;
 
 use devicenet_core::MacId;
@@ -66,7 +65,7 @@ fn run(args: &RunArgs, role: &str, is_of_role: impl Fn(&Node) -> bool, json: boo
 /// Goes off the bus. A master releases its slaves first, as far as they let it.
 fn leave(mut machine: &mut dyn Guest, port: &mut LivePort, log: &mut Log<'_>) -> Result<Exit, Failure> {
     let mut held = machine.held();
-    port.end_within(LONGEST_GOODBYE);
+    port.end_soon();
     machine.leave(port.now());
     if !machine.held().is_empty() {
         let ended = drive(&mut machine, port, |machine, now, event| match log.event(now, &event) {
@@ -154,6 +153,3 @@ impl Log<'_> {
         self.output.flush()
     }
 }
-
-/// How long the slaves have to answer the release.
-const LONGEST_GOODBYE: Duration = Duration::from_secs(3);
