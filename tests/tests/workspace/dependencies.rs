@@ -6,21 +6,25 @@ use cargo_metadata::{DependencyKind, MetadataCommand};
 use devicenet_tests::workspace_root;
 
 /// Each crate, and the crates of this workspace that it may depend on.
-const MAY_SEE: [(&str, &[&str]); 8] = [
+const MAY_SEE: [(&str, &[&str]); 9] = [
     ("link-core", &[]),
     ("cip-core", &["link-core"]),
     ("devicenet-core", &["link-core", "cip-core"]),
+    ("devicenex-core", &["link-core", "cip-core"]),
     ("transport-mock", &["link-core"]),
     ("transport-socketcan", &["link-core"]),
     ("devicenet-cli", &["link-core", "cip-core", "devicenet-core", "transport-mock", "transport-socketcan"]),
-    ("devicenet-tests", &["link-core", "cip-core", "devicenet-core", "transport-mock", "devicenet-cli"]),
+    (
+        "devicenet-tests",
+        &["link-core", "cip-core", "devicenet-core", "devicenex-core", "transport-mock", "devicenet-cli"],
+    ),
     (
         "devicenet-fuzz",
         &["link-core", "cip-core", "devicenet-core", "transport-mock", "devicenet-cli", "devicenet-tests"],
     ),
 ];
 
-const CORES: [&str; 3] = ["link-core", "cip-core", "devicenet-core"];
+const CORES: [&str; 4] = ["link-core", "cip-core", "devicenet-core", "devicenex-core"];
 
 #[test]
 fn dependencies_point_one_way() {
