@@ -16,6 +16,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`id`] | operational addresses, the layouts of identifiers, receive filters |
+//! | [`message`] | the data field of every message, with its byte table |
 //!
 //! # Features
 //!
@@ -26,5 +27,6 @@
 extern crate std;
 
 pub mod id;
+pub mod message;
 
 pub use id::{Identifier, OperationalAddress};
