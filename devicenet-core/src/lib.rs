@@ -122,8 +122,6 @@ mod collision;
 mod counter;
 pub mod doctor;
 pub mod id;
-#[cfg(test)]
-mod machine_laws;
 pub mod master;
 pub mod message;
 pub mod monitor;

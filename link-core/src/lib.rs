@@ -74,6 +74,9 @@ pub mod filter;
 pub mod frame;
 pub mod link;
 pub mod machine;
+#[cfg(feature = "std")]
+#[doc(hidden)]
+pub mod machine_laws;
 mod queue;
 pub mod time;
 pub mod timers;

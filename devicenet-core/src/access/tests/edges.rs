@@ -7,7 +7,7 @@ use link_core::{BusErrorKind, LinkEvent};
 
 use super::super::{Access, BusOffWhileChecking, Cause, EDGES, Edge, StateKind};
 use super::bus::*;
-use crate::machine_laws;
+use link_core::machine_laws;
 
 std::thread_local! {
     static TAKEN: RefCell<HashSet<(StateKind, Cause, StateKind)>> = RefCell::default();

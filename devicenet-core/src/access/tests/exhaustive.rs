@@ -13,7 +13,7 @@ use link_core::{
 
 use super::super::{Access, AccessEvent, BusOffWhileChecking, Cause, CheckRequest, Config, State, StateKind};
 use super::bus::*;
-use crate::machine_laws;
+use link_core::machine_laws;
 
 /// A machine, and what the bus knows of it.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]

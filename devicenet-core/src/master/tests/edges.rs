@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use super::super::{Cause, EDGES, Edge, SlaveState};
 use super::bus::{Bus, config, mac, polled};
-use crate::machine_laws;
+use link_core::machine_laws;
 
 std::thread_local! {
     static TAKEN: RefCell<HashSet<(SlaveState, Cause, SlaveState)>> = RefCell::default();

@@ -12,7 +12,7 @@ use link_core::{Action, Frame, Input, Instant, LinkEvent, Machine, TxOutcome, Tx
 use super::super::*;
 use super::bus::{config, frame, mac, polled};
 use crate::client::Waits;
-use crate::machine_laws;
+use link_core::machine_laws;
 
 type Scanner = Master<1, 16>;
 

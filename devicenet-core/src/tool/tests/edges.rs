@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use super::super::{Cause, EDGES, Edge, OfflineTool, ToolState};
 use super::bus::Bus;
-use crate::machine_laws;
+use link_core::machine_laws;
 
 std::thread_local! {
     static TAKEN: RefCell<HashSet<(ToolState, Cause, ToolState)>> = RefCell::default();

@@ -12,8 +12,8 @@ use super::super::state::{State, Task};
 use super::super::{OfflineTool, ToolEvent, ToolState};
 use super::bus::*;
 use crate::access::Access;
-use crate::machine_laws;
 use crate::message::{DelayOffset, NodeSelection};
+use link_core::machine_laws;
 
 /// A machine, and what the bus knows of it.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]

@@ -1,4 +1,5 @@
-//! What holds for every state machine of this crate, for their tests: the transition table, and all that a machine can come to.
+//! What holds for every state machine, for the tests of the cores: the transition table, and all that a machine can come
+//! to.
 
 use core::fmt::{Debug, Display};
 use core::hash::Hash;
@@ -8,7 +9,7 @@ use std::vec::Vec;
 
 /// The table under `heading` in the text of a module has these edges.
 #[track_caller]
-pub(crate) fn text_shows<E: Display>(text: &str, heading: &str, edges: &[E]) {
+pub fn text_shows<E: Display>(text: &str, heading: &str, edges: &[E]) {
     let documented: Vec<_> = text
         .lines()
         .filter_map(|line| line.strip_prefix("/// "))
@@ -22,25 +23,21 @@ pub(crate) fn text_shows<E: Display>(text: &str, heading: &str, edges: &[E]) {
 
 /// No edge is left that nobody has taken.
 #[track_caller]
-pub(crate) fn every_edge_was_taken<E: Debug, K: Eq + Hash>(
-    edges: &[E],
-    taken: &HashSet<K>,
-    key: impl Fn(&E) -> K,
-) {
+pub fn every_edge_was_taken<E: Debug, K: Eq + Hash>(edges: &[E], taken: &HashSet<K>, key: impl Fn(&E) -> K) {
     let missed: Vec<_> = edges.iter().filter(|edge| !taken.contains(&key(edge))).collect();
     assert!(missed.is_empty(), "{missed:#?}");
 }
 
 /// No edge is listed twice.
 #[track_caller]
-pub(crate) fn edges_are_distinct<E, K: Eq + Hash>(edges: &[E], key: impl Fn(&E) -> K) {
+pub fn edges_are_distinct<E, K: Eq + Hash>(edges: &[E], key: impl Fn(&E) -> K) {
     let distinct: HashSet<_> = edges.iter().map(key).collect();
     assert_eq!(distinct.len(), edges.len());
 }
 
 /// Every world that steps lead to from `start`; they are fewer than `limit`.
 #[track_caller]
-pub(crate) fn reachable<W: Clone + Eq + Hash, S: Copy>(
+pub fn reachable<W: Clone + Eq + Hash, S: Copy>(
     start: W,
     steps: &[S],
     step: impl Fn(&W, S) -> Option<W>,
