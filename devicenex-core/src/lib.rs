@@ -15,6 +15,8 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | [`access`] | network access: Hello, Mini-who, ROAM, who keeps an address |
+//! | [`bit_rate`] | bit rate detection without a word |
 //! | [`id`] | operational addresses, the layouts of identifiers, receive filters |
 //! | [`message`] | the data field of every message, with its byte table |
 //!
@@ -26,7 +28,10 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod access;
+pub mod bit_rate;
 pub mod id;
 pub mod message;
 
+pub use access::Access;
 pub use id::{Identifier, OperationalAddress};
