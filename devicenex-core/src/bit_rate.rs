@@ -18,6 +18,10 @@
 //! acknowledge. Its error flags spoil what it sends, and the detectors see errors, until after sixteen attempts it is
 //! error-passive: from then on its frames look complete to a receiver, and the detectors at the right rate lock.
 //!
+//! **A controller that samples too slowly is deaf on a busy bus.** Before it takes part it waits for eleven recessive bits of
+//! its own length, and at half the rate of the bus there may be no such pause: it sees neither a frame nor an error, and only
+//! the dwell time ends that. A controller that samples too fast sees an error at once. So the fastest candidate comes first.
+//!
 //! [`Detector`] is that machine without a clock: its owner tells it what happens, does as it is told by [`Step`], and keeps
 //! the one timer. [`Access`](crate::access::Access) is such an owner.
 //!
@@ -27,8 +31,8 @@
 //!
 //! let mut detector = Detector::new(Candidates::default(), 2);
 //! let listen = |bit_rate| Mode { bit_rate, listen_only: true };
-//! assert_eq!(detector.mode(), Some(listen(BitRate::K125)));
-//! assert_eq!(detector.mode_set(listen(BitRate::K125)), Step::Listen);
+//! assert_eq!(detector.mode(), Some(listen(BitRate::K500)));
+//! assert_eq!(detector.mode_set(listen(BitRate::K500)), Step::Listen);
 //! assert_eq!(detector.error(), Step::SetMode(listen(BitRate::K250)));
 //! assert_eq!(detector.mode_set(listen(BitRate::K250)), Step::Listen);
 //! assert_eq!(detector.valid_frame(), Step::Listen);
@@ -37,7 +41,7 @@
 
 use link_core::{BitRate, Mode};
 
-/// The rates that a detector tries, in their order: one to [`CAPACITY`](Self::CAPACITY). By default 125, 250 and 500
+/// The rates that a detector tries, in their order: one to [`CAPACITY`](Self::CAPACITY). By default 500, 250 and 125
 /// kbit/s **\[D\]**.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -110,7 +114,7 @@ impl Default for Candidates {
     fn default() -> Self {
         let mut rates = heapless::Vec::new();
         // There is room for eight.
-        let _ = rates.extend_from_slice(&[BitRate::K125, BitRate::K250, BitRate::K500]);
+        let _ = rates.extend_from_slice(&[BitRate::K500, BitRate::K250, BitRate::K125]);
         Self { rates }
     }
 }
@@ -202,14 +206,14 @@ mod tests {
 
     fn listening() -> Detector {
         let mut detector = Detector::new(Candidates::default(), 2);
-        assert_eq!(detector.mode_set(listen(BitRate::K125)), Step::Listen);
+        assert_eq!(detector.mode_set(listen(BitRate::K500)), Step::Listen);
         detector
     }
 
     #[test]
     fn goes_round_for_ever_on_a_silent_bus() {
         let mut detector = listening();
-        for rate in [BitRate::K250, BitRate::K500, BitRate::K125].into_iter().cycle().take(300) {
+        for rate in [BitRate::K250, BitRate::K125, BitRate::K500].into_iter().cycle().take(300) {
             assert_eq!(detector.dwell_over(), Step::SetMode(listen(rate)));
             assert_eq!(detector.mode_set(listen(rate)), Step::Listen);
         }
@@ -232,7 +236,7 @@ mod tests {
         assert_eq!(detector.error(), Step::None);
         assert_eq!(detector.valid_frame(), Step::None);
         assert_eq!(detector.dwell_over(), Step::None);
-        assert_eq!(detector.mode_set(listen(BitRate::K125)), Step::None, "another rate");
+        assert_eq!(detector.mode_set(listen(BitRate::K500)), Step::None, "another rate");
         let active = Mode { bit_rate: BitRate::K250, listen_only: false };
         assert_eq!(detector.mode_set(active), Step::None, "it would disturb");
         assert_eq!(detector.stage(), Stage::Switching);
@@ -242,11 +246,11 @@ mod tests {
     fn once_locked_it_stays() {
         let mut detector = listening();
         assert_eq!(detector.valid_frame(), Step::Listen);
-        assert_eq!(detector.valid_frame(), Step::Lock(Some(BitRate::K125)));
+        assert_eq!(detector.valid_frame(), Step::Lock(Some(BitRate::K500)));
         assert_eq!((detector.error(), detector.dwell_over()), (Step::None, Step::None));
-        assert_eq!(detector.mode_set(listen(BitRate::K125)), Step::None);
+        assert_eq!(detector.mode_set(listen(BitRate::K500)), Step::None);
         assert_eq!(detector.listen_at_rate_of_link(), Step::None);
-        assert_eq!((detector.stage(), detector.bit_rate()), (Stage::Locked, Some(BitRate::K125)));
+        assert_eq!((detector.stage(), detector.bit_rate()), (Stage::Locked, Some(BitRate::K500)));
     }
 
     #[test]
@@ -268,7 +272,7 @@ mod tests {
         let mut detector = Detector::new(one, 1);
         assert_eq!(detector.mode_set(listen(BitRate::M1)), Step::Listen);
         assert_eq!(detector.error(), Step::SetMode(listen(BitRate::M1)), "it tries again");
-        let default = [BitRate::K125, BitRate::K250, BitRate::K500];
+        let default = [BitRate::K500, BitRate::K250, BitRate::K125];
         assert_eq!(Candidates::default().as_slice(), default);
     }
 }

@@ -95,7 +95,7 @@ impl Bus {
     /// A device that listens at the first rate.
     pub(super) fn listening(config: Config) -> Self {
         let mut bus = Self::power_up(config);
-        bus.sets_mode(listen_only(BitRate::K125));
+        bus.sets_mode(listen_only(BitRate::K500));
         bus
     }
 
@@ -104,10 +104,10 @@ impl Bus {
         let is_device = config.role == Role::Device;
         let mut bus = Self::power_up(config);
         if is_device {
-            bus.sets_mode(listen_only(BitRate::K125));
+            bus.sets_mode(listen_only(BitRate::K500));
             bus.hears_any();
             bus.hears_any();
-            bus.sets_mode(active(BitRate::K125));
+            bus.sets_mode(active(BitRate::K500));
         } else {
             bus.sets_mode(active(BitRate::K250));
         }

@@ -36,10 +36,10 @@ fn with_boi_it_comes_back_once_with_its_address() {
     bus.wait(1);
     assert_eq!(bus.controller_restarts(), 1);
     bus.link(LinkEvent::Up);
-    bus.sets_mode(listen_only(BitRate::K125));
+    bus.sets_mode(listen_only(BitRate::K500));
     bus.hears_any();
     bus.hears_any();
-    bus.sets_mode(active(BitRate::K125));
+    bus.sets_mode(active(BitRate::K500));
     bus.says_both(HELLO_67);
     bus.is(StateKind::Online);
     bus.link(LinkEvent::BusOff);
@@ -92,10 +92,10 @@ fn after_the_loss_of_the_link_it_asks_for_its_old_address() {
     bus.link(LinkEvent::Down);
     bus.is(StateKind::NonExistent);
     bus.link(LinkEvent::Up);
-    bus.sets_mode(listen_only(BitRate::K125));
+    bus.sets_mode(listen_only(BitRate::K500));
     bus.hears_any();
     bus.hears_any();
-    bus.sets_mode(active(BitRate::K125));
+    bus.sets_mode(active(BitRate::K500));
     bus.sends(HELLO_67);
 
     let mut forgetful = config();

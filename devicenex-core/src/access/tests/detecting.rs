@@ -12,28 +12,28 @@ fn a_device_listens_to_everything_until_two_frames_in_a_row_were_valid() {
     bus.is(StateKind::DetectingBitRate);
     let everything = [Filter::ALL_STANDARD, Filter::ALL_EXTENDED];
     assert_eq!(bus.node.filter().as_slice(), everything);
-    bus.sets_mode(listen_only(BitRate::K125));
+    bus.sets_mode(listen_only(BitRate::K500));
     bus.error();
     bus.sets_mode(listen_only(BitRate::K250));
     bus.hears_any();
     bus.error();
-    bus.sets_mode(listen_only(BitRate::K500));
+    bus.sets_mode(listen_only(BitRate::K125));
     bus.hears_any();
     bus.sends_nothing();
     bus.hears_any();
-    bus.tells(AccessEvent::BitRateLocked(Some(BitRate::K500)));
+    bus.tells(AccessEvent::BitRateLocked(Some(BitRate::K125)));
     bus.is(StateKind::Hello1);
     bus.sends_nothing();
-    bus.sets_mode(active(BitRate::K500));
+    bus.sets_mode(active(BitRate::K125));
     bus.sends(HELLO_127);
     assert_eq!(bus.node.counters().detection_errors, 2);
-    assert_eq!(bus.node.bit_rate(), Some(BitRate::K500));
+    assert_eq!(bus.node.bit_rate(), Some(BitRate::K125));
 }
 
 #[test]
 fn on_a_silent_bus_it_goes_round_and_says_nothing() {
     let mut bus = Bus::power_up(config());
-    for rate in [BitRate::K125, BitRate::K250, BitRate::K500].into_iter().cycle().take(30) {
+    for rate in [BitRate::K500, BitRate::K250, BitRate::K125].into_iter().cycle().take(30) {
         bus.sets_mode(listen_only(rate));
         bus.wait(2999);
         assert_eq!(bus.node.state().kind(), StateKind::DetectingBitRate);
@@ -50,7 +50,7 @@ fn a_frame_starts_the_dwell_time_anew() {
     bus.hears_any();
     bus.wait(2900);
     bus.hears_any();
-    bus.asks_for_mode(active(BitRate::K125));
+    bus.asks_for_mode(active(BitRate::K500));
 }
 
 #[test]
@@ -60,9 +60,9 @@ fn a_mode_that_was_not_asked_for_starts_nothing() {
     bus.hears_any();
     bus.link(LinkEvent::ModeSet(active(BitRate::K250)));
     bus.sends_nothing();
-    bus.link(LinkEvent::ModeSet(listen_only(BitRate::K125)));
+    bus.link(LinkEvent::ModeSet(listen_only(BitRate::K500)));
     bus.sends_nothing();
-    bus.link(LinkEvent::ModeSet(active(BitRate::K125)));
+    bus.link(LinkEvent::ModeSet(active(BitRate::K500)));
     bus.sends(HELLO_127);
 }
 

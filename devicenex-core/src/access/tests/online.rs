@@ -123,7 +123,7 @@ fn an_address_that_is_set_before_the_node_takes_part_is_used_when_it_does() {
     bus.command(|node, now| node.set_address(now, oa(67)));
     bus.hears_any();
     bus.hears_any();
-    bus.sets_mode(active(link_core::BitRate::K125));
+    bus.sets_mode(active(link_core::BitRate::K500));
     bus.sends(HELLO_67);
 }
 

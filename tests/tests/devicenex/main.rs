@@ -1,0 +1,13 @@
+#![allow(
+    clippy::arithmetic_side_effects,
+    clippy::as_conversions,
+    clippy::expect_used,
+    clippy::indexing_slicing,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "a test may panic: that is how it fails"
+)]
+//! DeviceNeX: network access on the simulated bus, and every interleaving of it.
+
+mod access;
+mod plant;
