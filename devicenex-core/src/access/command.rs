@@ -124,6 +124,11 @@ impl Access {
         self.bus_off_counter = 0;
     }
 
+    /// Sets all that it [counted](Self::counters) to 0, the bus-off counter not.
+    pub fn clear_counters(&mut self) {
+        self.counters = Counters::default();
+    }
+
     /// Sets how long others have to object after the next Hello, in ms. Not kept over a reset.
     pub const fn set_hello_wait(&mut self, millis: u16) {
         self.hello_wait = millis;

@@ -71,9 +71,10 @@ impl Access {
             }
             // Of two that join, the one with the lower identity keeps the address. It says so by its Hello *request*: a
             // response would drive away a third node that is on line with that address.
-            (Direction::Request, State::Hello { stage, .. }) if self.config.device < hello.device => {
-                if let HelloStage::Waiting { answer_due } = stage {
-                    *answer_due = true;
+            (Direction::Request, State::Hello { answer_due, .. }) if self.config.device < hello.device => {
+                // Even if its Hello is about to be sent: that one may be lost.
+                if core::mem::replace(answer_due, true) {
+                    count(&mut self.counters.merged);
                 }
                 self.challenged(hello);
             }
@@ -101,7 +102,7 @@ impl Access {
             State::Hello { stage: stage @ HelloStage::SettingMode { .. }, .. } => stage,
             _ => HelloStage::Queued { unacknowledged: false },
         };
-        self.enter(State::Hello { number: HelloNumber::First, stage }, cause);
+        self.enter(State::Hello { number: HelloNumber::First, stage, answer_due: false }, cause);
     }
 
     fn mini_who(&mut self) {
@@ -159,7 +160,7 @@ impl Access {
     fn sent(&mut self, what: Outgoing) {
         match (what, &mut self.state) {
             (Outgoing::Hello, State::Hello { stage, .. }) => {
-                *stage = HelloStage::Waiting { answer_due: false };
+                *stage = HelloStage::Waiting;
                 self.timers.set_after_millis(Timer::Wait, self.hello_wait.into());
             }
             (Outgoing::HelloResponse, State::Online { .. }) => {
@@ -175,7 +176,7 @@ impl Access {
         self.raise(AccessEvent::NotSent { what, outcome });
         match (what, &mut self.state) {
             (Outgoing::Hello, State::Hello { stage, .. }) => *stage = HelloStage::GivenBack,
-            (Outgoing::HelloAgain, State::Hello { stage: HelloStage::Waiting { answer_due: due }, .. })
+            (Outgoing::HelloAgain, State::Hello { answer_due: due, .. })
             | (Outgoing::Hello, State::Standby { hello_due: due })
             // Without it the other node gets on line too: its second request is its last.
             | (Outgoing::HelloResponse, State::Online { response_due: due }) => *due = true,

@@ -193,13 +193,13 @@ impl Access {
             Some(_) => HelloStage::SettingMode { commanded: false },
             None => HelloStage::Queued { unacknowledged: false },
         };
-        self.enter(State::Hello { number: HelloNumber::First, stage }, cause);
+        self.enter(State::Hello { number: HelloNumber::First, stage, answer_due: false }, cause);
     }
 
     /// Says the first Hello with another address; the controller takes part already.
     pub(super) fn rejoin(&mut self, address: OperationalAddress, cause: Cause) {
         self.address = address;
-        self.enter(State::hello(HelloNumber::First), cause);
+        self.enter(State::hello(HelloNumber::First, false), cause);
     }
 
     /// The one door between states.
@@ -285,14 +285,15 @@ impl Access {
                 let step = detector.dwell_over();
                 self.obey(step);
             }
-            State::Hello { number: HelloNumber::First, .. } => {
-                self.enter(State::hello(HelloNumber::Second), Cause::WaitOver);
+            State::Hello { number: HelloNumber::First, answer_due, .. } => {
+                let next = State::hello(HelloNumber::Second, *answer_due);
+                self.enter(next, Cause::WaitOver);
             }
-            State::Hello { number: HelloNumber::Second, .. } => {
+            State::Hello { number: HelloNumber::Second, answer_due, .. } => {
                 let next = if self.address.is_none() {
                     State::Standby { hello_due: false }
                 } else {
-                    State::Online { response_due: false }
+                    State::Online { response_due: *answer_due }
                 };
                 self.enter(next, Cause::WaitOver);
             }

@@ -91,9 +91,7 @@ impl Access {
             State::Hello { stage: HelloStage::Queued { .. }, .. } | State::Standby { hello_due: true } => {
                 Some(Outgoing::Hello)
             }
-            State::Hello { stage: HelloStage::Waiting { answer_due: true }, .. } => {
-                Some(Outgoing::HelloAgain)
-            }
+            State::Hello { stage: HelloStage::Waiting, answer_due: true, .. } => Some(Outgoing::HelloAgain),
             State::Online { response_due: true } => Some(Outgoing::HelloResponse),
             State::NonExistent
             | State::DetectingBitRate { .. }
@@ -111,7 +109,7 @@ impl Access {
             Outgoing::Hello | Outgoing::HelloAgain => Direction::Request,
             Outgoing::HelloResponse => Direction::Response,
         };
-        if let State::Hello { stage: HelloStage::Waiting { answer_due: due }, .. }
+        if let State::Hello { stage: HelloStage::Waiting, answer_due: due, .. }
         | State::Standby { hello_due: due }
         | State::Online { response_due: due } = &mut self.state
         {

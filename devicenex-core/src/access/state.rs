@@ -23,6 +23,8 @@ pub enum State {
         number: HelloNumber,
         /// How far it is.
         stage: HelloStage,
+        /// Another node wants the address, and gives way when it hears the request once more.
+        answer_due: bool,
     },
     /// It has no address, and waits for one.
     Standby {
@@ -71,10 +73,7 @@ pub enum HelloStage {
         unacknowledged: bool,
     },
     /// It was on the bus; others may object.
-    Waiting {
-        /// Another node wants the address, and gives way when it hears the request once more.
-        answer_due: bool,
-    },
+    Waiting,
     /// The controller gave it back; waiting before it is handed out again.
     GivenBack,
 }
@@ -192,8 +191,8 @@ impl State {
         }
     }
 
-    pub(super) const fn hello(number: HelloNumber) -> Self {
-        Self::Hello { number, stage: HelloStage::Queued { unacknowledged: false } }
+    pub(super) const fn hello(number: HelloNumber, answer_due: bool) -> Self {
+        Self::Hello { number, stage: HelloStage::Queued { unacknowledged: false }, answer_due }
     }
 }
 

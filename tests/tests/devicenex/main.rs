@@ -10,4 +10,5 @@
 //! DeviceNeX: network access on the simulated bus, and every interleaving of it.
 
 mod access;
+mod interleavings;
 mod plant;

@@ -342,14 +342,6 @@ impl Bus {
     }
 }
 
-impl Access {
-    /// For explorations: machines that differ only in what they counted are the same.
-    pub(crate) fn forget_counts(&mut self) {
-        self.counters = super::super::Counters::default();
-        self.bus_off_counter = 0;
-    }
-}
-
 impl Bus {
     /// The controller does one of the things that it was asked to do.
     pub(super) fn obeys(&mut self, choice: u8) {

@@ -137,7 +137,8 @@ impl World {
         }
         assert_ne!(next.node.deadline().map(|deadline| deadline.why), Some("output pending"));
         next.node.shift_time(now.saturating_since(Instant::ZERO));
-        next.node.forget_counts();
+        next.node.clear_counters();
+        next.node.clear_bus_off_counter();
         Some(next)
     }
 

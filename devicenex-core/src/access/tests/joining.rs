@@ -75,13 +75,17 @@ fn of_two_that_join_the_higher_identity_gives_way() {
     bus.is(StateKind::Hello1);
 }
 
-/// It says Hello once more, and not a response: a third node may be on line with that address.
+/// It says Hello once more, and not a response: a third node may be on line with that address. It does so even if its Hello
+/// was with the controller when the other asked, for that one may be lost.
 #[test]
 fn of_two_that_join_the_lower_identity_keeps_the_address() {
     let mut bus = Bus::roamed(config());
     bus.sends(HELLO_67);
     bus.request(HIGHER, 67);
     bus.tells(AccessEvent::Defended { against: HIGHER });
+    bus.sends_nothing();
+    bus.acknowledges();
+    bus.sends(HELLO_67);
     bus.acknowledges();
     bus.sends_nothing();
     bus.wait(300);
