@@ -13,7 +13,7 @@
 //! | 10mmm | [`ExplicitMessage`], [`FirstFragment`], [`NextFragment`], [`FragmentAcknowledge`] |
 //! | 0mmmm, 11 bits | raw data, [`ImplicitFragment`] |
 //!
-//! The marks **\[P\]**, **\[R\]** and **\[D\]** are explained in the [crate](crate) text.
+//! The marks **\[P\]**, **\[R\]** and **\[D\]** are explained in the [crate] text.
 
 mod connect;
 mod explicit;
