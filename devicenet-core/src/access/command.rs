@@ -174,6 +174,11 @@ impl Access {
         self.bus_off_counter = 0;
     }
 
+    /// Sets all that it [counted](Self::counters) to 0, the bus-off counter not.
+    pub fn clear_counters(&mut self) {
+        self.counters = Counters::default();
+    }
+
     /// Stores Quick Connect (attribute 10). It takes effect at the next power-up or reset.
     pub const fn set_quick_connect(&mut self, enabled: bool) {
         self.quick_connect.stored = enabled;

@@ -7,8 +7,7 @@
     clippy::unwrap_used,
     reason = "a test may panic: that is how it fails"
 )]
-//! DeviceNeX: network access on the simulated bus, and every interleaving of it.
+//! DeviceNeX: network access on the simulated bus.
 
 mod access;
-mod interleavings;
 mod plant;

@@ -228,7 +228,7 @@ impl Bus {
 impl Access {
     /// For explorations: machines that differ only in what they counted are the same.
     pub(crate) fn forget_counts(&mut self) {
-        self.counters = super::super::Counters::default();
-        self.bus_off_counter = 0;
+        self.clear_counters();
+        self.clear_bus_off_counter();
     }
 }

@@ -1,47 +1,66 @@
-//! Every interleaving of two and three nodes, by a model checker on the real machines.
+//! A bus on which anything may happen in any order, and what must hold on it.
 //!
-//! What may happen in any order: a node is powered up, a frame that waits for the bus is sent, one frame is lost by one
-//! receiver, a cable is unplugged and plugged in again, segments are joined, time passes. A frame may wait for any time, as on a busy bus, for Hello has the lowest
-//! priority. Each bus has other nodes that acknowledge. Time passes in steps of a part of the Hello wait, and worlds that
-//! differ only in the time of day or in what was counted are the same.
+//! A node is powered up, a frame that waits for the bus is sent, one frame is lost by one receiver, a cable is unplugged and
+//! plugged in again, segments are joined, time passes. A frame may wait for any time, as on a busy bus. Each bus has other
+//! nodes that acknowledge. Time passes in steps of a part of the wait, and worlds that differ only in the time of day or in
+//! what was counted are the same.
 //!
-//! What must hold: once the bus has been quiet for a Hello wait there is one owner of an address at most; and from every
-//! world, if nothing more goes wrong, every node gets on line or to Standby.
+//! Once the bus has been quiet for a wait there is one owner of an address at most; and from every world, if nothing more goes
+//! wrong, every node comes to an end of its check.
 
+use std::fmt::Debug;
+use std::hash::Hash;
+use std::marker::PhantomData;
 use std::time::{Duration, Instant as Clock};
 
-use devicenex_core::access::{Access, AccessEvent, Config, Role, StateKind};
-use devicenex_core::id::Direction;
-use devicenex_core::message::{Hello, PortByte};
-use link_core::{Action, BitRate, Frame, Input, Instant, LinkCommand, LinkEvent, Machine, TxOutcome};
+use link_core::{Action, Frame, Input, Instant, LinkCommand, LinkEvent, Machine, TxOutcome, TxToken};
 use stateright::{Checker, HasDiscoveries, Model, Property};
 
-use super::plant::{device, oa};
+/// Network access of a protocol.
+pub(crate) trait Protocol: Clone + Eq + Hash + Debug + Send + Sync + 'static {
+    type Access: Machine + Clone + Eq + Hash + Debug + Send + Sync;
+
+    /// A node without power that wants that address; a lower place has a lower identity. The announcement is in ms, 0 for
+    /// never.
+    fn access(place: u32, address: u8, announcement: u32) -> Self::Access;
+
+    fn address_on_line(access: &Self::Access) -> Option<u8>;
+
+    /// It has come to an end of its check, whatever that is.
+    fn is_settled(access: &Self::Access) -> bool;
+
+    /// Whether the frame is to be answered by the owner of the address.
+    fn is_challenge(frame: &Frame) -> bool;
+
+    /// Moves its time towards zero, and forgets what it counted.
+    fn forget_time_and_counts(access: &mut Self::Access, span: Duration);
+}
 
 /// What is explored.
 #[derive(Clone)]
-struct Bus {
+pub(crate) struct Bus<P> {
     /// One for each node; the first has the lowest identity.
-    addresses: Vec<u8>,
+    pub(crate) addresses: Vec<u8>,
     /// How many receptions may be lost.
-    losses: u8,
+    pub(crate) losses: u8,
     /// How often a cable may be unplugged.
-    replugs: u8,
-    /// How many steps of time make a Hello wait.
-    steps: u16,
+    pub(crate) replugs: u8,
+    /// How many steps of time make a wait.
+    pub(crate) steps: u16,
     /// The nodes with an odd number are on a segment of their own at first.
-    split: bool,
+    pub(crate) split: bool,
     /// After how many steps of time a node tells its address again; 0: never.
-    announcement: u8,
+    pub(crate) announcement: u8,
     /// A frame is sent before time passes.
-    prompt: bool,
-    /// Nodes on line do not hear Hello requests: a mistake that must be found.
-    deaf_on_line: bool,
+    pub(crate) prompt: bool,
+    /// Nodes on line do not hear who wants their address: a mistake that must be found.
+    pub(crate) deaf_on_line: bool,
+    pub(crate) protocol: PhantomData<P>,
 }
 
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
-struct World {
-    nodes: Vec<Node>,
+pub(crate) struct World<P: Protocol> {
+    nodes: Vec<Node<P>>,
     losses_left: u8,
     replugs_left: u8,
     joined: bool,
@@ -52,15 +71,15 @@ struct World {
 }
 
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
-struct Node {
-    access: Access,
+struct Node<P: Protocol> {
+    access: P::Access,
     powered: bool,
     /// What waits for the bus.
-    pending: Option<Frame>,
+    pending: Option<(TxToken, Frame)>,
 }
 
 #[derive(Clone, Copy, PartialEq, Debug)]
-enum Step {
+pub(crate) enum Step {
     PowerUp(usize),
     Send(usize),
     /// Sent by the first, lost by the second.
@@ -71,9 +90,9 @@ enum Step {
     TimePasses,
 }
 
-impl Bus {
+impl<P: Protocol> Bus<P> {
     /// Of that many nodes that want that address.
-    fn of(addresses: &[u8]) -> Self {
+    pub(crate) fn of(addresses: &[u8]) -> Self {
         Self {
             addresses: addresses.to_vec(),
             losses: 1,
@@ -83,29 +102,26 @@ impl Bus {
             announcement: 0,
             prompt: false,
             deaf_on_line: false,
+            protocol: PhantomData,
         }
     }
 
     fn step_millis(&self) -> u64 {
-        u64::from(HELLO_WAIT / self.steps)
+        u64::from(WAIT_MILLIS / self.steps)
     }
 
-    fn access(&self, place: usize, address: u8) -> Access {
-        // It begins with an address, as if a ROAM had given it.
-        let role = Role::NetworkManager { address: oa(address), bit_rate: BitRate::K500 };
-        let mut config = Config::new(device(u32::try_from(place).unwrap()), PortByte::ZERO, role);
-        config.hello_wait = HELLO_WAIT;
-        config.announcement = u32::from(self.announcement) * u32::from(HELLO_WAIT / self.steps);
-        Access::new(config)
+    fn access(&self, place: usize, address: u8) -> P::Access {
+        let announcement = u64::from(self.announcement) * self.step_millis();
+        P::access(u32::try_from(place).unwrap(), address, u32::try_from(announcement).unwrap())
     }
 
-    fn connected(&self, world: &World, one: usize, other: usize) -> bool {
+    fn connected(&self, world: &World<P>, one: usize, other: usize) -> bool {
         !self.split || world.joined || one % 2 == other % 2
     }
 
     /// What follows if nothing more goes wrong: nodes are powered up, frames are sent, time passes.
-    fn next_without_trouble(&self, world: &World) -> Step {
-        let place_of = |wanted: fn(&Node) -> bool| world.nodes.iter().position(wanted);
+    fn next_without_trouble(&self, world: &World<P>) -> Step {
+        let place_of = |wanted: fn(&Node<P>) -> bool| world.nodes.iter().position(wanted);
         if let Some(dark) = place_of(|node| !node.powered) {
             Step::PowerUp(dark)
         } else if let Some(sender) = place_of(|node| node.pending.is_some()) {
@@ -117,7 +133,7 @@ impl Bus {
         }
     }
 
-    fn settles(&self, world: &World) -> bool {
+    fn settles(&self, world: &World<P>) -> bool {
         let mut world = world.clone();
         for _ in 0..SETTLED_AFTER {
             if world.is_settled() && (self.announcement == 0 || world.owners_are_alone()) {
@@ -128,28 +144,36 @@ impl Bus {
         false
     }
 
-    fn nobody_lost_an_uncontested_address(&self, world: &World) -> bool {
+    fn nobody_lost_an_uncontested_address(&self, world: &World<P>) -> bool {
         self.addresses.iter().zip(&world.nodes).all(|(address, node)| {
             let contested = self.addresses.iter().filter(|other| *other == address).count() > 1;
-            contested || node.access.is_online()
+            contested || P::address_on_line(&node.access) == Some(*address)
         })
     }
 
-    fn report(self, name: &str) -> usize {
+    /// Demands that all properties hold in every world, and tells how many there are.
+    pub(crate) fn check(self, name: &str) -> usize {
         let started = Clock::now();
         let checker = self.checker().finish_when(HasDiscoveries::AnyFailures).spawn_bfs().join();
         checker.assert_properties();
-        let states = checker.unique_state_count();
-        println!("{name}: {states} worlds, {:.1?}", started.elapsed());
-        states
+        let worlds = checker.unique_state_count();
+        println!("{name}: {worlds} worlds, {:.1?}", started.elapsed());
+        worlds
+    }
+
+    /// Demands that the property is broken, and tells how.
+    pub(crate) fn finds(self, property: &'static str) -> Vec<Step> {
+        let wanted = HasDiscoveries::AnyOf([property].into());
+        let checker = self.checker().finish_when(wanted).spawn_bfs().join();
+        checker.discovery(property).expect("it should be broken").into_actions()
     }
 }
 
-impl Model for Bus {
-    type State = World;
+impl<P: Protocol> Model for Bus<P> {
+    type State = World<P>;
     type Action = Step;
 
-    fn init_states(&self) -> Vec<World> {
+    fn init_states(&self) -> Vec<World<P>> {
         let nodes = self.addresses.iter().enumerate();
         vec![World {
             nodes: nodes
@@ -167,7 +191,7 @@ impl Model for Bus {
         }]
     }
 
-    fn actions(&self, world: &World, steps: &mut Vec<Step>) {
+    fn actions(&self, world: &World<P>, steps: &mut Vec<Step>) {
         for (place, node) in world.nodes.iter().enumerate() {
             if !node.powered {
                 steps.push(Step::PowerUp(place));
@@ -193,7 +217,7 @@ impl Model for Bus {
         }
     }
 
-    fn next_state(&self, world: &World, step: Step) -> Option<World> {
+    fn next_state(&self, world: &World<P>, step: Step) -> Option<World<P>> {
         let mut next = world.clone();
         match step {
             Step::PowerUp(place) => {
@@ -217,50 +241,49 @@ impl Model for Bus {
 
     fn properties(&self) -> Vec<Property<Self>> {
         vec![
-            Property::always(ONE_OWNER, |bus: &Self, world: &World| {
+            Property::always(ONE_OWNER, |bus: &Self, world: &World<P>| {
                 let quiet = world.quiet >= bus.steps && world.nodes.iter().all(|node| node.pending.is_none());
                 bus.split || !quiet || world.owners_are_alone()
             }),
-            Property::always(CONFLICT_ENDS, |bus: &Self, world: &World| {
+            Property::always(CONFLICT_ENDS, |bus: &Self, world: &World<P>| {
                 // Each lost frame may cost another announcement.
                 let lost = bus.losses - world.losses_left;
                 !bus.split || world.conflict <= u16::from(bus.announcement) * u16::from(1 + lost)
             }),
-            Property::always(WAY_FORWARD, |bus: &Self, world: &World| bus.settles(world)),
-            Property::sometimes("a node on line", |_, world: &World| {
-                world.nodes.iter().any(|node| node.access.is_online())
+            Property::always(WAY_FORWARD, |bus: &Self, world: &World<P>| bus.settles(world)),
+            Property::sometimes("a node on line", |_, world: &World<P>| {
+                world.nodes.iter().any(|node| P::address_on_line(&node.access).is_some())
             }),
         ]
     }
 }
 
-impl World {
-    fn send(&mut self, bus: &Bus, sender: usize, loser: Option<usize>) {
-        let frame = self.nodes[sender].pending.take().unwrap();
+impl<P: Protocol> World<P> {
+    fn send(&mut self, bus: &Bus<P>, sender: usize, loser: Option<usize>) {
+        let (token, frame) = self.nodes[sender].pending.take().unwrap();
         let receivers: Vec<_> = (0..self.nodes.len())
             .filter(|&place| place != sender && Some(place) != loser && bus.connected(self, sender, place))
             .collect();
         for place in receivers {
             let node = &mut self.nodes[place];
-            let is_request =
-                matches!(Hello::of_frame(&frame), Some(Ok(hello)) if hello.direction == Direction::Request);
-            if node.powered && !(bus.deaf_on_line && is_request && node.access.is_online()) {
+            let on_line = P::address_on_line(&node.access).is_some();
+            if node.powered && !(bus.deaf_on_line && P::is_challenge(&frame) && on_line) {
                 node.input(Instant::ZERO, Input::Frame(frame));
             }
         }
-        self.nodes[sender].input(Instant::ZERO, Input::TxDone(Access::TOKEN, TxOutcome::Sent));
+        self.nodes[sender].input(Instant::ZERO, Input::TxDone(token, TxOutcome::Sent));
         self.quiet = 0;
         if self.owners_are_alone() {
             self.conflict = 0;
         }
     }
 
-    fn time_passes(&mut self, bus: &Bus) {
+    fn time_passes(&mut self, bus: &Bus<P>) {
         let had_two_owners = !self.owners_are_alone();
         let span = Duration::from_millis(bus.step_millis());
         for node in self.nodes.iter_mut().filter(|node| node.powered) {
             node.input(Instant::ZERO + span, Input::Tick);
-            node.access.shift_time(span);
+            P::forget_time_and_counts(&mut node.access, span);
         }
         self.quiet = (self.quiet + 1).min(bus.steps);
         if bus.split && self.joined && had_two_owners {
@@ -270,12 +293,8 @@ impl World {
 
     /// No two nodes on line have one address.
     fn owners_are_alone(&self) -> bool {
-        let mut owned: Vec<_> = self
-            .nodes
-            .iter()
-            .filter(|node| node.access.is_online())
-            .map(|node| node.access.address().number())
-            .collect();
+        let mut owned: Vec<_> =
+            self.nodes.iter().filter_map(|node| P::address_on_line(&node.access)).collect();
         let owners = owned.len();
         owned.sort_unstable();
         owned.dedup();
@@ -283,20 +302,16 @@ impl World {
     }
 
     fn is_settled(&self) -> bool {
-        self.joined
-            && self.nodes.iter().all(|node| {
-                let kind = node.access.state().kind();
-                matches!(kind, StateKind::Online | StateKind::Standby) && node.pending.is_none()
-            })
+        self.joined && self.nodes.iter().all(|node| P::is_settled(&node.access) && node.pending.is_none())
     }
 }
 
-impl Node {
+impl<P: Protocol> Node<P> {
     /// What was with the controller is dropped by it.
     fn replug(&mut self) {
         self.input(Instant::ZERO, Input::Link(LinkEvent::Down));
-        if self.pending.take().is_some() {
-            self.input(Instant::ZERO, Input::TxDone(Access::TOKEN, TxOutcome::Dropped));
+        if let Some((token, _)) = self.pending.take() {
+            self.input(Instant::ZERO, Input::TxDone(token, TxOutcome::Dropped));
         }
         self.input(Instant::ZERO, Input::Link(LinkEvent::Up));
     }
@@ -309,14 +324,14 @@ impl Node {
                 inputs.extend(self.carry_out(action));
             }
         }
-        self.access.clear_counters();
+        P::forget_time_and_counts(&mut self.access, Duration::ZERO);
     }
 
     /// What the controller answers at once.
-    fn carry_out(&mut self, action: Action<AccessEvent>) -> Option<Input> {
+    fn carry_out(&mut self, action: Action<<P::Access as Machine>::Event>) -> Option<Input> {
         match action {
-            Action::Transmit(_, frame) => {
-                assert_eq!(self.pending.replace(frame), None, "two frames in flight");
+            Action::Transmit(token, frame) => {
+                assert_eq!(self.pending.replace((token, frame)), None, "two frames in flight");
                 None
             }
             Action::Withdraw(token) => {
@@ -329,61 +344,11 @@ impl Node {
     }
 }
 
-#[test]
-fn two_nodes_with_one_address() {
-    let worlds = Bus::of(&[67, 67]).report("two nodes, one address, one lost frame");
-    assert!(worlds > 1000, "{worlds}");
-}
-
-#[test]
-fn two_nodes_with_different_addresses() {
-    Bus::of(&[67, 68]).report("two nodes, two addresses, one lost frame");
-}
-
-#[test]
-fn three_nodes_of_which_two_or_three_want_one_address() {
-    for addresses in [[67, 67, 67], [67, 68, 67]] {
-        let bus = Bus { steps: 2, ..Bus::of(&addresses) };
-        bus.report(&format!("three nodes, addresses {addresses:?}, one lost frame"));
-    }
-}
-
-#[test]
-fn joined_segments() {
-    let bus = Bus { split: true, announcement: 6, prompt: true, ..Bus::of(&[67, 67]) };
-    bus.report("two joined segments, announcements, one lost frame");
-}
-
-/// The checker finds what it should: a copy that does not defend its address.
-#[test]
-fn a_node_that_does_not_defend_its_address_is_found() {
-    let checker = Bus { deaf_on_line: true, ..Bus::of(&[67, 67]) }
-        .checker()
-        .finish_when(HasDiscoveries::AnyFailures)
-        .spawn_bfs()
-        .join();
-    let discoveries = checker.discoveries();
-    let found = discoveries.get(ONE_OWNER).or(discoveries.get(WAY_FORWARD));
-    let steps = found.expect("two owners").clone().into_actions();
-    println!("two owners after {} steps: {steps:?}", steps.len());
-}
-
-/// And that the announcement is what ends the conflict of joined segments: without it, nobody speaks.
-#[test]
-fn without_announcements_joined_segments_keep_two_owners() {
-    let checker = Bus { split: true, prompt: true, ..Bus::of(&[67, 67]) }
-        .checker()
-        .finish_when(HasDiscoveries::AnyFailures)
-        .spawn_bfs()
-        .join();
-    let discoveries = checker.discoveries();
-    assert!(discoveries.contains_key(CONFLICT_ENDS) || discoveries.contains_key(WAY_FORWARD));
-}
-
-const HELLO_WAIT: u16 = 1000;
+/// How long others have to object.
+pub(crate) const WAIT_MILLIS: u16 = 1000;
 const MUCH_TOO_LONG: u16 = 100;
-/// Steps without trouble after which everybody is on line or in Standby.
+/// Steps without trouble after which every node has come to an end of its check.
 const SETTLED_AFTER: usize = 60;
-const ONE_OWNER: &str = "one owner of an address on a quiet bus";
-const CONFLICT_ENDS: &str = "joined segments come to one owner";
-const WAY_FORWARD: &str = "every node gets on line or to Standby";
+pub(crate) const ONE_OWNER: &str = "one owner of an address on a quiet bus";
+pub(crate) const CONFLICT_ENDS: &str = "joined segments come to one owner";
+pub(crate) const WAY_FORWARD: &str = "every node comes to an end of its check";
