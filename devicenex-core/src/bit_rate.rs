@@ -92,7 +92,7 @@ pub enum Step {
 
 impl Candidates {
     /// The most rates.
-    pub const CAPACITY: usize = 8;
+    pub const CAPACITY: usize = 4;
 
     /// These rates; `None` for none, for more than [`CAPACITY`](Self::CAPACITY), and for a rate of zero.
     #[must_use]
@@ -113,7 +113,7 @@ impl Candidates {
 impl Default for Candidates {
     fn default() -> Self {
         let mut rates = heapless::Vec::new();
-        // There is room for eight.
+        // There is room for four.
         let _ = rates.extend_from_slice(&[BitRate::K500, BitRate::K250, BitRate::K125]);
         Self { rates }
     }
@@ -263,10 +263,10 @@ mod tests {
     }
 
     #[test]
-    fn candidates_are_one_to_eight_rates() {
+    fn candidates_are_one_to_four_rates() {
         assert_eq!(Candidates::new(&[]), None);
         assert_eq!(Candidates::new(&[BitRate(0)]), None);
-        assert_eq!(Candidates::new(&[BitRate::M1; 9]), None);
+        assert_eq!(Candidates::new(&[BitRate::M1; 5]), None);
         let one = Candidates::new(&[BitRate::M1]).unwrap();
         assert_eq!(one.as_slice(), [BitRate::M1]);
         let mut detector = Detector::new(one, 1);

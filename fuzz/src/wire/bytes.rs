@@ -21,7 +21,11 @@ pub(super) fn check(data: &[u8]) {
     macro_rules! devicenet {
         ($($Type:ident),*) => { $( wire_type::<devicenet_core::message::$Type>(data); )* };
     }
+    macro_rules! devicenex {
+        ($($Type:ident),*) => { $( wire_type::<devicenex_core::message::$Type>(data); )* };
+    }
     cip_core::for_each_wire_type!(cip);
+    devicenex_core::for_each_wire_type!(devicenex);
     devicenet_core::for_each_wire_type!(devicenet);
     BodyFormat::ALL.into_iter().for_each(|format| request(format, data));
     views(data);

@@ -7,6 +7,7 @@
 mod bits;
 mod bytes;
 mod fragments;
+mod identifiers;
 mod values;
 
 use arbitrary::Unstructured;
@@ -15,6 +16,7 @@ use arbitrary::Unstructured;
 pub fn run(data: &[u8]) {
     bytes::check(data);
     fragments::check(data);
+    identifiers::check(data);
     values::check(&mut Unstructured::new(data)).unwrap_or_default();
     bits::check(&mut Unstructured::new(data)).unwrap_or_default();
 }
@@ -60,5 +62,6 @@ mod tests {
         }
         assert_eq!(cip_core::for_each_wire_type!(names), implementors("cip-core"));
         assert_eq!(devicenet_core::for_each_wire_type!(names), implementors("devicenet-core"));
+        assert_eq!(devicenex_core::for_each_wire_type!(names), implementors("devicenex-core"));
     }
 }

@@ -20,7 +20,15 @@ const MAY_SEE: [(&str, &[&str]); 9] = [
     ),
     (
         "devicenet-fuzz",
-        &["link-core", "cip-core", "devicenet-core", "transport-mock", "devicenet-cli", "devicenet-tests"],
+        &[
+            "link-core",
+            "cip-core",
+            "devicenet-core",
+            "devicenex-core",
+            "transport-mock",
+            "devicenet-cli",
+            "devicenet-tests",
+        ],
     ),
 ];
 
