@@ -3,6 +3,7 @@
 use link_core::link::LinkCommandKind;
 use link_core::{BusErrorKind, Frame, LinkEvent, Mode, TxOutcome, TxToken};
 
+use super::config::Role;
 use super::event::{AccessEvent, Outgoing, RoamRefusal, count, count_wide};
 use super::machine::{Access, Fate, InFlight, Timer};
 use super::state::{Cause, Fault, HelloNumber, HelloStage, Restart, State};
@@ -295,15 +296,17 @@ impl Access {
         count(&mut self.counters.refused);
         self.raise(AccessEvent::LinkRefused(kind));
         let takes_rate_of_link = self.takes_rate_of_link();
+        let is_device = self.config.role == Role::Device;
         match (kind, &mut self.state) {
             (LinkCommandKind::SetMode, State::DetectingBitRate { detector, .. }) if takes_rate_of_link => {
                 let step = detector.listen_at_rate_of_link();
                 self.obey(step);
             }
+            // A device was listening at that rate: what is refused is the end of listening.
             (
                 LinkCommandKind::SetMode,
                 State::Hello { stage: stage @ HelloStage::SettingMode { .. }, .. },
-            ) if takes_rate_of_link => {
+            ) if takes_rate_of_link && !is_device => {
                 self.bit_rate = None;
                 *stage = HelloStage::Queued { unacknowledged: false };
             }

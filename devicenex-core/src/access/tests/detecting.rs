@@ -113,6 +113,19 @@ fn or_it_takes_the_rate_of_the_link_after_two_frames() {
     bus.sends(HELLO_67);
 }
 
+/// It could listen, and cannot speak: it would wait for ever for what it hands out.
+#[test]
+fn a_device_that_cannot_leave_listen_only_mode_is_faulted() {
+    let mut config = config();
+    config.mode_refused = ModeRefused::TakeRateOfLink;
+    let mut bus = Bus::listening(config);
+    bus.hears_any();
+    bus.hears_any();
+    bus.link(LinkEvent::Refused(LinkCommandKind::SetMode));
+    assert_eq!(bus.node.fault(), Some(Fault::Mode));
+    bus.sends_nothing();
+}
+
 #[test]
 fn an_early_tick_changes_nothing() {
     let mut bus = Bus::listening(config());
