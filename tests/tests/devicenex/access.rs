@@ -3,9 +3,12 @@
 use std::collections::HashSet;
 use std::time::Duration;
 
+use devicenex_core::OperationalAddress;
 use devicenex_core::access::StateKind;
+use devicenex_core::message::{MiniWho, Roam};
 use link_core::{BitRate, Instant};
-use transport_mock::{Change, NodeId};
+use transport_mock::nodes::Replay;
+use transport_mock::{Change, NodeConfig, NodeId};
 
 use super::plant::*;
 
@@ -45,7 +48,7 @@ fn a_storm_of_126_hellos_in_one_bit_time_costs_no_error() {
     let mut plant = Plant::new();
     plant.manager(1, 1, 0);
     plant.run(10);
-    let devices: Vec<_> = (0..126).map(|n| plant.device(0x0102_0300 + n, 10)).collect();
+    let devices: Vec<_> = (0..126).map(|n| plant.device(FIRST + n, 10)).collect();
     plant.run(20_000);
     assert!(devices.iter().all(|&device| plant.kind(device) == StateKind::Standby));
     let hellos: Vec<_> = plant.trace.iter().filter(|(_, id)| id.starts_with("1FFE")).collect();
@@ -60,6 +63,40 @@ fn a_storm_of_126_hellos_in_one_bit_time_costs_no_error() {
         assert_eq!(plant.network.counters(device).tec, 0);
         assert_eq!(plant.access(device).bus_off_counter(), 0);
     }
+}
+
+/// All 127 addresses: a Mini-who finds 126 devices at once, and a ROAM each gives them what is left beside the manager's.
+#[test]
+fn a_full_network_of_127_nodes_gets_on_line() {
+    let mut plant = Plant::new();
+    let manager = plant.manager(1, 1, 0);
+    let devices: Vec<_> = (0..126).map(|n| plant.device(FIRST + n, 0)).collect();
+    let at = |millis| Instant::from_millis(START + millis);
+    let addresses = || OperationalAddress::all().filter(|address| address.number() != 1);
+    let mut frames = vec![(at(0), MiniWho { serial_low: 1 }.frame().unwrap())];
+    frames.extend(addresses().enumerate().map(|(place, requested)| {
+        let place = u32::try_from(place).unwrap();
+        let roam = Roam { target: device(FIRST + place), requested };
+        (at(1000 + u64::from(place) * 5), roam.frame().unwrap())
+    }));
+    // It comes late, so that the devices find the rate of the lone manager first.
+    let config = NodeConfig { power_up: Some(at(0)), ..NodeConfig::named("script") };
+    plant.network.add_silent(config, Replay::new(frames));
+    plant.run(START + 1000);
+    let answers = plant.trace.iter().filter(|(end, id)| *end > at(0) && id.starts_with("1FFE"));
+    // The Mini-who has such an identifier too.
+    assert_eq!(answers.count(), 1 + 126);
+    for &device in &devices {
+        assert_eq!((plant.access(device).counters().mini_whos, plant.kind(device)), (1, StateKind::Standby));
+    }
+    plant.run(START + 5000);
+    assert!(plant.access(manager).is_online());
+    for (&device, address) in devices.iter().zip(addresses()) {
+        assert!(plant.access(device).is_online(), "{address}");
+        assert_eq!(plant.access(device).address(), address);
+        assert_eq!(plant.access(device).counters().roams, 1);
+    }
+    assert_eq!(plant.spoilt_since(at(0)), 0);
 }
 
 /// A manager and devices in Standby.
@@ -153,5 +190,7 @@ fn devices_that_share_half_a_serial_number_collide() {
     assert!(tec.iter().all(|&tec| tec > 0), "{tec:?}");
 }
 
+/// The serial number of the first of many.
+const FIRST: u32 = 0x0102_0300;
 /// By then the devices know the rate, and stand by.
 const START: u64 = 10_000;
