@@ -221,6 +221,12 @@ impl MasterMachine {
                     self.scans.add(now.saturating_since(last));
                 }
             }
+            // A release that was not answered is sent again, as long as there is time.
+            MasterEvent::Slave { mac_id, event: SlaveEvent::RequestFailed(_) } => {
+                if let Some(asked) = &mut self.leaving {
+                    asked.remove(&mac_id);
+                }
+            }
             MasterEvent::Slave { .. } | MasterEvent::Replacement(_) | MasterEvent::EventsLost { .. } => {}
         }
         Some(NodeEvent::Master(event))

@@ -26,7 +26,7 @@ fn a_master_and_its_slaves_are_watched() {
         .filter_map(|node| node["mac"].as_u64())
         .collect();
     assert_eq!(owned, [10, 11, 12], "{summary}");
-    assert!(summary["load"]["poll"].as_f64().unwrap() > 0.0, "{summary}");
+    assert!(summary["load_total"]["poll"].as_f64().unwrap() > 0.0, "{summary}");
     assert_eq!((&summary["last"], &summary["lost"]), (&true.into(), &0.into()), "{}", watched.err);
     drop((master, slaves));
 }
