@@ -191,6 +191,9 @@ impl<const N: usize> Clinic<'_, N> {
         let seen = Seen { n: reading.n, at: reading.at };
         let most = if reading.problem.is_some() { MOST_UNASKED } else { MOST_UNASKED_AT_ALL };
         let patient = self.patient(mac);
+        if patient.is_late() {
+            return;
+        }
         let mut unasked = patient
             .unasked
             .filter(|unasked| seen.at.saturating_since(unasked.first.at) <= UNASKED_WITHIN)

@@ -25,6 +25,8 @@ pub(super) struct Lane {
     pub(super) newest: Option<Seen>,
     /// How many.
     pub(super) unanswered: u16,
+    /// Commands that others overtook before their answer, up to [`MOST_LATE`]: it may still come.
+    late: u16,
     /// The last answer, or what it has produced by itself.
     pub(super) last: Option<Seen>,
     /// Answers in time since the last slow one, up to [`PROMPT_AGAIN`].
@@ -80,7 +82,8 @@ pub(super) struct Patient {
 }
 
 impl Lane {
-    const NEW: Self = Self { since: None, newest: None, unanswered: 0, last: None, prompt: PROMPT_AGAIN };
+    const NEW: Self =
+        Self { since: None, newest: None, unanswered: 0, late: 0, last: None, prompt: PROMPT_AGAIN };
 
     /// A command that wants an answer.
     pub(super) fn command(&mut self, seen: Seen) {
@@ -92,6 +95,7 @@ impl Lane {
     /// An answer; returns the first command that had none before.
     pub(super) fn answer(&mut self, seen: Seen) -> Option<Seen> {
         self.last = Some(seen);
+        self.late = self.late.saturating_add(self.unanswered.saturating_sub(1)).min(MOST_LATE);
         self.unanswered = 0;
         self.since.take()
     }
@@ -99,6 +103,13 @@ impl Lane {
     /// An answer in time.
     pub(super) fn is_in_time(&mut self) {
         self.prompt = self.prompt.saturating_add(1).min(PROMPT_AGAIN);
+    }
+
+    /// Whether an answer without a command is one to a command that was overtaken.
+    fn is_late(&mut self) -> bool {
+        let late = self.late.checked_sub(1);
+        self.late = late.unwrap_or_default();
+        late.is_some()
     }
 
     /// No command waits.
@@ -149,6 +160,11 @@ impl Patient {
         }
     }
 
+    /// Whether an answer without a command is one to a command that was overtaken.
+    pub(super) fn is_late(&mut self) -> bool {
+        self.lanes.iter_mut().any(Lane::is_late)
+    }
+
     /// No kind of I/O was answered slowly of late.
     pub(super) fn is_prompt(&self) -> bool {
         self.lanes.iter().all(|lane| lane.prompt >= PROMPT_AGAIN)
@@ -169,6 +185,8 @@ impl Patient {
     }
 }
 
+/// Answers that may be late at a time: a slave has hardly room for more commands.
+const MOST_LATE: u16 = 8;
 /// So many answers in time end the finding of slow ones.
 const PROMPT_AGAIN: u8 = 10;
 /// One command can be lost; the slave need not have been.
