@@ -118,7 +118,7 @@ Without a trigger: timeout, duplicate, error, bus-off.
 Exit codes:
   0  nothing happened until --for or Ctrl-C
   1  something was recorded
-  2  wrong usage, or the file exists already
+  2  wrong usage, or the file exists already or its folder does not
   3  the interface failed
 
 Examples:

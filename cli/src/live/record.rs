@@ -26,6 +26,7 @@ use crate::text::count;
 /// # Errors
 /// [`Failure`] when the endpoint cannot be used, or a file cannot be written.
 pub fn record(args: &RecordArgs) -> Result<Exit, Failure> {
+    check_folder(&args.output)?;
     let mut files = (1..=args.count).map(|n| args.file_name(n)).filter(|path| !is_standard(path));
     if let Some(path) = files.find(|path| path.exists()) {
         return Err(Failure::Usage(format!(
@@ -60,6 +61,19 @@ pub fn record(args: &RecordArgs) -> Result<Exit, Failure> {
         captured => output::note(format_args!("{}", count(captured.into(), "recording"))),
     }
     Ok(if recorder.captured > 0 { Exit::Findings } else { Exit::Done })
+}
+
+/// Hours may pass before a file is created: whether it can be is told before.
+fn check_folder(output: &Path) -> Result<(), Failure> {
+    let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
+    match folder {
+        Some(folder) if !folder.is_dir() => Err(Failure::Usage(format!(
+            "{}: there is no folder {}: create it, or name another file with --output",
+            output.display(),
+            folder.display()
+        ))),
+        _ => Ok(()),
+    }
 }
 
 impl RecordArgs {

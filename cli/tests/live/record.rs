@@ -160,3 +160,13 @@ fn nothing_is_overwritten() {
     assert_eq!(run.code(), 2);
     assert!(run.err().contains("expected timeout, timeout=MAC, duplicate"), "{}", run.err());
 }
+
+/// A file that is created when something happens has a folder before that.
+#[test]
+fn a_folder_that_is_not_there_is_told_at_once() {
+    for output in ["no/such/x.log", "drop.toml/x.log"] {
+        let run = devicenet(&["record", "sim:drop.toml", "--for", "1s", "-o", output]);
+        assert_eq!(run.code(), 2, "{}", run.err());
+        assert!(run.error().contains("there is no folder"), "{}", run.err());
+    }
+}
