@@ -20,7 +20,7 @@ use std::rc::Rc;
 use crate::args::{DecodeArgs, Protocol};
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Attentive, Output};
-use crate::recording::{Format, Notes, RecordedFrame, Recording, RecordingError};
+use crate::recording::{Notes, RecordedFrame, Recording, RecordingError};
 use crate::scenario::Scenario;
 use crate::standard::{at_most_one, is_standard, shown};
 use crate::text::count;
@@ -61,11 +61,8 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
     let (bad_findings, closed) = session.close(&recording);
     note_the_rest(&file, recording.notes());
     if tally.bad_lines > 0 {
-        let what = match recording.format() {
-            Format::CandumpLog | Format::CandumpScreen | Format::Asc => "line",
-            Format::Pcap | Format::PcapNg => "record",
-        };
-        output::warn(format_args!("{file}: {} could not be read", count(tally.bad_lines, what)));
+        let what = count(tally.bad_lines, recording.format().entry());
+        output::warn(format_args!("{file}: {what} could not be read"));
     }
     match (read, closed) {
         // Standard output that fails once fails twice, and is one failure.

@@ -43,7 +43,7 @@ pub struct NodeArgs {
 Listens, and sends nothing. On a terminal it is a screen: the nodes with their connections, load and response times, what the bus \
 is used for, and what is wrong with it; `?` lists the keys. Elsewhere, and with --json or --text, it is lines: what happens when it \
 happens, and a summary at every --interval and at the end. On the screen a scenario or a recording is played at its own pace; `+` \
-is faster. As lines it is read as fast as possible.
+is faster. As lines it is read as fast as possible. Of a silence in a recording that is longer than a minute the rest is passed over.
 
 With --json every line has `event` and `t`, in seconds since the beginning; loads are parts of 1, other times seconds:
   link        state: down, error_active, error_warning, error_passive, bus_off
@@ -58,7 +58,7 @@ With --json every line has `event` and `t`, in seconds since the beginning; load
 
 Exit codes:
   0  healthy until --for, Ctrl-C, or the end
-  1  something is or was wrong
+  1  something is or was wrong, or some line of a recording could not be read
   2  wrong usage or bad file
   3  the interface failed, is down, or is bus-off
 
@@ -231,7 +231,7 @@ ends listening, and what was heard is told; it ends asking when the open connect
 
 Exit codes:
   0  done
-  1  done, but some node refused, or did not answer all
+  1  done, but some node refused, or did not answer all, or some line of a recording could not be read
   2  wrong usage or bad file
   3  the interface failed, or nobody acknowledged
   4  refused to transmit: listen-only, or no confirmed bit rate

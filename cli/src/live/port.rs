@@ -108,6 +108,30 @@ impl LivePort {
         self.interrupted = Some(interrupted);
     }
 
+    /// Plays a silence of a recording for so long at least, before the rest of it is passed over.
+    pub(super) fn set_patience(&mut self, span: Duration) {
+        if let Bus::Recorded(recorded) = &mut self.bus {
+            recorded.set_patience(span);
+        }
+    }
+
+    /// How many lines or records of a recording could not be read so far.
+    pub(super) fn bad_entries(&self) -> u64 {
+        match &self.bus {
+            Bus::Recorded(recorded) => recorded.bad_entries(),
+            #[cfg(target_os = "linux")]
+            Bus::Interface(_) => 0,
+            Bus::Simulated(_) => 0,
+        }
+    }
+
+    /// Says how many that are, if there are any.
+    pub(super) fn warn_of_bad_entries(&self) {
+        if let Bus::Recorded(recorded) = &self.bus {
+            recorded.warn_of_bad_entries();
+        }
+    }
+
     /// Somebody has interrupted the command.
     pub(super) fn is_interrupted(&self) -> bool {
         self.interrupted.is_some_and(|interrupted| interrupted.load(Ordering::Relaxed))
@@ -124,7 +148,7 @@ impl LivePort {
             #[cfg(target_os = "linux")]
             Bus::Interface(port) => port.wait(deadline).map_err(failed),
             Bus::Simulated(port) => port.wait(deadline).map_err(|_| PortError::Over),
-            Bus::Recorded(recorded) => recorded.next(deadline),
+            Bus::Recorded(recorded) => recorded.next(deadline, self.end.at),
         }
     }
 

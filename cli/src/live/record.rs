@@ -42,6 +42,7 @@ pub fn record(args: &RecordArgs) -> Result<Exit, Failure> {
         port.set_end(now + span.0);
     }
     let triggers = if args.trigger.is_empty() { DEFAULT.to_vec() } else { args.trigger.clone() };
+    port.set_patience(longest_silence(&triggers).saturating_add(LOOK_EVERY));
     let mut recorder = Recorder {
         args,
         watch: Watch::new(triggers),
@@ -52,6 +53,7 @@ pub fn record(args: &RecordArgs) -> Result<Exit, Failure> {
     };
     let ended = recorder.run(&mut port);
     let finished = recorder.finish();
+    port.warn_of_bad_entries();
     match ended {
         Ok(()) | Err(PortError::Over) => finished?,
         Err(PortError::Failed(failure)) => return Err(failure),
@@ -74,6 +76,14 @@ fn check_folder(output: &Path) -> Result<(), Failure> {
         ))),
         _ => Ok(()),
     }
+}
+
+fn longest_silence(triggers: &[Trigger]) -> Duration {
+    let silences = triggers.iter().filter_map(|trigger| match trigger {
+        Trigger::Silence(span) => Some(*span),
+        _ => None,
+    });
+    silences.max().unwrap_or_default()
 }
 
 impl RecordArgs {

@@ -10,7 +10,7 @@ use link_core::{Input, Instant, LinkEvent};
 use super::port::PortError;
 use crate::exit::Failure;
 use crate::recording::{ChannelId, Content, RecordedFrame, Recording};
-use crate::text::printable;
+use crate::text::{count, printable};
 
 /// A recording that is played to a listener, as fast as it is read. Its bad lines are told.
 pub(super) struct Recorded {
@@ -25,6 +25,9 @@ pub(super) struct Recorded {
     last: Option<Instant>,
     /// When that was.
     heard: Instant,
+    /// A silence is played for so long; the rest of it is passed over.
+    patience: Duration,
+    bad_entries: u64,
     ahead: VecDeque<(Instant, Input)>,
 }
 
@@ -40,6 +43,8 @@ impl Recorded {
             now: Instant::ZERO,
             last: None,
             heard: Instant::ZERO,
+            patience: PATIENCE,
+            bad_entries: 0,
             ahead: VecDeque::new(),
         })
     }
@@ -48,7 +53,31 @@ impl Recorded {
         self.now
     }
 
-    pub(super) fn next(&mut self, deadline: Option<Deadline>) -> Result<(Instant, Input), PortError> {
+    /// Plays a silence for so long at least.
+    pub(super) fn set_patience(&mut self, span: Duration) {
+        self.patience = self.patience.max(span);
+    }
+
+    /// How many lines or records could not be read so far.
+    pub(super) const fn bad_entries(&self) -> u64 {
+        self.bad_entries
+    }
+
+    /// Says how many lines or records could not be read, if there are any.
+    pub(super) fn warn_of_bad_entries(&self) {
+        if self.bad_entries > 0 {
+            let what = count(self.bad_entries, self.recording.format().entry());
+            crate::output::warn(format_args!("{}: {what} could not be read", self.file));
+        }
+    }
+
+    /// The next input, or a tick at the deadline. In a silence that is longer than anybody is patient one tick, at the next input or at
+    /// `end`, stands for all the rest: clocks are set, and sessions are recorded a day apart.
+    pub(super) fn next(
+        &mut self,
+        deadline: Option<Deadline>,
+        end: Instant,
+    ) -> Result<(Instant, Input), PortError> {
         let Some(last) = self.last else {
             self.last = Some(self.peek()?.map_or(Instant::ZERO, |(at, _)| at));
             return Ok((self.now, Input::Link(LinkEvent::Up)));
@@ -57,7 +86,11 @@ impl Recorded {
         // From its first frame on, as on a bus that one has just come to.
         let at = self.heard + stamp.saturating_since(last);
         if let Some(deadline) = deadline.filter(|deadline| deadline.at < at) {
-            self.now = self.now.max(deadline.at);
+            self.now = if deadline.at <= self.heard.saturating_add(self.patience) {
+                self.now.max(deadline.at)
+            } else {
+                self.pass_over(at.min(end))
+            };
             return Ok((self.now, Input::Tick));
         }
         self.ahead.pop_front();
@@ -67,6 +100,18 @@ impl Recorded {
         }
         self.now = self.now.max(at);
         Ok((self.now, input))
+    }
+
+    /// Tells of it, unless that was done: then it is `until` already, or later.
+    fn pass_over(&self, until: Instant) -> Instant {
+        if until > self.now {
+            let (since, silence) = (self.heard, until.saturating_since(self.heard).as_secs_f64());
+            crate::output::note(format_args!(
+                "{}: nothing was heard for {silence:.3} s after {since:.3} s; most of that is passed over",
+                self.file
+            ));
+        }
+        until.max(self.now)
     }
 
     fn peek(&mut self) -> Result<Option<(Instant, Input)>, PortError> {
@@ -85,7 +130,10 @@ impl Recorded {
                 Some(Err(error)) if error.is_fatal() => {
                     return Err(PortError::Failed(Failure::Usage(format!("{}: {error}", self.file))));
                 }
-                Some(Err(error)) => crate::output::warn(format_args!("{}:{error}", self.file)),
+                Some(Err(error)) => {
+                    self.bad_entries += 1;
+                    crate::output::warn(format_args!("{}:{error}", self.file));
+                }
             }
         }
         Ok(self.ahead.front().copied())
@@ -115,3 +163,6 @@ impl Recorded {
 
 /// By less, entries are only out of order.
 const SET_BACK: Duration = Duration::from_secs(1);
+/// Longer than the windows of the health rules, and than four times the expected packet rates in use. What takes longer is noticed
+/// at the end of the silence.
+const PATIENCE: Duration = Duration::from_secs(60);

@@ -33,7 +33,7 @@ pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
         Endpoint::Scenario(_) => true,
         Endpoint::Recording(_) => false,
     };
-    let (heard, reports) = if is_active {
+    let (heard, reports, bad_entries) = if is_active {
         let what = "to each node that no master owns Allocate, Get_Attribute_Single of Identity 1 to 4, 6 and 7, Release";
         let mut visitor = Visitor::new(endpoint, own);
         let (mut port, heard) = permit::enter(endpoint, &node.permit, own, what, visitor.max_in_flight())?;
@@ -41,7 +41,7 @@ pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
             visitor.visit(mac, identity());
         }
         let reports = visitor.run(endpoint, &mut port)?;
-        (heard, reports)
+        (heard, reports, 0)
     } else {
         // Ctrl-C ends listening, and what was heard is told.
         let is_live = matches!(endpoint, Endpoint::Interface(_));
@@ -55,13 +55,18 @@ pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
             Endpoint::Interface(_) | Endpoint::Scenario(_) => port.now() + node.permit.listen.0,
         };
         let mut heard = Heard::new();
-        heard.listen(&mut port, until)?;
+        let listened = heard.listen(&mut port, until);
+        port.warn_of_bad_entries();
+        listened?;
         if matches!(endpoint, Endpoint::Interface(_)) {
             permit::link(endpoint, &heard)?;
         }
-        (heard, Vec::new())
+        (heard, Vec::new(), port.bad_entries())
     };
-    conclude(args, &heard, reports, json)
+    match conclude(args, &heard, reports, json)? {
+        Exit::Done if bad_entries > 0 => Ok(Exit::Findings),
+        exit => Ok(exit),
+    }
 }
 
 fn conclude(args: &ScanArgs, heard: &Heard, reports: Vec<Report>, json: bool) -> Result<Exit, Failure> {

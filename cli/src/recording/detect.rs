@@ -36,6 +36,14 @@ impl fmt::Display for Format {
 }
 
 impl Format {
+    /// What one entry of it is called.
+    pub(crate) const fn entry(self) -> &'static str {
+        match self {
+            Self::CandumpLog | Self::CandumpScreen | Self::Asc => "line",
+            Self::Pcap | Self::PcapNg => "record",
+        }
+    }
+
     /// Recognises a format by a binary signature, or by the first line that one of the text formats can read.
     pub(super) fn detect(beginning: &[u8]) -> Result<Self, RecordingError> {
         let beginning = without_bom(beginning);

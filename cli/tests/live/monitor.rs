@@ -228,3 +228,52 @@ fn what_cannot_be_watched_is_told() {
         assert!(run.err().contains(words), "{}", run.err());
     }
 }
+
+/// Two frames from before the clock was set, then a session, and another a day later: a summary for each silence, and findings of what
+/// was missed in it.
+#[test]
+fn a_long_silence_in_a_recording_is_passed_over() {
+    let path = concat!(env!("CARGO_TARGET_TMPDIR"), "/clock-jump.log");
+    let mut log = String::from("(1.000000) can0 455#01\n(1.000900) can0 3CA#02\n");
+    for begin in [1_700_000_000, 1_700_086_400] {
+        for tenth in 0..30 {
+            log += &format!("({begin}.{:06}) can0 455#01\n", tenth * 33_000);
+        }
+    }
+    std::fs::write(path, log).unwrap();
+    let run = devicenet(&["monitor", &format!("log:{path}"), "--json", "--interval", "10s"]);
+    let objects = run.json();
+    let summaries: Vec<_> = objects.iter().filter(|object| object["event"] == "summary").collect();
+    assert!((14..=16).contains(&summaries.len()), "{}", summaries.len());
+    assert_eq!(summaries.last().unwrap()["frames"], 62);
+    let notes: Vec<String> =
+        run.err().lines().filter(|line| line.contains("nothing was heard")).map(str::to_owned).collect();
+    assert_eq!(notes.len(), 2, "{}", run.err());
+    assert!(
+        notes[0].ends_with("for 1699999998.999 s after 0.000 s; most of that is passed over"),
+        "{notes:?}"
+    );
+    // What the rules take seconds for is noticed in the silence and not after it.
+    let after = |object: &&serde_json::Value| object["t"].as_f64().is_some_and(|t| t > 1_699_999_999.0);
+    let found = objects.iter().filter(after).find(|object| object["rule"] == "not_answering").unwrap();
+    assert!(found["t"].as_f64().unwrap() < 1_699_999_999.0 + 60.0, "{found}");
+    // An end that lies in the silence is kept.
+    let run = devicenet(&["monitor", &format!("log:{path}"), "--json", "--for", "1h"]);
+    assert_eq!(run.json().last().unwrap()["t"], 3_600.0);
+}
+
+#[test]
+fn lines_that_cannot_be_read_are_counted_and_are_no_health() {
+    let path = concat!(env!("CARGO_TARGET_TMPDIR"), "/unreadable.log");
+    std::fs::write(path, "(1.000000) can0 40A#00\nnot a frame\n(1.1) can0 ZZZ#\n(1.200000) can0 40A#00\n")
+        .unwrap();
+    for command in ["monitor", "scan"] {
+        let run = devicenet(&[command, &format!("log:{path}")]);
+        assert_eq!(run.code(), 1, "{command}: {}", run.err());
+        assert!(
+            run.err().contains("unreadable.log: 2 lines could not be read\n"),
+            "{command}: {}",
+            run.err()
+        );
+    }
+}

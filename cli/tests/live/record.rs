@@ -170,3 +170,25 @@ fn a_folder_that_is_not_there_is_told_at_once() {
         assert!(run.error().contains("there is no folder"), "{}", run.err());
     }
 }
+
+/// Of a silence of decades the rest is passed over, but not before the silence that is waited for.
+#[test]
+fn a_recording_whose_clock_was_set() {
+    let recording = file("clock-set.log");
+    std::fs::write(&recording, "(1.000000) can0 40A#00\n(1700000000.000000) can0 40A#00\n").unwrap();
+    let path = file("clock-set-silence.log");
+    let endpoint = format!("log:{}", recording.display());
+    let run = devicenet(&["record", &endpoint, "--trigger", "silence=5min", "-o", path.to_str().unwrap()]);
+    assert_eq!(run.code(), 1, "{}", run.err());
+    assert!(run.err().contains("note: 300.000 s: nothing was heard for 300s; recording to"), "{}", run.err());
+    let run = devicenet(&[
+        "record",
+        &endpoint,
+        "--trigger",
+        "timeout",
+        "-o",
+        path.with_extension("x").to_str().unwrap(),
+    ]);
+    assert_eq!(run.code(), 0, "{}", run.err());
+    assert!(run.err().contains("nothing was heard for 1699999999.000 s after 0.000 s"), "{}", run.err());
+}

@@ -220,3 +220,39 @@ fn colours_are_left_out_where_they_are_not_wanted() {
         assert_eq!(colours.count() > 0, is_coloured, "{screen:?}");
     }
 }
+
+/// What was seen until then is told, and then why there is no more.
+#[test]
+fn a_recording_that_is_cut_off_ends_with_a_summary_and_the_error() {
+    needs_tmux!();
+    let whole = crate::record::file("cut-off-whole.pcapng");
+    let run =
+        crate::devicenet(&["record", "sim:drop.toml", "--trigger", "timeout", "-o", whole.to_str().unwrap()]);
+    assert_eq!(run.code(), 1, "{}", run.err());
+    let bytes = std::fs::read(&whole).unwrap();
+    let cut = crate::record::file("cut-off.pcapng");
+    std::fs::write(&cut, &bytes[..bytes.len() - 7]).unwrap();
+    let terminal = Terminal::open("cut-off", &[], &[&format!("log:{}", cut.display())]);
+    terminal.until("the beginning", |screen| screen.contains("playing 1x"));
+    terminal.press(&["+", "+", "+"]);
+    assert_eq!(terminal.ended(), "2");
+    let words = terminal.screen();
+    let place = |what: &str| words.find(what);
+    assert!(place("in the end").is_some() && place("in the end") < place("error: "), "{words}");
+}
+
+/// At full speed a silence of decades takes no longer than one of a minute.
+#[test]
+fn a_recording_whose_clock_was_set_comes_to_its_end() {
+    needs_tmux!();
+    let path = crate::record::file("clock-set-screen.log");
+    std::fs::write(&path, "(1.000000) can0 40A#00\n(1700000000.000000) can0 40A#00\n").unwrap();
+    let terminal = Terminal::open("clock", &[], &[&format!("log:{}", path.display())]);
+    terminal.until("the beginning", |screen| screen.contains("playing 1x"));
+    terminal.press(&["+", "+", "+"]);
+    terminal.until("the end", |screen| screen.contains("END") && screen.contains("472222:"));
+    terminal.press(&["q"]);
+    assert_eq!(terminal.ended(), "0");
+    let words = terminal.screen();
+    assert!(words.contains("nothing was heard for"), "{words}");
+}

@@ -45,24 +45,29 @@ pub fn monitor(args: &MonitorArgs, json: bool) -> Result<Exit, Failure> {
     let learning = args.learn.map(|span| span.0);
     let mut model = Model::new(bit_rate, health::doctor(bit_rate, expected.as_ref(), learning));
     let output = Output::new();
-    if json || args.text || !output.is_terminal() || !io::stdin().is_terminal() {
-        lines::run(args, &mut port, &mut model, output, json)?;
+    let ended = if json || args.text || !output.is_terminal() || !io::stdin().is_terminal() {
+        lines::run(args, &mut port, &mut model, output, json)
     } else {
         let theme = Theme { is_coloured: output.is_coloured() };
         // The screen writes to the same standard output.
         drop(output);
-        screen::run(args, &mut port, &mut model, interrupted, theme)?;
-        lines::last_words(&model.report())?;
-    }
-    conclude(&args.endpoint, &model)
+        let ended = screen::run(args, &mut port, &mut model, interrupted, theme);
+        // Also of a bus that fails, but not of a terminal on which nothing was seen.
+        let is_nothing = ended.is_err() && model.begin().is_none();
+        let told = if is_nothing { Ok(()) } else { lines::last_words(&model.report()) };
+        ended.and(told)
+    };
+    port.warn_of_bad_entries();
+    ended?;
+    conclude(&args.endpoint, &port, &model)
 }
 
 /// How it ends.
-fn conclude(endpoint: &Endpoint, model: &Model) -> Result<Exit, Failure> {
+fn conclude(endpoint: &Endpoint, port: &LivePort, model: &Model) -> Result<Exit, Failure> {
     match (endpoint, model.link()) {
         (Endpoint::Interface(_), LinkState::Down) => Err(permit::down(endpoint)),
         (Endpoint::Interface(_), LinkState::BusOff) => Err(permit::bus_off(endpoint)),
-        _ if model.has_findings() => Ok(Exit::Findings),
+        _ if model.has_findings() || port.bad_entries() > 0 => Ok(Exit::Findings),
         _ => Ok(Exit::Done),
     }
 }

@@ -31,11 +31,11 @@ pub(super) fn run(
         match port.wait(Some(Deadline { at: look_at, why: "a look" })) {
             Ok((at, input)) => {
                 if at >= report_at {
+                    // Of a silence that was passed over there is one summary, however many intervals it has.
+                    report_at = last_report(report_at, at, args.interval.0);
                     lines.see(model, report_at, Input::Tick);
                     lines.report(&model.report(), false)?;
-                    while report_at <= at {
-                        report_at = report_at.saturating_add(args.interval.0);
-                    }
+                    report_at = report_at.saturating_add(args.interval.0);
                 }
                 lines.see(model, at, input);
                 now = now.max(at);
@@ -52,6 +52,13 @@ pub(super) fn run(
         PortError::Over => Ok(()),
         PortError::Failed(failure) => Err(failure),
     }
+}
+
+/// The last of the reports that are due at `first` and at every interval after it.
+fn last_report(first: Instant, now: Instant, interval: Duration) -> Instant {
+    let late = now.saturating_since(first).as_nanos();
+    let within = late.checked_rem(interval.as_nanos()).unwrap_or_default();
+    first.saturating_add(Duration::from_nanos(u64::try_from(late - within).unwrap_or(u64::MAX)))
 }
 
 /// Prints the last summary as text.

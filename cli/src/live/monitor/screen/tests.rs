@@ -24,6 +24,7 @@ struct Session {
     model: Model,
     view: View,
     playback: Playback,
+    bad_entries: u64,
 }
 
 impl Session {
@@ -35,7 +36,7 @@ impl Session {
         let bit_rate = port.bit_rate().unwrap_or(BitRate::K125);
         let model = Model::new(bit_rate, crate::health::doctor(bit_rate, None, None));
         let playback = Playback::Playing(Speed::Times(1));
-        Self { title, port, model, view: View::default(), playback }
+        Self { title, port, model, view: View::default(), playback, bad_entries: 0 }
     }
 
     fn until(mut self, millis: u64) -> Self {
@@ -72,6 +73,7 @@ impl Session {
             view: &self.view,
             playback: self.playback,
             theme: Theme { is_coloured: false },
+            bad_entries: self.bad_entries,
         };
         terminal.draw(|frame| draw::draw(frame, &scene)).unwrap();
         terminal.backend().to_string()
@@ -118,6 +120,15 @@ fn a_plant_in_trouble() {
 fn a_bus_before_anybody_speaks() {
     let session = Session::open("tests/live/late.toml").until(500);
     assert_screen!("screen__nobody", "words where there is nothing to show", session.screen(80, 24));
+}
+
+#[test]
+fn a_bus_of_which_lines_were_not_read_is_not_called_healthy() {
+    let mut session = Session::open(DROP).until(8_000);
+    assert!(session.screen(80, 24).contains("healthy"));
+    session.bad_entries = 2;
+    let screen = session.screen(80, 24);
+    assert!(screen.contains("2 unread") && !screen.contains("healthy"), "{screen}");
 }
 
 #[test]

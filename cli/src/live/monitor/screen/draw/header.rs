@@ -71,12 +71,15 @@ fn figures<'a>(scene: &Scene<'_>, width: u16) -> Line<'a> {
         |finding: &&FindingPicture| !finding.is_over() && finding.finding.severity > Severity::Info;
     let findings = picture.findings.iter().filter(is_wrong).count();
     let worst = view.findings(picture).into_iter().find(is_wrong);
-    let findings_style = worst.map_or(theme.good(), |finding| theme.severity(finding.finding.severity));
+    let good = if scene.bad_entries == 0 { theme.good() } else { theme.severity(Severity::Warning) };
+    let findings_style = worst.map_or(good, |finding| theme.severity(finding.finding.severity));
     let counted = |number: u64, what: &str| {
         let style = if number == 0 { theme.dim() } else { theme.severity(Severity::Warning) };
         Span::styled(format!("  {number} {what}"), style)
     };
     let health = match findings {
+        // Nobody knows what they were.
+        0 if scene.bad_entries > 0 => format!("  {} unread", scene.bad_entries),
         0 if counters.frames == 0 => "  silent".to_owned(),
         0 => "  healthy".to_owned(),
         number => format!("  {}", count(number as u64, "finding")),
