@@ -19,7 +19,9 @@ pub(super) struct Bus {
     load: Window,
     /// Errors other than missing acknowledges.
     errors: Window,
+    /// The first and the last of the present burst.
     first_error: Option<Instant>,
+    last_error: Option<Instant>,
     last_kind: BusErrorKind,
     /// Missing acknowledges since the last good frame: when the first was, and how many.
     unacknowledged: Option<(Instant, u32)>,
@@ -37,6 +39,7 @@ impl Bus {
             load: Window::new(),
             errors: Window::new(),
             first_error: None,
+            last_error: None,
             last_kind: BusErrorKind::Other,
             unacknowledged: None,
             form_errors: None,
@@ -196,7 +199,10 @@ impl Bus {
         if kind == BusErrorKind::Form && self.is_of_a_lone_sender(seen.at) {
             return;
         }
-        let since = *self.first_error.get_or_insert(seen.at);
+        let last = self.last_error.replace(seen.at);
+        let is_apart = last.is_none_or(|last| seen.at.saturating_since(last) > APART);
+        let first = self.first_error.filter(|_| !is_apart);
+        let since = *self.first_error.insert(first.unwrap_or(seen.at));
         self.errors.advance(seen.at, config.error_window);
         self.errors.add(1);
         self.last_kind = kind;
@@ -253,6 +259,8 @@ const ALONE: Duration = Duration::from_secs(1);
 const TRIES_AGAIN: Duration = Duration::from_millis(2);
 /// Each failed attempt adds 8 to the transmit error counter; at 128 a sender is error-passive, and heard by those who listen.
 const UNTIL_ERROR_PASSIVE: u32 = 16;
+/// After so long a pause errors are another burst. Ten within ten seconds are closer on the average.
+const APART: Duration = Duration::from_secs(2);
 /// So many times the errors that are too many are an error and not a warning.
 const FLOOD: u32 = 10;
 /// Shorter than this nothing is looked at by time alone.

@@ -37,6 +37,10 @@ pub struct Forgotten {
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 struct Entry {
     finding: Finding,
+    /// When what is wrong began for the last time: a finding outlives pauses.
+    again: Instant,
+    /// When it had ceased before that.
+    ceased: Option<Instant>,
     untold: Untold,
 }
 
@@ -167,7 +171,8 @@ impl<const N: usize> Ledger<N> {
         };
         self.next_id = self.next_id.saturating_add(1);
         // There is room by now, unless there never is any.
-        let entry = Entry { finding, untold: Untold { begins: true, ..Untold::default() } };
+        let untold = Untold { begins: true, ..Untold::default() };
+        let entry = Entry { finding, again: sign.since, ceased: None, untold };
         if self.entries.push(entry).is_err() {
             self.turn_away(sign);
         }
@@ -205,12 +210,12 @@ impl<const N: usize> Ledger<N> {
     /// What was wrong with the node, or with the bus, before that.
     fn first_cause(&self, sign: &Sign) -> Option<Rule> {
         let causes = causes_of(sign.rule);
-        let precedes = |finding: &&Finding| {
-            let is_near = finding.node.is_none() || finding.node == sign.node;
-            let still = finding.until.is_none_or(|until| sign.since.saturating_since(until) <= AFTERMATH);
-            is_near && still && finding.since <= sign.since
+        let precedes = |entry: &&Entry| {
+            let node = entry.finding.node;
+            (node.is_none() || node == sign.node) && entry.explains(sign.since)
         };
-        let known = |&cause: &Rule| self.findings().filter(precedes).any(|finding| finding.rule == cause);
+        let known =
+            |&cause: &Rule| self.entries.iter().filter(precedes).any(|entry| entry.finding.rule == cause);
         causes.iter().copied().find(known)
     }
 
@@ -221,6 +226,11 @@ impl<const N: usize> Ledger<N> {
 }
 
 impl Finding {
+    /// Since when nothing is wrong any more; `None` as long as something is. When it is told to be over can be long after.
+    fn ceased(&self) -> Option<Instant> {
+        if self.rule.is_burst() { Some(self.last) } else { self.until }
+    }
+
     /// What is seen is this finding again: it is not over, or not for long.
     fn is_of(&self, sign: &Sign) -> bool {
         let is_same = self.rule == sign.rule && self.node == sign.node;
@@ -231,8 +241,22 @@ impl Finding {
 }
 
 impl Entry {
+    /// Whether what began at `since` can come of it: it was wrong by then, and not right again for long.
+    fn explains(&self, since: Instant) -> bool {
+        let present = (self.again, self.finding.ceased());
+        let before = self.ceased.map(|ceased| (self.finding.since, Some(ceased)));
+        [Some(present), before].into_iter().flatten().any(|(began, ceased)| {
+            began <= since && ceased.is_none_or(|ceased| since.saturating_since(ceased) <= AFTERMATH)
+        })
+    }
+
     fn add(&mut self, sign: &Sign) {
         let finding = &mut self.finding;
+        // What is told again can have begun before the last time.
+        let began = if sign.since > finding.last { sign.since } else { sign.at };
+        if let Some(ceased) = finding.ceased().filter(|&ceased| began.saturating_since(ceased) > AFTERMATH) {
+            (self.again, self.ceased) = (began, Some(ceased));
+        }
         finding.count = finding.count.saturating_add(1);
         finding.last = finding.last.max(sign.at);
         finding.facts = worse(finding.facts, sign.facts);
@@ -340,5 +364,5 @@ const fn causes_of(rule: Rule) -> &'static [Rule] {
 
 /// Whatever is there again so soon was never away.
 const RELAPSE: Duration = Duration::from_secs(10);
-/// So long after its end a finding explains another one.
+/// So long after it has ceased, what is wrong explains something else. A longer pause has something before it and something after.
 const AFTERMATH: Duration = Duration::from_secs(5);

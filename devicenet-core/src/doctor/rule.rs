@@ -201,6 +201,11 @@ impl Rule {
             | Self::Left => false,
         }
     }
+
+    /// It is made of single happenings: what lies between them, or after the last, is only waited out.
+    pub(super) const fn is_burst(self) -> bool {
+        self.subsides() || matches!(self, Self::ErrorFrames)
+    }
 }
 
 impl fmt::Display for Rule {

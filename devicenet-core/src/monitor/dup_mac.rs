@@ -3,6 +3,7 @@
 use core::time::Duration;
 
 use cip_core::codec::{Reader, Wire};
+use link_core::Instant;
 
 use super::bodies::problem_of;
 use super::kind::Kind;
@@ -53,6 +54,11 @@ fn request<const N: usize>(
 ) {
     let at = reading.at;
     let node = state.node(mac);
+    if node.repeats(check.device, at) {
+        node.check = Some(Seen { n: reading.n, at });
+        node.access_since = at;
+        return;
+    }
     let differs = node.is_another(check.device);
     let is_unidentified = node.identity.vendor.is_none() || node.identity.serial.is_none();
     let before = node.check.replace(Seen { n: reading.n, at });
@@ -137,6 +143,17 @@ fn response<const N: usize>(
 }
 
 impl Node {
+    /// Whether a check is the frame again that this device has sent last. It has not been acknowledged, so its wait has not begun.
+    fn repeats(&self, device: DeviceIdentity, at: Instant) -> bool {
+        let identity = &self.identity;
+        let known =
+            identity.vendor.zip(identity.serial).map(|(vendor, serial)| DeviceIdentity { vendor, serial });
+        let is_last = |before: &Seen| {
+            before.at == self.last_seen && at.saturating_since(before.at) <= REPETITION_WITHIN
+        };
+        self.rival.or(known) == Some(device) && self.check.as_ref().is_some_and(is_last)
+    }
+
     /// Whether what is known of the device is not true of this one.
     fn is_another(&self, device: DeviceIdentity) -> bool {
         let held = &self.identity;
@@ -154,3 +171,6 @@ impl Node {
 const LEN: usize = 7;
 /// The second request comes one second after the first was sent; a busy bus delays it.
 pub(super) const SECOND_CHECK_WITHIN: Duration = Duration::from_secs(2);
+/// A frame that nobody acknowledges is sent again at once, some milliseconds later at the lowest bit rate. A second check comes a
+/// second after the first: half of that tells one from the other, however late the sender of either is.
+const REPETITION_WITHIN: Duration = Duration::from_millis(500);

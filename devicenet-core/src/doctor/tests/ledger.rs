@@ -2,7 +2,7 @@
 
 use std::vec;
 
-use link_core::LinkEvent;
+use link_core::{BusErrorKind, LinkEvent};
 
 use super::*;
 
@@ -77,6 +77,55 @@ fn what_went_before_is_the_first_cause() {
     let found = *ward.doctor.findings().last().unwrap();
     assert_eq!((found.rule, found.first_cause), (Rule::NotAnswering, Some(Rule::DuplicateMacId)));
     assert!(found.to_string().ends_with("; first cause: duplicate MAC ID"), "{found}");
+}
+
+/// Errors end with the last of them, not when ten seconds have shown that it was the last.
+#[test]
+fn errors_long_before_a_silence_are_not_its_cause() {
+    for (pause, expected) in [(4_000, Some(Rule::ErrorFrames)), (6_000, None), (11_000, None), (14_000, None)]
+    {
+        let mut ward = Ward::with_slave();
+        ward.poll().answer();
+        errors(&mut ward);
+        for _ in 0..pause / 100 {
+            ward.poll().answer().wait(98);
+        }
+        assert_eq!(cause_of_silence(&mut ward), expected, "{pause} ms after the errors");
+    }
+}
+
+/// A slave without power leaves its master alone, and frames that nobody acknowledges are errors.
+#[test]
+fn errors_after_a_silence_are_not_its_cause() {
+    // With errors before that were a finding, or were not: one, when the master was switched on.
+    for (before, pause) in [(0, 0), (1, 3_600), (10, 7_000), (10, 12_000)] {
+        let mut ward = Ward::with_slave();
+        ward.poll().answer();
+        for _ in 0..before {
+            ward.link(LinkEvent::BusError(BusErrorKind::Stuff)).wait(1);
+        }
+        for _ in 0..pause / 100 {
+            ward.poll().answer().wait(98);
+        }
+        ward.poll().wait(50);
+        errors(&mut ward);
+        assert_eq!(cause_of_silence(&mut ward), None, "{before} errors, {pause} ms before");
+    }
+}
+
+/// Ten are a finding.
+fn errors(ward: &mut Ward) {
+    for _ in 0..10 {
+        ward.link(LinkEvent::BusError(BusErrorKind::Stuff)).wait(1);
+    }
+}
+
+fn cause_of_silence(ward: &mut Ward) -> Option<Rule> {
+    for _ in 0..6 {
+        ward.poll().wait(99);
+    }
+    let silence = ward.doctor.findings().find(|finding| finding.rule == Rule::NotAnswering);
+    silence.expect("a silence").first_cause
 }
 
 /// The time of day and a clock that steps back make no difference, and a tick too many does nothing.

@@ -4,6 +4,7 @@ use super::*;
 
 const DEVICE: [u8; 7] = [0x00, 0x34, 0x12, 0x45, 0x23, 0x00, 0x00];
 const TWIN: [u8; 7] = [0x00, 0x77, 0x00, 0x04, 0x03, 0x02, 0x01];
+const STRANGER: [u8; 7] = [0x00, 0x78, 0x00, 0x05, 0x03, 0x02, 0x01];
 
 #[test]
 fn a_node_comes_on_line_by_two_checks_and_a_second() {
@@ -16,6 +17,31 @@ fn a_node_comes_on_line_by_two_checks_and_a_second() {
     assert_eq!(bus.node(10).access, AccessState::OnLine);
     let node = bus.node(10);
     assert_eq!((node.vendor.map(u16::from), node.serial), (Some(0x1234), Some(0x2345)));
+}
+
+/// A controller that nobody acknowledges sends the same frame again until somebody does; then its wait begins.
+#[test]
+fn a_check_that_is_repeated_is_one_check() {
+    let mut bus = Bus::new();
+    for expected in [AccessState::FirstCheck, AccessState::SecondCheck] {
+        for _ in 0..3_000 {
+            let heard = bus.group2(10, 7, &DEVICE);
+            assert_eq!((bus.node(10).access, heard.note, heard.problem), (expected, None, None));
+        }
+        bus.wait(999);
+    }
+    bus.wait(1).group2(1, 7, &TWIN);
+    assert_eq!(bus.node(10).access, AccessState::OnLine);
+    // The same of a restart, and of another device.
+    let notes = [(); 3].map(|()| bus.group2(10, 7, &DEVICE).note);
+    assert_eq!(notes, [Some(Note::Restarted), None, None]);
+    bus.wait(2_001);
+    let problems = [(); 3].map(|()| bus.group2(10, 7, &STRANGER).problem);
+    assert_eq!(problems, [Some(Problem::TwoIdentities { mac: mac(10) }), None, None]);
+    assert_eq!(bus.node(10).access, AccessState::SuspectedDuplicate);
+    // What says something in between has been acknowledged: this is a new check.
+    bus.group1(15, 1, &[]);
+    assert_eq!(bus.group2(1, 7, &TWIN).note, Some(Note::Restarted));
 }
 
 #[test]
