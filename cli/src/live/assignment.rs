@@ -46,7 +46,9 @@ impl FromStr for Assignment {
     fn from_str(text: &str) -> Result<Self, String> {
         let expected = || "VENDOR:SERIAL=MAC expected, such as 0x1234:0x00002345=12".to_owned();
         let (device, mac) = text.split_once('=').ok_or_else(expected)?;
-        let mac = number(mac).and_then(|mac| MacId::new(u8::try_from(mac).ok()?)).ok_or_else(expected)?;
+        let mac = number(mac)
+            .and_then(|mac| MacId::new(u8::try_from(mac).ok()?))
+            .ok_or_else(|| format!("`{mac}`: a MAC ID from 0 to 63 expected after the ="))?;
         Ok(Self { device: device.parse()?, mac })
     }
 }

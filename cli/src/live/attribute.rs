@@ -78,6 +78,11 @@ impl FromStr for AttributePath {
                     .into(),
             );
         };
+        if attribute > u8::MAX.into() {
+            return Err(format!(
+                "attribute {attribute}: it is one byte in the messages of DeviceNet, 0 to 255"
+            ));
+        }
         Ok(Self { class: ClassId(class), instance: InstanceId(instance), attribute: AttributeId(attribute) })
     }
 }
@@ -105,7 +110,7 @@ mod tests {
     fn paths_in_decimal_and_hexadecimal() {
         assert_eq!(path("1/1/7"), path("0x01/0x1/0X07"));
         assert_eq!(path("1/1/7").to_string(), "Identity 1 Product name");
-        for text in ["", "1/1", "1/1/7/8", "1/1/-7", "a/1/1", "65536/1/1", "1//1", "+1/1/1"] {
+        for text in ["", "1/1", "1/1/7/8", "1/1/-7", "a/1/1", "65536/1/1", "1//1", "+1/1/1", "1/1/256"] {
             assert!(text.parse::<AttributePath>().is_err(), "{text}");
         }
     }

@@ -1,6 +1,5 @@
 //! Where a command works: `can0`, `sim:FILE`, `log:FILE`.
 
-use core::convert::Infallible;
 use core::fmt;
 use core::str::FromStr;
 use std::path::PathBuf;
@@ -17,14 +16,16 @@ pub enum Endpoint {
 }
 
 impl FromStr for Endpoint {
-    type Err = Infallible;
+    type Err = String;
 
-    fn from_str(text: &str) -> Result<Self, Infallible> {
-        Ok(match text.split_once(':') {
-            Some(("sim", file)) => Self::Scenario(file.into()),
-            Some(("log", file)) => Self::Recording(file.into()),
-            _ => Self::Interface(text.to_owned()),
-        })
+    fn from_str(text: &str) -> Result<Self, String> {
+        // The kernel takes no interface with a colon in its name.
+        match text.split_once(':') {
+            Some(("sim", file)) if !file.is_empty() => Ok(Self::Scenario(file.into())),
+            Some(("log", file)) if !file.is_empty() => Ok(Self::Recording(file.into())),
+            None if !text.is_empty() => Ok(Self::Interface(text.to_owned())),
+            _ => Err("an interface such as can0, sim:FILE or log:FILE expected".into()),
+        }
     }
 }
 
@@ -51,6 +52,9 @@ mod tests {
         ] {
             assert_eq!(text.parse(), Ok(endpoint.clone()));
             assert_eq!(endpoint.to_string(), text);
+        }
+        for text in ["", ":", "sim:", "log:", "LOG:a.log", "can0:1"] {
+            assert!(text.parse::<Endpoint>().is_err(), "{text}");
         }
     }
 }

@@ -34,6 +34,18 @@ pub fn recover(args: &RecoverArgs, json: bool) -> Result<Exit, Failure> {
             assignment.mac
         )));
     }
+    for (place, one) in args.assign.iter().enumerate() {
+        let others = &args.assign[..place];
+        if others.iter().any(|other| other.device == one.device) {
+            return Err(Failure::Usage(format!("{} is given two MAC IDs: give each device one", one.device)));
+        }
+        if others.iter().any(|other| other.mac == one.mac) {
+            return Err(Failure::Usage(format!(
+                "MAC ID {} is given to two devices: give each its own",
+                one.mac
+            )));
+        }
+    }
     let mut recovery = Recovery::new(errand::identity(endpoint), own);
     recovery.tasks.extend(args.identify.iter().map(|device| Task::Identify(device.0)));
     recovery

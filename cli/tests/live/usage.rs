@@ -84,6 +84,11 @@ fn malformed_values() {
     for attribute in ["1/1", "1/1/x", "70000/1/1", "1/1/7/1"] {
         is_told(&[&get[..], &[attribute]].concat(), 2, path);
     }
+    is_told(
+        &[&get[..], &["1/1/300"]].concat(),
+        2,
+        "attribute 300: it is one byte in the messages of DeviceNet, 0 to 255",
+    );
     for (option, value, words) in [
         (
             "--listen",
@@ -107,10 +112,20 @@ fn malformed_values() {
     let assignment = "VENDOR:SERIAL=MAC expected, such as 0x1234:0x00002345=12";
     for (option, value, words) in [
         ("--assign", "1:2", assignment),
-        ("--assign", "1:2=64", assignment),
+        ("--assign", "1:2=64", "`64`: a MAC ID from 0 to 63 expected after the ="),
         ("--identify", "5", "VENDOR:SERIAL expected, such as 0x1234:0x00002345"),
     ] {
         is_told(&[&recover[..], &[option, value]].concat(), 2, words);
+    }
+    for (first, second, words) in [
+        ("1:2=5", "1:2=6", "0x0001:0x00000002 is given two MAC IDs: give each device one"),
+        ("1:2=5", "1:3=5", "MAC ID 5 is given to two devices: give each its own"),
+    ] {
+        is_told(&[&recover[..], &["--assign", first, "--assign", second]].concat(), 2, words);
+    }
+    let endpoint = "an interface such as can0, sim:FILE or log:FILE expected";
+    for text in ["", "log:", "sim:", "LOG:two.log", "can0:1"] {
+        is_told(&["monitor", text], 2, endpoint);
     }
     let record = ["record", "sim:two.toml", "--output", "not-recorded.log"];
     for (option, value, words) in [

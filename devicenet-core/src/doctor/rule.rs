@@ -132,8 +132,8 @@ rules! {
         "check terminators, shield and drop lengths near this node; one node alone on the bus is error-passive, too";
     /// Frames are destroyed, more than now and then.
     ErrorFrames, "error_frames", None,
-        "unplug nodes one after the other until the errors stop; then check that drop, terminators, shield, 24 V supply and \
-         motor cables nearby";
+        "unplug nodes one after the other until the errors stop: that node has another bit rate, or a bad drop; else check \
+         terminators, shield, 24 V supply and motor cables nearby";
     /// Nobody acknowledges what is sent.
     NotAcknowledged, "not_acknowledged", Some(ScannerStatus::TRANSMIT_FAILED),
         "check that at least two nodes have power and the same bit rate, and that the trunk is not open";
