@@ -87,7 +87,11 @@ impl FromStr for Trigger {
                 Self::TimeOut(MacId::new(mac))
             }
             Some(("silence", span)) => {
-                Self::Silence(span.parse::<Time>().map_err(|error| error.to_string())?.0)
+                let Time(span) = span.parse::<Time>().map_err(|error| error.to_string())?;
+                if span.is_zero() {
+                    return Err("a silence lasts longer than 0 s".into());
+                }
+                Self::Silence(span)
             }
             Some(_) => Self::Frame(filter(text)?),
         })
@@ -100,17 +104,27 @@ fn filter(text: &str) -> Result<FrameFilter, String> {
         match part.split_once('=') {
             Some(("kind", name)) => {
                 let kind = Kind::ALL.into_iter().find(|kind| kind.name() == name);
-                filter.kind = Some(kind.ok_or_else(|| {
+                let kind = kind.ok_or_else(|| {
                     format!("`{name}` is no kind of frame; `devicenet decode --help` lists them")
-                })?);
+                })?;
+                once("kind", &mut filter.kind, kind)?;
             }
-            Some(("mac", mac)) => filter.mac = Some(crate::args::parse_mac_id(mac)?),
+            Some(("mac", mac)) => once("mac", &mut filter.mac, crate::args::parse_mac_id(mac)?)?,
             Some(("id", id)) => {
-                let id = unsigned(id).and_then(|id| u32::try_from(id).ok());
-                filter.id = Some(id.ok_or("an identifier such as 0x3FF expected")?);
+                let id =
+                    unsigned(id).and_then(|id| u32::try_from(id).ok()).filter(|id| *id <= MAX_IDENTIFIER);
+                once(
+                    "id",
+                    &mut filter.id,
+                    id.ok_or("an identifier of 11 or 29 bits such as 0x3FF expected")?,
+                )?;
             }
             Some(("data", bytes)) => {
-                filter.data = Some(pattern(bytes).ok_or("bytes such as 01??FF expected")?)
+                once(
+                    "data",
+                    &mut filter.data,
+                    pattern(bytes).ok_or("up to 8 bytes such as 01??FF expected")?,
+                )?;
             }
             _ => return Err(format!("expected {EXPECTED}")),
         }
@@ -118,9 +132,18 @@ fn filter(text: &str) -> Result<FrameFilter, String> {
     Ok(filter)
 }
 
+/// A frame has one of each.
+fn once<T>(name: &str, place: &mut Option<T>, value: T) -> Result<(), String> {
+    match place.replace(value) {
+        None => Ok(()),
+        Some(_) => Err(format!("{name} is given twice; for one or the other give --trigger twice")),
+    }
+}
+
 fn pattern(text: &str) -> Option<Vec<Option<u8>>> {
     let is_pattern = |byte: u8| byte.is_ascii_hexdigit() || byte == b'?';
-    if text.is_empty() || !text.len().is_multiple_of(2) || !text.bytes().all(is_pattern) {
+    let is_length = (2..=2 * MAX_DATA).contains(&text.len()) && text.len().is_multiple_of(2);
+    if !is_length || !text.bytes().all(is_pattern) {
         return None;
     }
     let pairs = text.as_bytes().chunks_exact(2);
@@ -286,6 +309,10 @@ impl fmt::Display for Cause {
 pub(super) const LOOK_EVERY: Duration = Duration::from_millis(10);
 /// For a node whose expected packet rate was not heard.
 const UNKNOWN_RATE: Duration = Duration::from_secs(1);
+/// Of 29 bits.
+const MAX_IDENTIFIER: u32 = 0x1FFF_FFFF;
+/// In a classic frame.
+const MAX_DATA: usize = 8;
 const EXPECTED: &str = "timeout, timeout=MAC, duplicate, error, bus-off, problem, silence=TIME, or kind=KIND, mac=N, id=N, \
                         data=HEX joined with commas";
 
@@ -310,11 +337,15 @@ mod tests {
             "time",
             "timeout=64",
             "silence=2",
+            "silence=0s",
             "kind=poll",
             "data=0",
             "data=0?",
             "data=",
             "id=x",
+            "id=0x20000000",
+            "data=010203040506070809",
+            "mac=1,mac=2",
             "mac=10,error",
         ] {
             assert!(text.parse::<Trigger>().is_err(), "{text}");
