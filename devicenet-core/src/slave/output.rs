@@ -78,7 +78,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.tell().map(|event| Action::Event(Event::Slave(event)))
     }
 
-    /// Whether the controller may have to be told something before the next response.
     /// Whether [`manage`](Self::manage) has something to do.
     fn has_errand(&self) -> bool {
         self.node.lines.must_withdraw()

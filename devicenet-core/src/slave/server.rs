@@ -74,8 +74,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
         Ok(())
     }
 
-    /// Answers Get_Attribute_Single, which is what a device is asked most. It leaves nothing to be done.
-    /// Answers any other service.
+    /// Carries out a service, and writes its response.
     #[inline(never)]
     pub(super) fn perform(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
         respond_with(call, self.node.failures(), out, |out| match call.class {
@@ -169,7 +168,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
     }
 }
 
-/// A service that changes nothing.
 /// The Identity object without the services that it need not have.
 struct MandatoryIdentity<'a>(Identity<'a>);
 
@@ -207,6 +205,7 @@ pub(super) fn identity<'a, A: Application, const DYNAMIC: usize>(
     identity
 }
 
+/// A service that changes nothing.
 fn is_question(service: ServiceCode) -> bool {
     matches!(
         service,

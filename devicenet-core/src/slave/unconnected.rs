@@ -83,7 +83,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let _ = failure.emit(out);
     }
 
-    /// `header`: of the request, or with the MAC ID that the answer shall carry.
+    /// `field`: the header of the answer, and its body.
     pub(super) fn queue(&mut self, ucmm: bool, field: &[u8]) {
         let Ok(field) = Vec::from_slice(field) else {
             debug_assert!(false, "the answer of an unconnected port has up to six bytes");
