@@ -171,11 +171,8 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             let state = self.io(kind).state();
             super::tests::edges::record_io(state, IoCause::Message, state);
         }
-        match self.io_mut(kind).message() {
-            Watchdog::Start { millis } => self.timers.set_after_millis_inline(Timer::Io(kind), millis),
-            Watchdog::Stop => self.timers.clear(Timer::Io(kind)),
-            Watchdog::Keep => {}
-        }
+        let watchdog = self.io_mut(kind).message();
+        self.feed(Timer::Io(kind), watchdog);
     }
 
     /// Sets attribute 9 of an I/O connection.
@@ -199,9 +196,16 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             ExplicitCause::Message,
             ExplicitState::Established,
         );
-        match self.explicit.message() {
-            Watchdog::Start { millis } => self.timers.set_after_millis_inline(Timer::Explicit, millis),
-            Watchdog::Stop => self.timers.clear(Timer::Explicit),
+        let watchdog = self.explicit.message();
+        self.feed(Timer::Explicit, watchdog);
+    }
+
+    /// [`apply`], where messages come so often that a call counts.
+    #[inline]
+    fn feed(&mut self, timer: Timer, watchdog: Watchdog) {
+        match watchdog {
+            Watchdog::Start { millis } => self.timers.set_after_millis_inline(timer, millis),
+            Watchdog::Stop => self.timers.clear(timer),
             Watchdog::Keep => {}
         }
     }

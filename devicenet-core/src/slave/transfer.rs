@@ -156,10 +156,8 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
 
     /// So many bytes were written to the message: they are the response.
     #[inline]
-    pub(super) fn respond(&mut self, to: ExplicitHeader, len: usize) {
-        self.message.len = short(len);
-        self.header = ExplicitHeader::complete(to.xid, to.mac).into();
-        self.stage = Stage::Due;
+    fn respond(&mut self, to: ExplicitHeader, len: usize) {
+        self.respond_whole(to, len);
         self.transmit.start(self.message.body());
     }
 
