@@ -17,6 +17,8 @@ mod value;
 
 pub use value::Value;
 
+use core::ops::RangeInclusive;
+
 use crate::code::DataTypeCode;
 
 /// An elementary data type. All multi-byte values are little-endian.
@@ -134,6 +136,35 @@ impl DataType {
                 | Self::Ftime
                 | Self::Ltime
         )
+    }
+
+    /// The whole numbers that a value can be, bits and times included; `None` for everything else.
+    ///
+    /// ```
+    /// use cip_core::data_type::DataType;
+    ///
+    /// assert_eq!(DataType::Usint.numbers(), Some(0..=255));
+    /// assert_eq!(DataType::Bool.numbers(), Some(0..=1));
+    /// assert_eq!(DataType::Real.numbers(), None);
+    /// ```
+    pub fn numbers(self) -> Option<RangeInclusive<i128>> {
+        if matches!(self, Self::Real | Self::Lreal | Self::DateAndTime) {
+            return None;
+        }
+        if self == Self::Bool {
+            return Some(0..=1);
+        }
+        let numbers = |signed: (i128, i128), unsigned: u64| match self.is_signed() {
+            true => signed.0..=signed.1,
+            false => 0..=unsigned.into(),
+        };
+        Some(match self.size()? {
+            1 => numbers((i8::MIN.into(), i8::MAX.into()), u8::MAX.into()),
+            2 => numbers((i16::MIN.into(), i16::MAX.into()), u16::MAX.into()),
+            4 => numbers((i32::MIN.into(), i32::MAX.into()), u32::MAX.into()),
+            8 => numbers((i64::MIN.into(), i64::MAX.into()), u64::MAX),
+            _ => return None,
+        })
     }
 
     /// The type with this code, of either set of codes.

@@ -17,6 +17,7 @@ mod application;
 mod infrastructure;
 
 use core::fmt;
+use core::ops::RangeInclusive;
 
 use crate::code::{AdditionalCode, AttributeId, ClassId, InstanceId, ServiceCode};
 use crate::codec::{Reader, Wire};
@@ -138,6 +139,29 @@ impl Shape {
             return Some(2);
         }
         if matches!(self, Self::DiagnosticCounters) { Some(34) } else { None }
+    }
+
+    /// The numbers that a value may be, without the reserved ones, in ascending ranges; none if it is not one whole number.
+    ///
+    /// ```
+    /// use cip_core::names::Shape;
+    ///
+    /// let ranges: Vec<_> = Shape::MacId.numbers().collect();
+    /// assert_eq!(ranges, [0..=63]);
+    /// let ranges: Vec<_> = Shape::ConnectionId.numbers().collect();
+    /// assert_eq!(ranges, [0..=0x7FF, 0xFFFF..=0xFFFF]);
+    /// ```
+    pub fn numbers(self) -> impl Iterator<Item = RangeInclusive<i128>> {
+        let (ranges, also) = match self {
+            Self::MacId => (Some(0..=63), None),
+            Self::BaudRate => (Some(0..=2), None),
+            Self::WatchdogAction => (Some(0..=3), None),
+            Self::TimeoutMultiplier => (Some(0..=7), None),
+            // Of 11 bits, and none.
+            Self::ConnectionId => (Some(0..=0x7FF), Some(0xFFFF..=0xFFFF)),
+            other => (other.data_type().and_then(DataType::numbers), None),
+        };
+        ranges.into_iter().chain(also)
     }
 
     /// The number of bytes that a value takes which `data` begin with; `None` if they do not tell it.

@@ -292,7 +292,8 @@ pub struct GetArgs {
 /// `devicenet set`.
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = "\
-As `get`, but writes. VALUE is a number for attributes whose type the command knows, else bytes: hex:C800.
+As `get`, but writes. VALUE is a number for attributes whose type the command knows, and must be one that the attribute may have; \
+bytes (hex:C800) are sent as they are.
 
 Exit codes: those of `get`; 0 says that the node has taken the value.
 

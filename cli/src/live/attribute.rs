@@ -1,6 +1,7 @@
 //! An attribute and its value, as people write them.
 
 use core::fmt;
+use core::ops::RangeInclusive;
 use core::str::FromStr;
 
 use cip_core::code::{AttributeId, ClassId, InstanceId};
@@ -31,7 +32,7 @@ impl AttributePath {
         AttributeValue { class: self.class, instance: self.instance, attribute: self.attribute, data }
     }
 
-    /// The bytes of a value: `12`, `0x0C`, `-3`, `hex:0C00`.
+    /// The bytes of a value: `12`, `0x0C`, `-3`, which must be one that the attribute may have; `hex:0C00`, which may be anything.
     ///
     /// # Errors
     /// What was expected.
@@ -41,23 +42,34 @@ impl AttributePath {
                 .filter(|bytes| !bytes.is_empty())
                 .ok_or_else(|| format!("`{text}`: pairs of hexadecimal digits expected after hex:"));
         }
-        let size = self.info().and_then(|info| info.shape.size()).filter(|size| [1, 2, 4, 8].contains(size));
-        let Some(size) = size else {
+        let known = self.info().and_then(|info| {
+            let ranges: Vec<_> = info.shape.numbers().collect();
+            Some((info.shape.size()?, ranges)).filter(|(_, ranges)| !ranges.is_empty())
+        });
+        let Some((size, ranges)) = known else {
             return Err(format!(
                 "`{text}`: the type of {self} is not known here; give the bytes as they are on the wire, such as hex:0C00"
             ));
         };
-        let number = number(text).filter(|number| fits(*number, size)).ok_or_else(|| {
-            format!("`{text}`: a number of {size} byte{} expected", if size == 1 { "" } else { "s" })
-        })?;
+        let number =
+            number(text).filter(|number| ranges.iter().any(|range| range.contains(number))).ok_or_else(|| {
+                let ranges: Vec<String> = ranges.iter().map(words).collect();
+                let zeros = "00".repeat(size);
+                format!(
+                    "`{text}`: {self} takes {}; what else must be sent is given as its bytes, such as hex:{zeros}",
+                    ranges.join(" or ")
+                )
+            })?;
         Ok(number.to_le_bytes()[..size].to_vec())
     }
 }
 
-/// Whether a number is one of so many bytes, signed or not.
-fn fits(number: i128, size: usize) -> bool {
-    let bits = 8 * size as u32;
-    (-(1 << (bits - 1))..1 << bits).contains(&number)
+/// `0 to 63`, `65535`
+fn words(range: &RangeInclusive<i128>) -> String {
+    match (range.start(), range.end()) {
+        (first, last) if first == last => first.to_string(),
+        (first, last) => format!("{first} to {last}"),
+    }
 }
 
 /// `12`, `0x0C`, `-3`.
@@ -121,11 +133,18 @@ mod tests {
         assert_eq!(path("5/2/9").value("200"), Ok(vec![0xC8, 0x00]));
         assert_eq!(path("5/2/9").value("0xC8"), Ok(vec![0xC8, 0x00]));
         assert_eq!(path("3/1/1").value("63"), Ok(vec![63]));
-        assert_eq!(path("3/1/1").value("-1"), Ok(vec![0xFF]));
+        assert_eq!(path("5/2/5").value("0xFFFF"), Ok(vec![0xFF, 0xFF]));
+        assert_eq!(path("15/1/16").value("-2"), Ok(vec![0xFE, 0xFF]), "a scaling offset is an INT");
         assert_eq!(path("100/1/1").value("hex:0a0B"), Ok(vec![0x0A, 0x0B]));
         for (attribute, text) in [
             ("3/1/1", "256"),
-            ("3/1/1", "-129"),
+            ("3/1/1", "64"),
+            ("3/1/1", "-1"),
+            ("3/1/2", "3"),
+            ("3/1/3", "2"),
+            ("5/2/5", "0x800"),
+            ("5/2/12", "4"),
+            ("5/2/18", "8"),
             ("3/1/1", "--1"),
             ("3/1/1", "-+1"),
             ("5/2/9", "65536"),
@@ -137,5 +156,6 @@ mod tests {
         ] {
             assert!(path(attribute).value(text).is_err(), "{attribute} {text}");
         }
+        assert_eq!(path("3/1/1").value("hex:40"), Ok(vec![64]), "bytes are sent as they are");
     }
 }

@@ -28,8 +28,8 @@ fn an_attribute_is_read_in_words_and_as_json() {
 fn an_attribute_is_written_and_the_node_says_what_it_took() {
     let run = devicenet(&["set", "sim:two.toml", "11", "3/1/3", "1", LISTEN[0], LISTEN[1]]);
     assert_eq!((run.out().as_str(), run.code()), ("node 11  DeviceNet 1 Bus-off interrupt: done\n", 0));
-    let run = devicenet(&["set", "sim:two.toml", "11", "3/1/3", "2", LISTEN[0], LISTEN[1]]);
-    assert_eq!(run.code(), 1);
+    let run = devicenet(&["set", "sim:two.toml", "11", "3/1/3", "hex:02", LISTEN[0], LISTEN[1]]);
+    assert_eq!(run.code(), 1, "what the node cannot have is sent as bytes, and refused by the node");
     assert_eq!(
         run.error(),
         "node 11 refuses DeviceNet 1 Bus-off interrupt: error 0x09 Invalid attribute value"
@@ -100,7 +100,11 @@ fn what_cannot_be_is_said_before_anything_is_sent() {
         (&["get", "two.toml", "10", "1/1/1"], 2, "two.toml is a file: write log:two.toml"),
         (&["get", "sim:none.toml", "10", "1/1/1"], 2, "none.toml: the scenario cannot be read"),
         (&["get", "log:two.toml", "10", "1/1/1"], 2, "two.toml: not a recording"),
-        (&["set", "sim:two.toml", "10", "5/2/9", "65536"], 2, "`65536`: a number of 2 bytes expected"),
+        (
+            &["set", "sim:two.toml", "10", "5/2/9", "65536"],
+            2,
+            "`65536`: Connection 2 expected_packet_rate takes 0 to 65535",
+        ),
         (&["set", "sim:two.toml", "10", "100/1/1", "1"], 2, "give the bytes as they are on the wire"),
     ] {
         let run = devicenet(arguments);
