@@ -160,9 +160,9 @@ disturb nodes that run.
 Exit codes:
   0  done; also when nobody is faulted
   1  some node did not get its MAC ID
-  2  wrong usage or bad file
+  2  wrong usage or bad file, or the scenario ended too early
   3  the interface failed, or nobody acknowledged
-  4  refused to transmit: no --allow-tx, listen-only, no confirmed bit rate, or another tool is at it
+  4  refused to transmit: no --allow-tx, listen-only, no confirmed bit rate, --own-mac is taken, or another tool is at it
 130  interrupted before all was done; a node that was told its MAC ID was waited for
 
 Examples:
@@ -196,8 +196,8 @@ its slaves release their connections, for three seconds at most, so that another
 Ctrl-C ends at once.
 
 Exit codes:
-  0  the node ran, until --for or Ctrl-C
-  2  wrong usage or bad file
+  0  the node ran, until --for, Ctrl-C or the end of the scenario
+  2  wrong usage or bad file, or the scenario ended before it began
   3  the interface failed
   4  refused to transmit: no --allow-tx, listen-only, no confirmed bit rate, or another's slave
 130  interrupted before it sent anything, or a second time
@@ -232,9 +232,9 @@ ends listening, and what was heard is told; it ends asking when the open connect
 Exit codes:
   0  done
   1  done, but some node refused, or did not answer all, or some line of a recording could not be read
-  2  wrong usage or bad file
+  2  wrong usage or bad file, or the scenario ended too early; those that had answered are told
   3  the interface failed, or nobody acknowledged
-  4  refused to transmit: listen-only, or no confirmed bit rate
+  4  refused to transmit: listen-only, no confirmed bit rate, or --own-mac is taken
 130  interrupted before every node was asked
 
 Examples:
@@ -273,10 +273,10 @@ alone. Ctrl-C waits for an answer that is on its way, for three seconds at most,
 
 Exit codes:
   0  the value is printed
-  1  the node answered with an error, is another master's, or did not answer
-  2  wrong usage or bad file
+  1  the node answered with an error, or did not answer
+  2  wrong usage or bad file, or the scenario ended too early
   3  the interface failed, or nobody acknowledged
-  4  refused to transmit: no --allow-tx, listen-only, no confirmed bit rate, or another's node
+  4  refused to transmit: no --allow-tx, listen-only, no confirmed bit rate, another's node, or --own-mac is taken
 130  interrupted before the node had answered
 
 Examples:

@@ -43,15 +43,15 @@ fn ask(args: &AskArgs, value: Option<Vec<u8>>, json: bool) -> Result<Exit, Failu
     visitor.visit(mac, vec![Question { path: *attribute, value }]);
     let what = format!("to node {mac} Allocate, {service}_Attribute_Single {attribute}, Release");
     let (mut port, heard) = permit::enter(endpoint, &node.permit, own, &what, visitor.max_in_flight())?;
-    permit::ownership(mac, &heard)?;
-    let reports = visitor.run(endpoint, &mut port)?;
+    let reports = match permit::is_owned(mac, &heard) {
+        true => vec![Report::owned(mac)],
+        false => visitor.run(endpoint, &mut port)?,
+    };
     let Some(report) = reports.first() else {
         return Err(Failure::Transport(format!("node {mac} was not visited")));
     };
-    if report.is_cut {
-        return Err(Failure::Interrupted(format!(
-            "interrupted before node {mac} had answered; no connection is left"
-        )));
+    if let Some(cut) = report.cut {
+        return Err(cut.failure(endpoint, &format!("node {mac} had answered")));
     }
     conclude(args, report, json)
 }
@@ -112,6 +112,11 @@ fn words(args: &AskArgs, report: &Report) -> AttributeWords {
         (Some(Answer::Silent(failure)), _) => {
             object["problem"] = failure.to_string().into();
             (format!("node {mac}, {path}: {failure}"), Exit::Findings)
+        }
+        (None, Some(Cause::OwnedByAnother)) => {
+            object["owned"] = true.into();
+            object["problem"] = trouble(report.trouble).into();
+            (permit::owned(mac), Exit::Refused)
         }
         (None, cause) => {
             let why = trouble(cause);

@@ -4,6 +4,11 @@ use core::fmt;
 use core::str::FromStr;
 use std::path::PathBuf;
 
+use link_core::Instant;
+
+use crate::exit::Failure;
+use crate::scenario::Time;
+
 /// An interface, a scenario or a recording.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Endpoint {
@@ -13,6 +18,24 @@ pub enum Endpoint {
     Scenario(PathBuf),
     /// A recording, which can only be listened to.
     Recording(PathBuf),
+}
+
+impl Endpoint {
+    /// `sim:line.toml: the scenario ended at 5s`
+    pub(super) fn ended(&self, at: Instant) -> String {
+        let what = match self {
+            Self::Interface(_) => "the interface",
+            Self::Scenario(_) => "the scenario",
+            Self::Recording(_) => "the recording",
+        };
+        format!("{self}: {what} ended at {}", Time(at.saturating_since(Instant::ZERO)))
+    }
+
+    /// A command that has not come to its end because the scenario has.
+    pub(super) fn ended_before(&self, at: Instant, what: &str) -> Failure {
+        let ended = self.ended(at);
+        Failure::Usage(format!("{ended}, before {what}: make its duration longer, or --listen shorter"))
+    }
 }
 
 impl FromStr for Endpoint {

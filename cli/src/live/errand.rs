@@ -39,6 +39,8 @@ pub(super) enum End {
     TooLate,
     /// Somebody has interrupted it, and everything is given back.
     Interrupted,
+    /// The scenario has ended before, at this moment.
+    ScenarioOver(Instant),
 }
 
 /// Runs an errand on a port whose link was up until now, until `follow` says that it is done, `longest` at most.
@@ -82,8 +84,11 @@ pub(super) fn run<E: Errand>(
             None => Ok(End::Interrupted),
             Some(words) => Err(Failure::Interrupted(format!("interrupted; {words}"))),
         },
-        Err(PortError::Over) if watched.errand.access().is_online() => Ok(End::TooLate),
-        Err(PortError::Over) => Err(no_way(endpoint, watched.errand)),
+        Err(PortError::Over) => match port.over() {
+            Some(at) => Ok(End::ScenarioOver(at)),
+            None if watched.errand.access().is_online() => Ok(End::TooLate),
+            None => Err(no_way(endpoint, watched.errand)),
+        },
     }
 }
 
@@ -133,7 +138,7 @@ impl<E: Errand> Machine for Watched<'_, E> {
 }
 
 fn taken(endpoint: &Endpoint, own: MacId) -> Failure {
-    Failure::Transport(format!(
+    Failure::Refused(format!(
         "MAC ID {own} is taken on {endpoint}: choose another one for this command with --own-mac"
     ))
 }

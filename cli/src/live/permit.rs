@@ -30,6 +30,9 @@ pub(super) fn enter(
     if port.is_interrupted() {
         return Err(Failure::Interrupted("interrupted before anything was sent".into()));
     }
+    if let Some(at) = port.over() {
+        return Err(endpoint.ended_before(at, "anything was sent"));
+    }
     bit_rate(endpoint, args, &port, &heard)?;
     Ok((port, heard))
 }
@@ -103,14 +106,21 @@ fn bit_rate(endpoint: &Endpoint, args: &PermitArgs, port: &LivePort, heard: &Hea
 
 /// Refuses to talk to a node that another master has.
 pub(super) fn ownership(mac: MacId, heard: &Heard) -> Result<(), Failure> {
-    match heard.master_of(mac) {
-        None => Ok(()),
-        Some(Some(master)) => Err(Failure::Refused(format!(
-            "node {mac} belongs to the master at MAC ID {master}, and is left alone: ask it through that master, or take it off \
-             its scan list first"
-        ))),
-        Some(None) => Err(Failure::Refused(format!(
-            "node {mac} is polled by a master, and is left alone: ask it through that master, or take it off its scan list first"
-        ))),
+    if is_owned(mac, heard) { Err(Failure::Refused(owned(mac))) } else { Ok(()) }
+}
+
+/// Whether it was heard that another master has a node. Which one is told, if that was heard too.
+pub(super) fn is_owned(mac: MacId, heard: &Heard) -> bool {
+    let master = heard.master_of(mac);
+    if let Some(Some(master)) = master {
+        output::note(format_args!("node {mac} has its master at MAC ID {master}"));
     }
+    master.is_some()
+}
+
+/// The same words whether it was heard, or the node says so.
+pub(super) fn owned(mac: MacId) -> String {
+    format!(
+        "node {mac} belongs to another master, and is left alone: ask it through that master, or take it off its scan list first"
+    )
 }

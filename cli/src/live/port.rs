@@ -5,12 +5,12 @@ use core::time::Duration;
 
 use link_core::machine::Deadline;
 use link_core::{BitRate, Frame, Input, Instant, LinkCommand, Port, TxToken};
-use transport_mock::{Ignore, NetworkPort, NodeConfig};
+use transport_mock::{Ended, Ignore, NetworkPort, NodeConfig};
 
 use super::endpoint::Endpoint;
 use super::recorded::Recorded;
 use crate::exit::Failure;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, Time};
 use crate::simulate::{self, NodeEvent};
 
 /// The bus of an endpoint.
@@ -19,7 +19,9 @@ pub(super) struct LivePort {
     /// Of a scenario.
     bit_rate: Option<BitRate>,
     end: End,
-    /// So does it when this is set.
+    /// When the scenario or the recording has ended.
+    over: Option<Instant>,
+    /// Waiting ends when this is set.
     interrupted: Option<&'static AtomicBool>,
     /// The latest that was told.
     #[cfg(target_os = "linux")]
@@ -92,6 +94,7 @@ impl LivePort {
             bus,
             bit_rate,
             end: End { at: Instant::MAX, late: None },
+            over: None,
             interrupted: None,
             #[cfg(target_os = "linux")]
             refusal: None,
@@ -132,6 +135,19 @@ impl LivePort {
         }
     }
 
+    /// When the scenario or the recording has ended, if it has.
+    pub(super) const fn over(&self) -> Option<Instant> {
+        self.over
+    }
+
+    /// Says that the scenario or the recording has ended, where somebody wanted more of it.
+    pub(super) fn note_early_end(&self, endpoint: &Endpoint, wanted: Option<Time>) {
+        if let (Some(at), Some(wanted)) = (self.over, wanted) {
+            let ended = endpoint.ended(at);
+            crate::output::note(format_args!("{ended}, before --for {wanted} was over"));
+        }
+    }
+
     /// Somebody has interrupted the command.
     pub(super) fn is_interrupted(&self) -> bool {
         self.interrupted.is_some_and(|interrupted| interrupted.load(Ordering::Relaxed))
@@ -147,8 +163,13 @@ impl LivePort {
         match &mut self.bus {
             #[cfg(target_os = "linux")]
             Bus::Interface(port) => port.wait(deadline).map_err(failed),
-            Bus::Simulated(port) => port.wait(deadline).map_err(|_| PortError::Over),
-            Bus::Recorded(recorded) => recorded.next(deadline, self.end.at),
+            Bus::Simulated(port) => port.wait(deadline).map_err(|Ended { at }| {
+                self.over = Some(at);
+                PortError::Over
+            }),
+            Bus::Recorded(recorded) => recorded.next(deadline, self.end.at).inspect_err(|error| {
+                self.over = matches!(error, PortError::Over).then(|| recorded.now());
+            }),
         }
     }
 

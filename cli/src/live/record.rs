@@ -54,6 +54,7 @@ pub fn record(args: &RecordArgs) -> Result<Exit, Failure> {
     let ended = recorder.run(&mut port);
     let finished = recorder.finish();
     port.warn_of_bad_entries();
+    port.note_early_end(&args.endpoint, args.span);
     match ended {
         Ok(()) | Err(PortError::Over) => finished?,
         Err(PortError::Failed(failure)) => return Err(failure),

@@ -75,6 +75,7 @@ pub fn recover(args: &RecoverArgs, json: bool) -> Result<Exit, Failure> {
         End::TooLate => {
             return Err(Failure::Transport(format!("{endpoint}: the time was over before all was done")));
         }
+        End::ScenarioOver(at) => return Err(endpoint.ended_before(at, "all was done")),
         End::Interrupted => {
             return Err(Failure::Interrupted("interrupted; no node is left with half a MAC ID".into()));
         }

@@ -58,7 +58,14 @@ fn run(args: &RunArgs, role: &str, is_of_role: impl Fn(&Node) -> bool, json: boo
     match ended {
         Ok(error) => Err(error.into()),
         Err(PortError::Failed(failure)) => Err(failure),
-        Err(PortError::Over) => leave(machine.as_mut(), &mut port, &mut log),
+        Err(PortError::Over) => {
+            port.note_early_end(endpoint, args.span);
+            if port.over().is_some() {
+                // There is no time in which a slave could answer.
+                return Ok(Exit::Done);
+            }
+            leave(machine.as_mut(), &mut port, &mut log)
+        }
     }
 }
 

@@ -71,7 +71,7 @@ pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
 
 fn conclude(args: &ScanArgs, heard: &Heard, reports: Vec<Report>, json: bool) -> Result<Exit, Failure> {
     let mut output = Output::new();
-    let is_cut = reports.iter().any(|report| report.is_cut);
+    let cut = reports.iter().find_map(|report| report.cut);
     let rows = rows(heard, reports);
     let has_findings = rows.iter().any(|row| row.finding.is_some());
     if json {
@@ -105,10 +105,8 @@ fn conclude(args: &ScanArgs, heard: &Heard, reports: Vec<Report>, json: bool) ->
         )),
         _ => {}
     }
-    if is_cut {
-        return Err(Failure::Interrupted(
-            "interrupted before every node was asked; no connection is left".into(),
-        ));
+    if let Some(cut) = cut {
+        return Err(cut.failure(&args.endpoint, "every node was asked"));
     }
     Ok(if has_findings { Exit::Findings } else { Exit::Done })
 }

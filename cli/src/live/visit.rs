@@ -50,8 +50,36 @@ pub(super) struct Report {
     pub(super) answers: Vec<Answer>,
     /// Why there was no connection, or why it ended.
     pub(super) trouble: Option<Cause>,
-    /// The command was interrupted before all was asked.
-    pub(super) is_cut: bool,
+    /// What has ended the command before all was asked.
+    pub(super) cut: Option<Cut>,
+}
+
+/// What ends a visit before its time.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Cut {
+    /// Somebody has interrupted the command; no connection is left.
+    Interrupted,
+    /// The scenario has ended.
+    ScenarioOver(Instant),
+}
+
+impl Cut {
+    /// How the command ends, before `what`.
+    pub(super) fn failure(self, endpoint: &Endpoint, what: &str) -> Failure {
+        match self {
+            Self::Interrupted => {
+                Failure::Interrupted(format!("interrupted before {what}; no connection is left"))
+            }
+            Self::ScenarioOver(at) => endpoint.ended_before(at, what),
+        }
+    }
+}
+
+impl Report {
+    /// Of a node that is not visited, because another master has it.
+    pub(super) const fn owned(mac: MacId) -> Self {
+        Self { mac, answers: Vec::new(), trouble: Some(Cause::OwnedByAnother), cut: None }
+    }
 }
 
 /// A master that keeps no I/O. It tells of each visit when that is over.
@@ -66,8 +94,8 @@ struct Visit {
     questions: Vec<Question>,
     answers: Vec<Answer>,
     stage: Stage,
-    /// Nothing more is asked.
-    is_cut: bool,
+    /// If something has: nothing more is asked.
+    cut: Option<Cut>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -94,7 +122,7 @@ impl Visitor {
         let entry = ScanEntry::explicit_only(mac);
         if self.master.add_slave(Instant::ZERO, entry).is_ok() {
             self.visits
-                .insert(mac, Visit { questions, answers: Vec::new(), stage: Stage::Coming, is_cut: false });
+                .insert(mac, Visit { questions, answers: Vec::new(), stage: Stage::Coming, cut: None });
         }
     }
 
@@ -109,7 +137,11 @@ impl Visitor {
             if left == 0 { ControlFlow::Break(Ok(())) } else { ControlFlow::Continue(()) }
         })?;
         for (mac, mut visit) in self.visits {
-            visit.is_cut |= end == End::Interrupted;
+            visit.cut = match end {
+                End::Interrupted => Some(Cut::Interrupted),
+                End::ScenarioOver(at) => Some(Cut::ScenarioOver(at)),
+                End::Done | End::TooLate => visit.cut,
+            };
             reports.push(visit.report(mac, Some(Cause::NoAnswer)));
         }
         reports.sort_by_key(|report| report.mac);
@@ -154,7 +186,7 @@ impl Visitor {
     fn ask(&mut self, now: Instant) -> bool {
         let (mut has_asked, mut ended) = (false, Vec::new());
         for (mac, visit) in self.visits.iter_mut().filter(|(_, visit)| visit.stage == Stage::Due) {
-            let question = visit.questions.get(visit.answers.len()).filter(|_| !visit.is_cut);
+            let question = visit.questions.get(visit.answers.len()).filter(|_| visit.cut.is_none());
             match put(&mut self.master, now, *mac, question) {
                 Ok(()) => {
                     visit.stage = if question.is_some() { Stage::Asking } else { Stage::Leaving };
@@ -182,9 +214,10 @@ impl Visitor {
 impl Visit {
     fn report(self, mac: MacId, trouble: Option<Cause>) -> Report {
         let is_complete = self.answers.len() == self.questions.len();
-        let is_cut = self.is_cut && !is_complete;
-        let trouble = if is_complete || is_cut { None } else { Some(trouble.unwrap_or(Cause::NoAnswer)) };
-        Report { mac, answers: self.answers, trouble, is_cut }
+        let cut = self.cut.filter(|_| !is_complete);
+        let is_well = is_complete || cut.is_some();
+        let trouble = if is_well { None } else { Some(trouble.unwrap_or(Cause::NoAnswer)) };
+        Report { mac, answers: self.answers, trouble, cut }
     }
 }
 
@@ -221,7 +254,7 @@ impl Errand for Visitor {
     }
 
     fn leave(&mut self) {
-        self.visits.values_mut().for_each(|visit| visit.is_cut = true);
+        self.visits.values_mut().for_each(|visit| visit.cut = Some(Cut::Interrupted));
         // There is no connection, and none was asked for. The others are released when they have answered what they were asked.
         let is_idle =
             |mac: &MacId| matches!(self.master.state(*mac), Some(SlaveState::Offline | SlaveState::Waiting));

@@ -55,20 +55,61 @@ fn a_node_that_is_not_there_is_a_finding() {
 #[test]
 fn a_node_of_another_master_is_left_alone() {
     let run = devicenet(&["get", "sim:owned.toml", "10", "1/1/1", "--listen", "6s"]);
-    assert_eq!((run.out().as_str(), run.code()), ("", 4));
-    assert!(
-        run.error().starts_with("node 10 belongs to the master at MAC ID 1, and is left alone"),
-        "{}",
-        run.err()
-    );
+    assert_eq!((run.out().as_str(), run.code(), run.error().as_str()), ("", 4, OWNED));
+    assert!(run.err().contains("note: node 10 has its master at MAC ID 1\n"), "{}", run.err());
 }
 
 /// When the command has listened, that master is not on line yet; when it asks, it is. The command is refused, and the I/O of the master goes on.
 #[test]
 fn a_node_that_says_whose_it_is_is_left_alone_too() {
     let run = devicenet(&["get", "sim:owned.toml", "10", "1/1/1", "--listen", "500ms"]);
-    assert_eq!(run.code(), 1, "{}", run.err());
-    assert_eq!(run.error(), "node 10: it belongs to another master, and is left alone");
+    assert_eq!((run.out().as_str(), run.code(), run.error().as_str()), ("", 4, OWNED));
+    for listen in ["6s", "500ms"] {
+        let run = devicenet(&["get", "sim:owned.toml", "10", "1/1/1", "--listen", listen, "--json"]);
+        assert_eq!((run.code(), run.json().len()), (4, 1), "{}", run.err());
+        assert_eq!(run.json()[0]["owned"], true);
+    }
+}
+
+const OWNED: &str = "node 10 belongs to another master, and is left alone: ask it through that master, or take it off its scan \
+                     list first";
+
+/// No cable is open, and no node is absent: there was no more time.
+#[test]
+fn a_scenario_that_ends_too_early_is_told_as_what_it_is() {
+    for (listen, before) in
+        [("10s", "anything was sent"), ("4s", "node 10 had answered"), ("4900ms", "node 10 had answered")]
+    {
+        let run = devicenet(&["get", "sim:short.toml", "10", "1/1/1", "--listen", listen]);
+        assert_eq!((run.out().as_str(), run.code()), ("", 2), "{}", run.err());
+        let ended = "sim:short.toml: the scenario ended at 5s, before";
+        let remedy = "make its duration longer, or --listen shorter";
+        assert_eq!(run.error(), format!("{ended} {before}: {remedy}"));
+    }
+    for (arguments, before) in [
+        (&["scan", "sim:short.toml", "--listen", "4s", "--json"][..], "every node was asked"),
+        (&["recover", "sim:short.toml", "--listen", "4s"], "all was done"),
+        (&["slave", "sim:short.toml", "line.toml", "--node", "gauge", "--listen", "6s"], "anything was sent"),
+    ] {
+        let run = devicenet(arguments);
+        assert_eq!(run.code(), 2, "{}", run.err());
+        assert!(run.error().contains(&format!("ended at 5s, before {before}: ")), "{}", run.err());
+    }
+    let run = devicenet(&["master", "sim:short.toml", "line.toml", "--for", "10s", "--listen", "1s"]);
+    assert_eq!(run.code(), 0, "{}", run.err());
+    assert_eq!(
+        run.err().lines().last().unwrap(),
+        "note: sim:short.toml: the scenario ended at 5s, before --for 10s was over"
+    );
+    let run = devicenet(&["monitor", "sim:short.toml", "--for", "10s"]);
+    assert_eq!(run.err(), "note: sim:short.toml: the scenario ended at 5s, before --for 10s was over\n");
+    let log = "log:../../../tests/captures/slave-01-startup-poll.log";
+    let run = devicenet(&["record", log, "--for", "10min", "--output", "not-recorded.log"]);
+    assert!(
+        run.err().contains(": the recording ended at 4.2097s, before --for 600s was over\n"),
+        "{}",
+        run.err()
+    );
 }
 
 /// The only other node comes after fifteen seconds.
@@ -82,7 +123,7 @@ fn nobody_to_acknowledge_is_told_within_ten_seconds() {
 #[test]
 fn the_own_mac_id_must_be_free() {
     let run = get("10", "1/1/1", &["--own-mac", "11"]);
-    assert_eq!(run.code(), 3);
+    assert_eq!(run.code(), 4);
     assert!(
         run.error().starts_with("MAC ID 11 is taken on sim:two.toml: choose another one"),
         "{}",

@@ -58,6 +58,7 @@ pub fn monitor(args: &MonitorArgs, json: bool) -> Result<Exit, Failure> {
         ended.and(told)
     };
     port.warn_of_bad_entries();
+    port.note_early_end(&args.endpoint, args.span);
     ended?;
     conclude(&args.endpoint, &port, &model)
 }
