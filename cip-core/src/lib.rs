@@ -1,9 +1,10 @@
 //! CIP (Common Industrial Protocol) without a network: what every object, client, server and decoder of a CIP network
-//! on CAN needs to read and write, and nothing that sends or waits.
+//! on CAN needs, and no identifier of any.
 //!
 //! | Module | Content |
 //! |---|---|
 //! | [`codec`] | bounded reading and writing of bytes, the [`Wire`](codec::Wire) trait |
+//! | [`client`] | one request to a server, and its response: transactions, fragments, repetitions |
 //! | [`code`] | service codes, general statuses, class, instance and attribute IDs, vendors, device types, data types |
 //! | [`data_type`] | elementary data types and their values |
 //! | [`epath`] | paths to objects, attributes and devices |
@@ -51,6 +52,7 @@
 #[cfg(any(test, feature = "std"))]
 extern crate std;
 
+pub mod client;
 pub mod code;
 pub mod codec;
 pub mod connection;

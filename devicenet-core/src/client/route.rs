@@ -1,9 +1,15 @@
 //! Between which identifiers a client and a server talk.
 
+use cip_core::client::{Channel, Heard, Part};
+use cip_core::codec::{ParseError, Wire};
+use cip_core::fragment::{Fragment, explicit_fragment, is_fragmented_explicit};
 use cip_core::message::BodyFormat;
+use link_core::Frame;
 
 use crate::id::{Identifier, MacId};
-use crate::message::{ExplicitHeader, GroupSelect, OpenRequest, OpenResponse};
+use crate::message::{
+    self, ExplicitFragment, ExplicitMessage, FragmentAcknowledge, GroupSelect, OpenRequest, OpenResponse,
+};
 
 /// The two identifiers of a conversation, and the MAC IDs that stand in the headers.
 ///
@@ -125,10 +131,71 @@ impl Route {
     pub const fn format(&self) -> BodyFormat {
         self.format
     }
+}
 
-    /// The header of what the client sends.
-    pub(super) const fn header(&self, fragmented: bool, xid: bool) -> ExplicitHeader {
-        ExplicitHeader { fragmented, xid, mac: self.request_header }
+/// The transaction ID is one bit, in the header of every frame.
+impl Channel for Route {
+    type Transaction = bool;
+
+    /// The first transaction has XID 0.
+    const BEFORE_FIRST: bool = true;
+
+    fn after(xid: bool) -> bool {
+        !xid
+    }
+
+    fn xid(xid: Option<bool>) -> bool {
+        xid.unwrap_or_default()
+    }
+
+    fn is_fragmented(body: &[u8]) -> bool {
+        is_fragmented_explicit(body)
+    }
+
+    fn cut(body: &[u8], index: usize) -> Option<Fragment<'_>> {
+        explicit_fragment(body, index)
+    }
+
+    fn format(&self) -> BodyFormat {
+        self.format
+    }
+
+    fn frame(&self, xid: bool, part: Part<'_>) -> Option<Frame> {
+        let mac = self.request_header;
+        match part {
+            Part::Complete(body) => message::frame(self.request, &ExplicitMessage { xid, mac, body }),
+            Part::Fragment(Fragment { byte, data }) => {
+                message::frame(self.request, &ExplicitFragment { xid, mac, fragment: byte, body: data })
+            }
+            Part::Acknowledge { count, status } => {
+                message::frame(self.request, &FragmentAcknowledge::new(xid, mac, count, status))
+            }
+        }
+    }
+
+    fn hear<'a>(&self, frame: &'a Frame) -> Option<Result<Heard<'a, bool>, ParseError>> {
+        let data = frame.data();
+        let header = *data.first()?;
+        if Identifier::of_frame(frame) != Some(self.response) || header & HEADER_MAC != self.client.number() {
+            return None;
+        }
+        if header & HEADER_FRAGMENTED == 0 {
+            let message = ExplicitMessage::parse(data);
+            return Some(
+                message.map(|message| Heard::Complete { transaction: message.xid, body: message.body }),
+            );
+        }
+        if let Ok(acknowledge) = FragmentAcknowledge::parse(data) {
+            return Some(Ok(Heard::Acknowledge {
+                transaction: Some(acknowledge.xid),
+                count: acknowledge.count(),
+                status: acknowledge.status,
+            }));
+        }
+        Some(ExplicitFragment::parse(data).map(|fragment| Heard::Fragment {
+            transaction: Some(fragment.xid),
+            fragment: Fragment { byte: fragment.fragment, data: fragment.body },
+        }))
     }
 }
 
@@ -136,3 +203,5 @@ impl Route {
 const GROUP_1_LAST: u8 = 0xB;
 const GROUP_2_LAST: u8 = 5;
 const GROUP_3_LAST: u8 = 4;
+const HEADER_MAC: u8 = 0x3F;
+const HEADER_FRAGMENTED: u8 = 0x80;

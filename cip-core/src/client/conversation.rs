@@ -1,33 +1,47 @@
 //! One transaction after another with one server.
 
-use cip_core::codec::Writer;
-use cip_core::fragment::{ExplicitReassembly, explicit_fragment, is_fragmented_explicit};
-use cip_core::message::{AttributeRequest, BodyFormat, EmitError, Request};
 use heapless::Vec;
 use link_core::{Frame, TxOutcome};
 
+use super::channel::{Channel, Part};
 use super::outcome::{Failure, StartError, TimerChange, Waits};
-use super::route::Route;
-use crate::id::Identifier;
-use crate::message::{self, ExplicitFragment, ExplicitMessage, FragmentAcknowledge};
+use crate::codec::Writer;
+use crate::fragment::{AckStatus, ExplicitReassembly, Fragment};
+use crate::message::{AttributeRequest, BodyFormat, EmitError, Request};
 
-/// The client's side of one explicit connection, of an unconnected port or of the UCMM; see the [module](super) text.
+/// The client's side of one [`Channel`] to a server; see the [module](super) text.
 ///
 /// `N` is the longest body, from the service byte on, of a request and of a response.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
-pub struct Conversation<const N: usize> {
-    pub(super) route: Route,
+pub struct Conversation<C: Channel, const N: usize> {
+    pub(super) route: C,
     pub(super) waits: Waits,
     /// Of the present transaction, or of the last.
-    pub(super) xid: bool,
+    pub(super) transaction: C::Transaction,
     pub(super) request: Vec<u8, N>,
     pub(super) tries: u8,
     pub(super) response: ExplicitReassembly<N>,
     pub(super) stage: Stage,
     /// As it is to be sent: the next transaction may begin, on another route, before it is.
-    pub(super) acknowledge: Option<(Identifier, FragmentAcknowledge)>,
+    pub(super) acknowledge: Option<Acknowledge<C>>,
     in_flight: Option<Outgoing>,
     pub(super) timer: TimerChange,
+}
+
+/// The acknowledge of a fragment of the response.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub(super) struct Acknowledge<C: Channel> {
+    pub(super) route: C,
+    pub(super) transaction: C::Transaction,
+    pub(super) count: u8,
+    pub(super) status: AckStatus,
+}
+
+impl<C: Channel> Acknowledge<C> {
+    fn frame(&self) -> Option<Frame> {
+        let Self { count, status, .. } = *self;
+        self.route.frame(self.transaction, Part::Acknowledge { count, status })
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -64,15 +78,14 @@ enum Outgoing {
     Nothing,
 }
 
-impl<const N: usize> Conversation<N> {
+impl<C: Channel, const N: usize> Conversation<C, N> {
     /// A conversation in which nothing was said yet.
     #[must_use]
-    pub const fn new(route: Route, waits: Waits) -> Self {
+    pub const fn new(route: C, waits: Waits) -> Self {
         Self {
             route,
             waits,
-            // The first transaction has XID 0.
-            xid: true,
+            transaction: C::BEFORE_FIRST,
             request: Vec::new(),
             tries: 0,
             response: ExplicitReassembly::new(N),
@@ -85,7 +98,7 @@ impl<const N: usize> Conversation<N> {
 
     /// Where it takes place.
     #[must_use]
-    pub const fn route(&self) -> &Route {
+    pub const fn route(&self) -> &C {
         &self.route
     }
 
@@ -120,7 +133,7 @@ impl<const N: usize> Conversation<N> {
     ///
     /// A transaction under way is [cancelled](Self::cancel); the acknowledge of a response that is complete is still
     /// sent, on the old route.
-    pub fn reroute(&mut self, route: Route, waits: Waits) {
+    pub fn reroute(&mut self, route: C, waits: Waits) {
         if self.is_busy() {
             self.cancel();
         } else {
@@ -164,7 +177,7 @@ impl<const N: usize> Conversation<N> {
             return Err(StartError::Empty);
         }
         self.request = Vec::from_slice(body).map_err(|_| StartError::TooLong { capacity: N })?;
-        self.xid = !self.xid;
+        self.transaction = C::after(self.transaction);
         self.tries = tries;
         self.response.discard();
         self.request_from_the_start(1);
@@ -194,9 +207,9 @@ impl<const N: usize> Conversation<N> {
         if self.in_flight.is_some() {
             return None;
         }
-        if let Some((id, acknowledge)) = self.acknowledge.take() {
+        if let Some(acknowledge) = self.acknowledge.take() {
             self.in_flight = Some(Outgoing::Acknowledge);
-            return message::frame(id, &acknowledge);
+            return acknowledge.frame();
         }
         let Stage::Requesting { fragment, progress: progress @ Sending::Due, .. } = &mut self.stage else {
             return None;
@@ -215,8 +228,9 @@ impl<const N: usize> Conversation<N> {
         if self.in_flight.take() != Some(Outgoing::Request) {
             return;
         }
+        let fragmented = self.is_fragmented();
         if let Stage::Requesting { attempt, progress: progress @ Sending::HandedOut, .. } = &mut self.stage {
-            if is_fragmented_explicit(&self.request) {
+            if fragmented {
                 *progress = Sending::OnTheBus;
                 self.timer = TimerChange::Set(self.waits.acknowledge);
             } else {
@@ -276,14 +290,22 @@ impl<const N: usize> Conversation<N> {
     }
 
     fn request_frame(&self, fragment: usize) -> Option<Frame> {
-        let (xid, mac) = (self.xid, self.route.header(false, self.xid).mac);
-        if !is_fragmented_explicit(&self.request) {
-            let message = ExplicitMessage { xid, mac, body: &self.request };
-            return message::frame(self.route.request(), &message);
-        }
-        let part = explicit_fragment(&self.request, fragment)?;
-        let message = ExplicitFragment { xid, mac, fragment: part.byte, body: part.data };
-        message::frame(self.route.request(), &message)
+        let part = if self.is_fragmented() {
+            Part::Fragment(self.cut(fragment)?)
+        } else {
+            Part::Complete(&self.request)
+        };
+        self.route.frame(self.transaction, part)
+    }
+
+    /// Whether the request is sent in fragments.
+    pub(super) fn is_fragmented(&self) -> bool {
+        C::is_fragmented(&self.request)
+    }
+
+    /// A fragment of the request, counted from 0.
+    pub(super) fn cut(&self, fragment: usize) -> Option<Fragment<'_>> {
+        C::cut(&self.request, fragment)
     }
 
     pub(super) fn fail(&mut self, failure: Failure) -> Failure {

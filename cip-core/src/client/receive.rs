@@ -2,49 +2,34 @@
 
 use core::time::Duration;
 
-use cip_core::code::ServiceCode;
-use cip_core::codec::Wire;
-use cip_core::fragment::{
-    AckStatus, ExplicitOutcome, FragmentKind, explicit_fragment, is_fragmented_explicit,
-};
-use cip_core::message::Response;
 use link_core::Frame;
 
-use super::conversation::{Conversation, Sending, Stage};
+use super::channel::{Channel, Heard};
+use super::conversation::{Acknowledge, Conversation, Sending, Stage};
 use super::outcome::{Failure, Ignored, Progress, TimerChange};
-use crate::id::Identifier;
-use crate::message::{ExplicitFragment, ExplicitMessage, FragmentAcknowledge};
+use crate::code::ServiceCode;
+use crate::fragment::{AckStatus, ExplicitOutcome, Fragment, FragmentKind};
+use crate::message::Response;
 
-impl<const N: usize> Conversation<N> {
+impl<C: Channel, const N: usize> Conversation<C, N> {
     /// Takes a frame from the bus.
     pub fn frame<'a>(&'a mut self, frame: &'a Frame) -> Progress<'a> {
-        let data = frame.data();
-        let Some(&header) = data.first() else { return Progress::NotMine };
-        if Identifier::of_frame(frame) != Some(self.route.response())
-            || header & HEADER_MAC != self.route.client().number()
-        {
-            return Progress::NotMine;
-        }
-        if header & HEADER_FRAGMENTED == 0 {
-            return match ExplicitMessage::parse(data) {
-                Ok(message) => self.complete(message),
-                Err(_) => Progress::Ignored(Ignored::Malformed),
-            };
-        }
-        if let Ok(acknowledge) = FragmentAcknowledge::parse(data) {
-            return self.acknowledged(acknowledge);
-        }
-        match ExplicitFragment::parse(data) {
-            Ok(fragment) => self.fragment(fragment),
-            Err(_) => Progress::Ignored(Ignored::Malformed),
+        match self.route.hear(frame) {
+            None => Progress::NotMine,
+            Some(Ok(Heard::Complete { transaction, body })) => self.complete(transaction, body),
+            Some(Ok(Heard::Fragment { transaction, fragment })) => self.fragment(transaction, fragment),
+            Some(Ok(Heard::Acknowledge { transaction, count, status })) => {
+                self.acknowledged(transaction, count, status)
+            }
+            Some(Err(_)) => Progress::Ignored(Ignored::Malformed),
         }
     }
 
-    fn complete<'a>(&mut self, message: ExplicitMessage<'a>) -> Progress<'a> {
-        let Ok(response) = Response::parse(message.body) else {
+    fn complete<'a>(&mut self, transaction: C::Transaction, body: &'a [u8]) -> Progress<'a> {
+        let Ok(response) = C::response(body) else {
             return Progress::Ignored(Ignored::Malformed);
         };
-        if let Err(ignored) = self.expects(message.xid).and_then(|()| self.answers(&response)) {
+        if let Err(ignored) = self.expects(Some(transaction)).and_then(|()| self.answers(&response)) {
             return Progress::Ignored(ignored);
         }
         self.response.discard();
@@ -53,25 +38,29 @@ impl<const N: usize> Conversation<N> {
         Progress::Response(response)
     }
 
-    fn acknowledged(&mut self, acknowledge: FragmentAcknowledge) -> Progress<'static> {
+    fn acknowledged(
+        &mut self,
+        transaction: Option<C::Transaction>,
+        count: u8,
+        status: AckStatus,
+    ) -> Progress<'static> {
         let Stage::Requesting { attempt, fragment, repeated, progress } = self.stage else {
             return Progress::Ignored(Ignored::Unexpected);
         };
-        if !is_fragmented_explicit(&self.request) || (progress == Sending::Due && !repeated) {
+        if !self.is_fragmented() || (progress == Sending::Due && !repeated) {
             return Progress::Ignored(Ignored::Unexpected);
         }
-        if acknowledge.xid != self.xid {
+        if !self.is_current(transaction) {
             return Progress::Ignored(Ignored::Stale);
         }
-        let sent = explicit_fragment(&self.request, fragment).map(|sent| sent.byte.count());
-        if sent != Some(acknowledge.count()) {
+        if self.cut(fragment).map(|sent| sent.byte.count()) != Some(count) {
             return Progress::Ignored(Ignored::OtherAcknowledge);
         }
-        if acknowledge.status != AckStatus::Success {
+        if status != AckStatus::Success {
             return Progress::Failed(self.fail(Failure::RequestTooLong));
         }
         let next = fragment.saturating_add(1);
-        if explicit_fragment(&self.request, next).is_some() {
+        if self.cut(next).is_some() {
             self.stage =
                 Stage::Requesting { attempt, fragment: next, repeated: false, progress: Sending::Due };
             self.timer = TimerChange::Clear;
@@ -82,10 +71,11 @@ impl<const N: usize> Conversation<N> {
         Progress::Pending
     }
 
-    fn fragment(&mut self, fragment: ExplicitFragment<'_>) -> Progress<'_> {
-        let (attempt, most) = match (self.stage, self.expects(fragment.xid)) {
+    fn fragment(&mut self, transaction: Option<C::Transaction>, fragment: Fragment<'_>) -> Progress<'_> {
+        let kind = fragment.byte.kind;
+        let (attempt, most) = match (self.stage, self.expects(transaction)) {
             (Stage::Idle, Err(Ignored::Unexpected))
-                if self.response.remembers_completed() && fragment.fragment.kind != FragmentKind::First =>
+                if self.response.remembers_completed() && kind != FragmentKind::First =>
             {
                 (0, 0)
             }
@@ -96,18 +86,21 @@ impl<const N: usize> Conversation<N> {
         };
         let asked = self.asked();
         let before = self.response.received();
-        let mac = self.route.header(true, fragment.xid).mac;
-        let outcome = self.response.fragment(fragment.xid, fragment.fragment, fragment.body);
+        let outcome = self.response.fragment(C::xid(transaction), fragment.byte, fragment.data);
         if let Some(status) = outcome.ack() {
-            let acknowledge = FragmentAcknowledge::new(fragment.xid, mac, fragment.fragment.count(), status);
-            self.acknowledge = Some((self.route.request(), acknowledge));
+            self.acknowledge = Some(Acknowledge {
+                route: self.route.clone(),
+                transaction: transaction.unwrap_or(self.transaction),
+                count: fragment.byte.count(),
+                status,
+            });
         }
         match outcome {
             ExplicitOutcome::Stored | ExplicitOutcome::Repeated => {
-                let received = match fragment.fragment.kind {
-                    FragmentKind::First => fragment.body.len(),
+                let received = match kind {
+                    FragmentKind::First => fragment.data.len(),
                     _ if outcome == ExplicitOutcome::Repeated => before,
-                    _ => before.saturating_add(fragment.body.len()),
+                    _ => before.saturating_add(fragment.data.len()),
                 };
                 // Only what is new prolongs the wait: a server that repeats itself is not waited for for ever.
                 if received > most {
@@ -120,7 +113,7 @@ impl<const N: usize> Conversation<N> {
             ExplicitOutcome::Complete(body) => {
                 self.stage = Stage::Idle;
                 self.timer = TimerChange::Set(REPETITION);
-                match Response::parse(body) {
+                match C::response(body) {
                     Ok(response) if is_answer(asked, &response) => Progress::Response(response),
                     Ok(_) | Err(_) => Progress::Failed(Failure::Malformed),
                 }
@@ -138,25 +131,29 @@ impl<const N: usize> Conversation<N> {
     }
 
     /// Whether a response with that transaction ID can come now.
-    fn expects(&self, xid: bool) -> Result<(), Ignored> {
+    fn expects(&self, transaction: Option<C::Transaction>) -> Result<(), Ignored> {
         let asked = match self.stage {
             Stage::Idle => false,
             // The acknowledge of the last fragment may be lost, and even its `TxDone` be late: the response proves both.
             Stage::Requesting { attempt, fragment, repeated, progress } => {
                 let sent = progress != Sending::Due || repeated;
-                let last = !is_fragmented_explicit(&self.request)
-                    || explicit_fragment(&self.request, fragment)
-                        .is_some_and(|part| part.byte.kind == FragmentKind::Last);
+                let last = !self.is_fragmented()
+                    || self.cut(fragment).is_some_and(|part| part.byte.kind == FragmentKind::Last);
                 // Or it answers an earlier attempt.
                 sent && last || attempt > 1
             }
             Stage::Awaiting { .. } | Stage::Receiving { .. } => true,
         };
-        match (asked, xid == self.xid) {
+        match (asked, self.is_current(transaction)) {
             (true, true) => Ok(()),
             (true, false) => Err(Ignored::Stale),
             (false, _) => Err(Ignored::Unexpected),
         }
+    }
+
+    /// What carries no transaction ID goes with what did.
+    fn is_current(&self, transaction: Option<C::Transaction>) -> bool {
+        transaction.is_none_or(|transaction| transaction == self.transaction)
     }
 
     fn answers(&self, response: &Response<'_>) -> Result<(), Ignored> {
@@ -177,5 +174,3 @@ fn is_answer(asked: Option<ServiceCode>, response: &Response<'_>) -> bool {
 
 /// How long the last fragment of a complete response is acknowledged again.
 const REPETITION: Duration = Duration::from_secs(1);
-const HEADER_MAC: u8 = 0x3F;
-const HEADER_FRAGMENTED: u8 = 0x80;

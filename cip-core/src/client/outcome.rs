@@ -2,9 +2,10 @@
 
 use core::time::Duration;
 
-use cip_core::message::{EmitError, Response};
 use link_core::Timers;
 use link_core::timers::TimerKey;
+
+use crate::message::{EmitError, Response};
 
 /// How long a client waits.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
