@@ -18,7 +18,9 @@
 use core::fmt;
 
 use super::timing::{Watchdog, first_time_out, time_out};
-use super::{ConnectionState, PredefinedConnection, Settings, TimerResolution, WatchdogAction};
+use super::{
+    ConnectionState, PredefinedConnection, Settings, TimerResolution, TransportClassTrigger, WatchdogAction,
+};
 use crate::code::GeneralStatus;
 
 /// The states of an I/O connection.
@@ -74,22 +76,29 @@ pub struct IoEdge {
     pub to: IoState,
 }
 
-/// An instance of the Connection object for I/O, on the server's side.
+/// An instance of the Connection object for I/O, on the server's side. `K` is what its network calls a kind of connection:
+/// it decides whether anything arrives whose absence could be noticed.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct IoConnection {
-    kind: PredefinedConnection,
+pub struct IoConnection<K = PredefinedConnection> {
+    kind: K,
     state: IoState,
     settings: Settings,
 }
 
 impl IoConnection {
     /// Not allocated.
-    pub const NON_EXISTENT: Self =
-        Self { kind: PredefinedConnection::Poll, state: IoState::NonExistent, settings: DEFAULTS };
+    pub const NON_EXISTENT: Self = Self::non_existent(PredefinedConnection::Poll);
+}
 
-    /// Which connection of the predefined set it is; without a meaning while it is non-existent.
-    pub const fn kind(&self) -> PredefinedConnection {
+impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
+    /// Not allocated; the kind has no meaning yet.
+    pub const fn non_existent(kind: K) -> Self {
+        Self { kind, state: IoState::NonExistent, settings: DEFAULTS }
+    }
+
+    /// Which kind of connection it is; without a meaning while it is non-existent.
+    pub const fn kind(&self) -> K {
         self.kind
     }
 
@@ -109,7 +118,7 @@ impl IoConnection {
     }
 
     /// Allocates it with its defaults; 0x0B if it is allocated already. A connection that timed out counts as free.
-    pub fn allocate(&mut self, kind: PredefinedConnection) -> Result<(), GeneralStatus> {
+    pub fn allocate(&mut self, kind: K) -> Result<(), GeneralStatus> {
         let _ = self.handle(IoCause::Allocated)?;
         self.kind = kind;
         self.settings = DEFAULTS;
@@ -118,7 +127,7 @@ impl IoConnection {
 
     /// Another connection takes over the instance that is allocated already: poll is added where instance 2 was there for
     /// the direction to the slave only.
-    pub const fn promote(&mut self, kind: PredefinedConnection) {
+    pub fn promote(&mut self, kind: K) {
         self.kind = kind;
     }
 
@@ -224,7 +233,7 @@ impl IoConnection {
     }
 
     #[inline]
-    const fn watchdog(&self) -> Watchdog {
+    fn watchdog(&self) -> Watchdog {
         if self.consumes() {
             Watchdog::start(time_out(self.settings.expected_packet_rate, self.settings.multiplier))
         } else {
@@ -232,7 +241,7 @@ impl IoConnection {
         }
     }
 
-    const fn first_watchdog(&self) -> Watchdog {
+    fn first_watchdog(&self) -> Watchdog {
         if self.consumes() {
             Watchdog::start(first_time_out(self.settings.expected_packet_rate, self.settings.multiplier))
         } else {
@@ -240,13 +249,10 @@ impl IoConnection {
         }
     }
 
-    /// Without acknowledges, nothing arrives on a change of state or cyclic connection whose absence could be noticed.
-    const fn consumes(&self) -> bool {
-        !matches!(
-            self.kind,
-            PredefinedConnection::ChangeOfState { acknowledged: false }
-                | PredefinedConnection::Cyclic { acknowledged: false }
-        )
+    /// On a client without acknowledges nothing arrives whose absence could be noticed.
+    fn consumes(&self) -> bool {
+        let trigger: TransportClassTrigger = self.kind.into();
+        trigger.is_server() || trigger.class() != 0
     }
 }
 

@@ -42,4 +42,4 @@ pub use values::{
     CommCharacteristics, CommDirection, ConnectionState, InstanceType, ProductionTrigger, TimeoutMultiplier,
     TransportClassTrigger, WatchdogAction,
 };
-pub use view::{ConnectionPath, ConnectionView};
+pub use view::{ConnectionId, ConnectionPath, ConnectionView};

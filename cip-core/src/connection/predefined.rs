@@ -142,6 +142,12 @@ impl PredefinedConnection {
     }
 }
 
+impl From<PredefinedConnection> for TransportClassTrigger {
+    fn from(connection: PredefinedConnection) -> Self {
+        connection.transport_class_trigger()
+    }
+}
+
 /// The expected packet rate of an explicit connection after its allocation, in ms.
 pub const EXPLICIT_PACKET_RATE: u16 = 2500;
 

@@ -290,8 +290,16 @@ fn attributes_are_read() {
 
 /// Of a node 63 that produces two bytes of assembly 101.
 impl ConnectionView for IoConnection {
-    fn kind(&self) -> PredefinedConnection {
-        self.kind()
+    type Id = u16;
+
+    fn instance_type(&self) -> InstanceType {
+        self.kind().instance_type()
+    }
+    fn transport_class_trigger(&self) -> TransportClassTrigger {
+        self.kind().transport_class_trigger()
+    }
+    fn comm_characteristics(&self) -> CommCharacteristics {
+        self.kind().comm_characteristics()
     }
     fn state(&self) -> ConnectionState {
         self.state().into()

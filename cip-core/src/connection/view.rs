@@ -1,6 +1,6 @@
 //! What is read from a connection.
 
-use super::{CommCharacteristics, ConnectionState, PredefinedConnection, Settings};
+use super::{CommCharacteristics, ConnectionState, InstanceType, Settings, TransportClassTrigger};
 use crate::code::{AttributeId, GeneralStatus, InstanceId};
 use crate::codec::{Full, Writer};
 
@@ -24,8 +24,8 @@ pub enum ConnectionPath {
 /// | 1 | USINT | state |
 /// | 2 | USINT | instance_type |
 /// | 3 | BYTE | transportClass_trigger |
-/// | 4 | UINT | produced_connection_id |
-/// | 5 | UINT | consumed_connection_id |
+/// | 4 | UINT, on DeviceNeX UDINT | produced_connection_id |
+/// | 5 | UINT, on DeviceNeX UDINT | consumed_connection_id |
 /// | 6 | BYTE | initial_comm_characteristics |
 /// | 7 | UINT | produced_connection_size |
 /// | 8 | UINT | consumed_connection_size |
@@ -40,22 +40,26 @@ pub enum ConnectionPath {
 ///
 /// Source: CIP Vol. 1, Connection object.
 pub trait ConnectionView {
-    /// Which connection it is, for attributes 2, 3 and 6; one that a client opened is as the explicit one.
-    fn kind(&self) -> PredefinedConnection;
+    /// UINT or UDINT, as the network has it.
+    type Id: ConnectionId;
 
     /// Attribute 1.
     fn state(&self) -> ConnectionState;
 
-    /// Attribute 4; 0xFFFF: it does not produce.
-    fn produced_id(&self) -> u16;
+    /// Attribute 2.
+    fn instance_type(&self) -> InstanceType;
 
-    /// Attribute 5; 0xFFFF: it does not consume.
-    fn consumed_id(&self) -> u16;
+    /// Attribute 3.
+    fn transport_class_trigger(&self) -> TransportClassTrigger;
 
-    /// Attribute 6. By default that of its kind.
-    fn comm_characteristics(&self) -> CommCharacteristics {
-        self.kind().comm_characteristics()
-    }
+    /// Attribute 4; all bits set: it does not produce.
+    fn produced_id(&self) -> Self::Id;
+
+    /// Attribute 5; all bits set: it does not consume.
+    fn consumed_id(&self) -> Self::Id;
+
+    /// Attribute 6.
+    fn comm_characteristics(&self) -> CommCharacteristics;
 
     /// Attribute 7.
     fn produced_size(&self) -> u16;
@@ -76,17 +80,17 @@ pub trait ConnectionView {
     fn get(&self, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), GeneralStatus> {
         let byte = match attribute.0 {
             1 => self.state().0,
-            2 => self.kind().instance_type().0,
-            3 => self.kind().transport_class_trigger().0,
+            2 => self.instance_type().0,
+            3 => self.transport_class_trigger().0,
             6 => self.comm_characteristics().0,
             12 => self.settings().watchdog_action.0,
             18 => self.settings().multiplier.0,
+            4 => return Ok(self.produced_id().emit(out)?),
+            5 => return Ok(self.consumed_id().emit(out)?),
             14 => return Ok(self.produced_path().emit(out)?),
             16 => return Ok(self.consumed_path().emit(out)?),
             number => {
                 return Ok(out.u16(match number {
-                    4 => self.produced_id(),
-                    5 => self.consumed_id(),
                     7 => self.produced_size(),
                     8 => self.consumed_size(),
                     9 => self.settings().expected_packet_rate,
@@ -98,6 +102,24 @@ pub trait ConnectionView {
             }
         };
         Ok(out.u8(byte)?)
+    }
+}
+
+/// A value of attributes 4 and 5.
+pub trait ConnectionId {
+    /// Writes it.
+    fn emit(self, out: &mut Writer<'_>) -> Result<(), Full>;
+}
+
+impl ConnectionId for u16 {
+    fn emit(self, out: &mut Writer<'_>) -> Result<(), Full> {
+        out.u16(self)
+    }
+}
+
+impl ConnectionId for u32 {
+    fn emit(self, out: &mut Writer<'_>) -> Result<(), Full> {
+        out.u32(self)
     }
 }
 

@@ -21,16 +21,42 @@ pub const fn is_fragmented_explicit(body: &[u8]) -> bool {
     body.len() > EXPLICIT_UNFRAGMENTED_LEN
 }
 
+/// The longest body that needs no fragments: a frame that is none has no fragmentation byte.
+pub(super) const fn unfragmented_len(piece: usize, prefix: usize) -> usize {
+    piece.saturating_add(1).saturating_sub(prefix)
+}
+
 /// Fragment number `index` of an explicit message, counted from 0; `None` after the last.
 ///
 /// A sender keeps the index instead of an iterator: to repeat a fragment is to ask for the same index again. A body
 /// of up to seven bytes needs no fragmentation and is cut all the same when asked for: a body of at most six bytes
 /// has no second piece and is `None` altogether, because there is no "first and only" fragment in explicit messages.
 pub fn explicit_fragment(body: &[u8], index: usize) -> Option<Fragment<'_>> {
-    let start = index.checked_mul(EXPLICIT_FRAGMENT_LEN)?;
-    let rest = body.get(start..).filter(|rest| !rest.is_empty() && body.len() > EXPLICIT_FRAGMENT_LEN)?;
-    let data = rest.get(..EXPLICIT_FRAGMENT_LEN).unwrap_or(rest);
-    let kind = match (index, rest.len() > EXPLICIT_FRAGMENT_LEN) {
+    explicit_piece::<EXPLICIT_FRAGMENT_LEN, 0>(body, index)
+}
+
+/// The same for a network whose frames have another room for a message: `PIECE` bytes in each, of which `PREFIX` in the
+/// first are something else.
+///
+/// ```
+/// use cip_core::fragment::explicit_piece;
+///
+/// // Eight bytes in each frame; the first byte of the first one is a transaction ID.
+/// let body = [0x8E, 1, 2, 3, 4, 5, 6, 7, 8];
+/// assert_eq!(explicit_piece::<8, 1>(&body, 0).unwrap().data, [0x8E, 1, 2, 3, 4, 5, 6]);
+/// assert_eq!(explicit_piece::<8, 1>(&body, 1).unwrap().data, [7, 8]);
+/// assert_eq!(explicit_piece::<8, 1>(&body, 2), None);
+/// ```
+pub fn explicit_piece<const PIECE: usize, const PREFIX: usize>(
+    body: &[u8],
+    index: usize,
+) -> Option<Fragment<'_>> {
+    let first = PIECE.saturating_sub(PREFIX);
+    let start = index.checked_mul(PIECE)?.saturating_sub(PREFIX);
+    let room = if index == 0 { first } else { PIECE };
+    let rest = body.get(start..).filter(|rest| !rest.is_empty() && body.len() > first)?;
+    let data = rest.get(..room).unwrap_or(rest);
+    let kind = match (index, rest.len() > room) {
         (0, _) => FragmentKind::First,
         (_, true) => FragmentKind::Middle,
         (_, false) => FragmentKind::Last,

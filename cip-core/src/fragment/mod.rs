@@ -28,7 +28,8 @@ mod receive;
 mod transmit;
 
 pub use cut::{
-    EmptyMessage, ExplicitFragments, Fragment, IoFragments, explicit_fragment, is_fragmented_explicit,
+    EmptyMessage, ExplicitFragments, Fragment, IoFragments, explicit_fragment, explicit_piece,
+    is_fragmented_explicit,
 };
 pub use explicit::{AckStatus, ExplicitOutcome, ExplicitReassembly};
 pub use io::{IoOutcome, IoReassembly};

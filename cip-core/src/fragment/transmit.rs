@@ -1,6 +1,7 @@
 //! Sending of explicit messages in fragments, each of which must be acknowledged before the next.
 
-use super::{AckStatus, Fragment, explicit_fragment, is_fragmented_explicit};
+use super::cut::unfragmented_len;
+use super::{AckStatus, EXPLICIT_FRAGMENT_LEN, Fragment, explicit_piece};
 
 /// What an acknowledge, or its absence, leads to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -22,12 +23,14 @@ pub enum TransmitOutcome {
 
 /// The transmit side of an explicit connection: which fragment is on its way, and for which time.
 ///
+/// `PIECE` and `PREFIX` are the room in a frame, as in [`explicit_piece`]; by default that of DeviceNet.
+///
 /// It holds neither the message nor the time. Its owner passes the same body to every call of one message, sends what
 /// [`fragment`](Self::fragment) says, and lets the acknowledge timer (1000 ms) run.
 ///
 /// | State | Event | Outcome | Next |
 /// |---|---|---|---|
-/// | idle | [`start`](Self::start) with more than 7 bytes | send fragment 0 | waiting 0 |
+/// | idle | [`start`](Self::start) with more than one frame holds | send fragment 0 | waiting 0 |
 /// | waiting n | acknowledge n, status 0, more data | [`Send`](TransmitOutcome::Send) fragment n+1 | waiting n+1 |
 /// | waiting n | acknowledge n, status 0, n was the last | [`Complete`](TransmitOutcome::Complete) | idle |
 /// | waiting n | acknowledge n, other status | [`Refused`](TransmitOutcome::Refused) | idle |
@@ -43,7 +46,7 @@ pub enum TransmitOutcome {
 /// use cip_core::fragment::{AckStatus, ExplicitTransmit, TransmitOutcome};
 ///
 /// let body = b"\x8E\x08GRT1-DRT";
-/// let mut transmit = ExplicitTransmit::new();
+/// let mut transmit: ExplicitTransmit = ExplicitTransmit::new();
 /// assert!(transmit.start(body));
 /// assert_eq!(transmit.fragment(body).unwrap().data, b"\x8E\x08GRT1");
 /// assert_eq!(transmit.acknowledge(body, 0, AckStatus::Success), TransmitOutcome::Send);
@@ -52,7 +55,7 @@ pub enum TransmitOutcome {
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ExplicitTransmit {
+pub struct ExplicitTransmit<const PIECE: usize = EXPLICIT_FRAGMENT_LEN, const PREFIX: usize = 0> {
     waiting: Option<Waiting>,
 }
 
@@ -65,7 +68,7 @@ struct Waiting {
     again: bool,
 }
 
-impl ExplicitTransmit {
+impl<const PIECE: usize, const PREFIX: usize> ExplicitTransmit<PIECE, PREFIX> {
     /// Nothing is being sent.
     pub const fn new() -> Self {
         Self { waiting: None }
@@ -79,14 +82,14 @@ impl ExplicitTransmit {
     /// Begins with the first fragment of `body`; false if it fits into one frame and must be sent unfragmented. A message
     /// in progress is given up.
     pub const fn start(&mut self, body: &[u8]) -> bool {
-        let fragmented = is_fragmented_explicit(body);
+        let fragmented = body.len() > unfragmented_len(PIECE, PREFIX);
         self.waiting = if fragmented { Some(Waiting { index: 0, again: false }) } else { None };
         fragmented
     }
 
     /// The fragment that is to be acknowledged; `None` while nothing is being sent.
     pub fn fragment<'b>(&self, body: &'b [u8]) -> Option<Fragment<'b>> {
-        explicit_fragment(body, self.waiting?.index.into())
+        explicit_piece::<PIECE, PREFIX>(body, self.waiting?.index.into())
     }
 
     /// Takes an acknowledge: the count and the status that it carries.
@@ -102,7 +105,7 @@ impl ExplicitTransmit {
             return TransmitOutcome::Refused(status);
         }
         let index = waiting.index.saturating_add(1);
-        if explicit_fragment(body, index.into()).is_none() {
+        if explicit_piece::<PIECE, PREFIX>(body, index.into()).is_none() {
             return TransmitOutcome::Complete;
         }
         self.waiting = Some(Waiting { index, again: false });
@@ -153,7 +156,7 @@ mod tests {
 
     #[test]
     fn every_row_while_idle() {
-        let mut transmit = ExplicitTransmit::new();
+        let mut transmit: ExplicitTransmit = ExplicitTransmit::new();
         assert_eq!(transmit.acknowledge(&BODY, 0, AckStatus::Success), Outcome::Ignored);
         assert_eq!(transmit.time_out(), Outcome::Ignored);
         assert!(!transmit.abort());
@@ -196,12 +199,25 @@ mod tests {
     #[test]
     fn counts_wrap() {
         let body = [0; 6 * 66];
-        let mut transmit = ExplicitTransmit::new();
+        let mut transmit: ExplicitTransmit = ExplicitTransmit::new();
         assert!(transmit.start(&body));
         for index in 0..65_u8 {
             assert_eq!(transmit.acknowledge(&body, index & 0x3F, AckStatus::Success), Outcome::Send);
         }
         assert_eq!(u8::from(transmit.fragment(&body).unwrap().byte), 0x81);
         assert_eq!(transmit.acknowledge(&body, 1, AckStatus::Success), Outcome::Complete);
+    }
+
+    /// Of eight bytes, of which one in the first is a transaction ID: eight in one frame, nine in two.
+    #[test]
+    fn the_room_in_a_frame_decides() {
+        let mut transmit = ExplicitTransmit::<8, 1>::new();
+        assert!(!transmit.start(&BODY[..8]));
+        assert!(transmit.start(&BODY));
+        assert_eq!(transmit.fragment(&BODY).unwrap().data, &BODY[..7]);
+        assert_eq!(transmit.acknowledge(&BODY, 0, AckStatus::Success), Outcome::Send);
+        let last = transmit.fragment(&BODY).unwrap();
+        assert_eq!((u8::from(last.byte), last.data), (0x81, &BODY[7..]));
+        assert_eq!(transmit.acknowledge(&BODY, 1, AckStatus::Success), Outcome::Complete);
     }
 }

@@ -1,8 +1,8 @@
 //! What is read from the instances of the Connection object.
 
 use cip_core::connection::{
-    CommCharacteristics, ConnectionPath, ConnectionState, ConnectionView, ExplicitConnection,
-    PredefinedConnection, Settings,
+    CommCharacteristics, ConnectionPath, ConnectionState, ConnectionView, ExplicitConnection, InstanceType,
+    PredefinedConnection, Settings, TransportClassTrigger,
 };
 use cip_core::message::AllocationChoice;
 
@@ -45,6 +45,19 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Instance<'_, '_
         assembly.map_or(ConnectionPath::Empty, ConnectionPath::Assembly)
     }
 
+    /// One that a client opened is as the explicit one of the predefined set.
+    fn kind(&self) -> PredefinedConnection {
+        match self.which {
+            Which::Explicit | Which::Dynamic(_) => PredefinedConnection::Explicit,
+            Which::Io(kind) => match kind.known::<A>() {
+                IoKind::Poll if !changes::<A>() => PredefinedConnection::Poll,
+                IoKind::BitStrobe => PredefinedConnection::BitStrobe,
+                IoKind::MulticastPoll => PredefinedConnection::MulticastPoll,
+                kind @ (IoKind::Poll | IoKind::ChangeOfState) => self.node().io(kind).kind(),
+            },
+        }
+    }
+
     fn produces(&self) -> bool {
         self.kind() != PredefinedConnection::ConsumeOnly
     }
@@ -61,16 +74,14 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Instance<'_, '_
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> ConnectionView
     for Instance<'_, '_, '_, A, MESSAGE, DYNAMIC>
 {
-    fn kind(&self) -> PredefinedConnection {
-        match self.which {
-            Which::Explicit | Which::Dynamic(_) => PredefinedConnection::Explicit,
-            Which::Io(kind) => match kind.known::<A>() {
-                IoKind::Poll if !changes::<A>() => PredefinedConnection::Poll,
-                IoKind::BitStrobe => PredefinedConnection::BitStrobe,
-                IoKind::MulticastPoll => PredefinedConnection::MulticastPoll,
-                kind @ (IoKind::Poll | IoKind::ChangeOfState) => self.node().io(kind).kind(),
-            },
-        }
+    type Id = u16;
+
+    fn instance_type(&self) -> InstanceType {
+        self.kind().instance_type()
+    }
+
+    fn transport_class_trigger(&self) -> TransportClassTrigger {
+        self.kind().transport_class_trigger()
     }
 
     fn state(&self) -> ConnectionState {
