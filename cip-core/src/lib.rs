@@ -16,6 +16,7 @@
 //! | [`scan`] | what a master must know of a slave: an entry of its scan list |
 //! | [`names`] | attributes and services of the object classes, with their types |
 //! | [`object`] | the objects of a device, and the checks that a request meets |
+//! | [`transfer`] | one explicit connection as a pipe: a request in, its response out |
 //! | [`value`] | attribute values in words |
 //! | [`text`] | formatting without allocation |
 //! | `eds` | Electronic Data Sheets: parser, checker, values of parameters in words (feature `std`) |
@@ -68,4 +69,5 @@ pub mod object;
 pub mod parameter;
 pub mod scan;
 pub mod text;
+pub mod transfer;
 pub mod value;

@@ -25,7 +25,9 @@
 
 mod explicit_state;
 mod io_state;
+mod mode;
 mod predefined;
+mod production;
 mod settings;
 #[cfg(test)]
 mod tests;
@@ -35,7 +37,9 @@ mod view;
 
 pub use explicit_state::{EXPLICIT_EDGES, ExplicitCause, ExplicitConnection, ExplicitEdge, ExplicitState};
 pub use io_state::{IO_EDGES, IoCause, IoConnection, IoEdge, IoState};
+pub use mode::{End, IoMode};
 pub use predefined::{ConnectionDefaults, EXPLICIT_PACKET_RATE, PredefinedConnection};
+pub use production::{Production, ProductionTimer};
 pub use settings::Settings;
 pub use timing::{FIRST_TIME_OUT_MILLIS, TimerResolution, Watchdog, first_time_out, time_out};
 pub use values::{

@@ -16,12 +16,13 @@
 //! | Acknowledged | every fragment | never |
 //! | Count | wraps from 63 to 0 | ends at 63: at most 448 bytes |
 //! | Cut by | [`explicit_fragment`], [`ExplicitFragments`] | [`IoFragments`] |
-//! | Paced by | [`ExplicitTransmit`] | nothing |
+//! | Paced by | [`ExplicitTransmit`] | nothing; [`IoTransmit`] keeps the message |
 //! | Put together by | [`ExplicitReassembly`]; [`ExplicitReceive`] in a buffer of its owner | [`IoReassembly`] |
 
 mod cut;
 mod explicit;
 mod io;
+mod io_transmit;
 #[cfg(test)]
 mod properties;
 mod receive;
@@ -33,6 +34,7 @@ pub use cut::{
 };
 pub use explicit::{AckStatus, ExplicitOutcome, ExplicitReassembly};
 pub use io::{IoOutcome, IoReassembly};
+pub use io_transmit::IoTransmit;
 pub use receive::ExplicitReceive;
 pub use transmit::{ExplicitTransmit, TransmitOutcome};
 

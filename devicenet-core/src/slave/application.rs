@@ -9,6 +9,8 @@ use cip_core::object::{Identity, ObjectSet};
 
 use super::io::LongMessages;
 
+pub use cip_core::connection::{End, IoMode};
+
 /// The device behind a slave: who it is, its data, its objects.
 ///
 /// It is a store of data that the slave reads and writes; it hears of what happened by the events of the slave, and never
@@ -137,40 +139,6 @@ pub enum IoKind {
     MulticastPoll,
 }
 
-/// One direction of a connection.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
-pub enum End {
-    /// From the slave.
-    Produced,
-    /// To the slave.
-    Consumed,
-}
-
-/// What the data that a connection consumes mean at present.
-///
-/// | Received | Mode | Outputs |
-/// |---|---|---|
-/// | nothing yet | `Inactive` | as they were |
-/// | a full message | `Run` | the data |
-/// | an empty message, where data are expected | `Idle` | [`Application::rest`] |
-/// | nothing in time, or the connection was taken away | `Fault` | [`Application::rest`] |
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
-pub enum IoMode {
-    /// No message was consumed since the connection was established.
-    #[default]
-    Inactive,
-    /// The master runs.
-    Run,
-    /// The master is there but does not run.
-    Idle,
-    /// The master is lost.
-    Fault,
-}
-
 impl IoKind {
     /// All, in the order of their instances.
     pub const ALL: [Self; 4] = [Self::Poll, Self::BitStrobe, Self::ChangeOfState, Self::MulticastPoll];
@@ -245,17 +213,6 @@ impl core::fmt::Display for IoKind {
             Self::BitStrobe => "bit-strobe",
             Self::ChangeOfState => "COS/cyclic",
             Self::MulticastPoll => "multicast poll",
-        })
-    }
-}
-
-impl core::fmt::Display for IoMode {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.pad(match self {
-            Self::Inactive => "inactive",
-            Self::Run => "run",
-            Self::Idle => "idle",
-            Self::Fault => "fault",
         })
     }
 }

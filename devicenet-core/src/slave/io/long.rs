@@ -3,7 +3,7 @@
 use core::fmt::Debug;
 use core::hash::Hash;
 
-use cip_core::fragment::{EmptyMessage, IO_UNFRAGMENTED_LEN, IoFragments, IoOutcome, IoReassembly};
+use cip_core::fragment::{EmptyMessage, IO_UNFRAGMENTED_LEN, IoOutcome, IoReassembly, IoTransmit};
 use heapless::Vec;
 
 use super::slots::{EverySlot, PollSlot, Slots};
@@ -62,29 +62,19 @@ impl LongMessages for PollOnly {
 /// It takes about `5 * N` bytes: two connections consume, three produce.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub struct Fragmented<const N: usize> {
-    poll: Outgoing<N>,
-    change_of_state: Outgoing<N>,
-    multicast: Outgoing<N>,
+    poll: IoTransmit<N>,
+    change_of_state: IoTransmit<N>,
+    multicast: IoTransmit<N>,
     poll_command: IoReassembly<N>,
     multicast_command: IoReassembly<N>,
 }
 
-/// A message on its way. It is a copy: the data of the application may change before its last fragment is sent.
-#[derive(Clone, PartialEq, Eq, Hash, Debug)]
-struct Outgoing<const N: usize> {
-    message: Vec<u8, N>,
-    empty: EmptyMessage,
-    /// The frame to send, counted from 0; `None` if nothing is being sent.
-    index: Option<u8>,
-}
-
 impl<const N: usize> Default for Fragmented<N> {
     fn default() -> Self {
-        let idle = Outgoing { message: Vec::new(), empty: EmptyMessage::NoData, index: None };
         Self {
-            poll: idle.clone(),
-            change_of_state: idle.clone(),
-            multicast: idle,
+            poll: IoTransmit::new(),
+            change_of_state: IoTransmit::new(),
+            multicast: IoTransmit::new(),
             poll_command: IoReassembly::new(N),
             multicast_command: IoReassembly::new(N),
         }
@@ -92,7 +82,7 @@ impl<const N: usize> Default for Fragmented<N> {
 }
 
 impl<const N: usize> Fragmented<N> {
-    const fn outgoing(&self, connection: IoKind) -> Option<&Outgoing<N>> {
+    const fn outgoing(&self, connection: IoKind) -> Option<&IoTransmit<N>> {
         match connection {
             IoKind::Poll => Some(&self.poll),
             IoKind::ChangeOfState => Some(&self.change_of_state),
@@ -101,7 +91,7 @@ impl<const N: usize> Fragmented<N> {
         }
     }
 
-    const fn outgoing_mut(&mut self, connection: IoKind) -> Option<&mut Outgoing<N>> {
+    const fn outgoing_mut(&mut self, connection: IoKind) -> Option<&mut IoTransmit<N>> {
         match connection {
             IoKind::Poll => Some(&mut self.poll),
             IoKind::ChangeOfState => Some(&mut self.change_of_state),
@@ -135,38 +125,22 @@ impl<const N: usize> LongMessages for Fragmented<N> {
 
     fn load(&mut self, connection: IoKind, message: &[u8], empty: EmptyMessage) {
         if let Some(outgoing) = self.outgoing_mut(connection) {
-            outgoing.message.clear();
-            // The sizes were checked when the slave was made; a longer message would go out empty: no valid data.
-            let _ = outgoing.message.extend_from_slice(message);
-            (outgoing.empty, outgoing.index) = (empty, Some(0));
+            // The sizes were checked when the slave was made.
+            outgoing.load(message, empty);
         }
     }
 
     fn field(&self, connection: IoKind) -> Option<Vec<u8, 8>> {
-        let outgoing = self.outgoing(connection)?;
-        outgoing.fragments()?.nth(outgoing.index?.into())
+        self.outgoing(connection)?.field()
     }
 
     fn advance(&mut self, connection: IoKind) -> bool {
-        let Some(outgoing) = self.outgoing_mut(connection) else { return false };
-        outgoing.index = outgoing.index.map(|index| index.saturating_add(1));
-        let more = self.field(connection).is_some();
-        if !more {
-            self.unload(connection);
-        }
-        more
+        self.outgoing_mut(connection).is_some_and(IoTransmit::advance)
     }
 
     fn unload(&mut self, connection: IoKind) {
         if let Some(outgoing) = self.outgoing_mut(connection) {
-            outgoing.message.clear();
-            outgoing.index = None;
+            outgoing.unload();
         }
-    }
-}
-
-impl<const N: usize> Outgoing<N> {
-    fn fragments(&self) -> Option<IoFragments<'_>> {
-        IoFragments::new(self.message.as_slice(), self.empty)
     }
 }
