@@ -6,7 +6,7 @@ use link_core::Instant;
 use transport_mock::{Change, Network, NodeId};
 
 use super::event::{Effect, NodeEvent};
-use super::machines::{MasterMachine, SlaveMachine, Task, ToolMachine};
+use super::machines::{MasterMachine, NexMachine, SlaveMachine, Task, ToolMachine};
 use crate::scenario::Do;
 
 /// Carries out an action now. What cannot be seen on the bus, or has no effect, is told.
@@ -31,6 +31,7 @@ pub(super) fn act(network: &mut Network<NodeEvent>, node: NodeId, what: &Do) {
         Do::Reset => {
             tell(network, node, what, Effect::AtOnce);
             let has_own = network.command(node, Access::reset).is_some()
+                || network.command(node, NexMachine::reset).is_some()
                 || network.command(node, SlaveMachine::reset).is_some();
             if !has_own {
                 network.apply(Change::PowerCycle(node));

@@ -12,8 +12,8 @@ use transport_mock::{BusConfig, Change, FaultId, Network, NodeConfig, NodeId, Re
 use super::act::{act, remember};
 use super::doors;
 use super::event::NodeEvent;
-use super::machines::{MasterMachine, SlaveMachine, ToolMachine, access_config};
-use crate::scenario::{FaultKind, Node, NodeIndex, Recorded, Role, Scenario, TimeRange};
+use super::machines::{MasterMachine, NexMachine, SlaveMachine, ToolMachine, access_config};
+use crate::scenario::{FaultKind, Node, NodeIndex, Protocol, Recorded, Role, Scenario, TimeRange};
 
 /// What a run sets otherwise than the scenario.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,7 +27,11 @@ pub struct Settings {
 /// Builds the network and plans everything that will be done to it. External nodes are driven from outside if
 /// `is_served`; else they are there and acknowledge.
 pub(super) fn network(scenario: &Scenario, seed: u64, is_served: bool) -> Network<NodeEvent> {
-    let config = BusConfig { shared: Some(is_shared), ..BusConfig::new(scenario.bus.bit_rate, seed) };
+    let shared = match scenario.protocol() {
+        Protocol::DeviceNet => is_shared,
+        Protocol::DeviceNex => |_| false,
+    };
+    let config = BusConfig { shared: Some(shared), ..BusConfig::new(scenario.bus.bit_rate, seed) };
     let mut network = Network::new(config);
     let mut ids = Vec::new();
     for (index, node) in scenario.nodes.iter().enumerate() {
@@ -52,7 +56,8 @@ fn add(network: &mut Network<NodeEvent>, node: &Node, seed: u64, index: usize, i
     let config = NodeConfig {
         power_up: Some(draw(node.power_up, seed, index)),
         bit_rate: Some(node.bit_rate),
-        listen_only: matches!(node.role, Role::Listener),
+        // A DeviceNeX device disturbs nobody before it knows the bit rate.
+        listen_only: matches!(node.role, Role::Listener | Role::Device(_)),
         reaction: match node.reaction {
             TimeRange { max: Duration::ZERO, .. } => Reaction::Immediate,
             TimeRange { min, max } if min == max => Reaction::Fixed(min),
@@ -79,6 +84,8 @@ fn add(network: &mut Network<NodeEvent>, node: &Node, seed: u64, index: usize, i
             let (spec, machine) = (tool.clone(), ToolMachine::new(tool));
             network.add_with_memory(config, machine, move |old, fresh| *fresh = old.restarted(&spec))
         }
+        Role::Device(device) => network.add(config, NexMachine::device(device)),
+        Role::Manager(manager) => network.add(config, NexMachine::manager(manager, node.bit_rate)),
         Role::Replay(frames) => {
             let timed = |recorded: &Recorded| (Instant::ZERO + recorded.after, recorded.frame);
             let frames: Vec<_> = frames.iter().map(timed).collect();

@@ -8,6 +8,9 @@ use devicenet_core::master::{self, IoInstance, MasterEvent, Replacement, Scanner
 use devicenet_core::slave::{IoKind, IoMode, SlaveEvent};
 use devicenet_core::tool::{self, ToolEvent};
 
+use devicenex_core::OperationalAddress;
+use devicenex_core::access as nex;
+
 use crate::scenario::{Do, Output};
 
 /// What a node tells, or what is told of it.
@@ -15,6 +18,10 @@ use crate::scenario::{Do, Output};
 pub(crate) enum NodeEvent {
     /// Network access.
     Access(AccessEvent),
+    /// Network access of a DeviceNeX node.
+    NexAccess(nex::AccessEvent),
+    /// The operational address of a DeviceNeX node is another one; other events say why.
+    Address(OperationalAddress),
     /// A slave; new outputs are told by `Output`.
     Slave(SlaveEvent),
     /// A slave has other outputs.
@@ -47,6 +54,8 @@ impl NodeEvent {
     pub(crate) fn words(&self) -> String {
         match self {
             Self::Access(event) => event.to_string(),
+            Self::NexAccess(event) => event.to_string(),
+            Self::Address(address) => format!("OA {address}"),
             Self::Slave(event) => event.to_string(),
             Self::Master(event) => event.to_string(),
             Self::ScannerStatus(status) => format!("scanner status {status}"),
@@ -64,8 +73,16 @@ impl NodeEvent {
         match self {
             Self::Slave(event) => is_news_of_slave(event),
             Self::Master(event) => is_news_of_master(event),
-            Self::Output { .. } | Self::Input { .. } => false,
-            Self::Access(_) | Self::ScannerStatus(_) | Self::Tool(_) | Self::Action(..) => true,
+            // The change of the controller's mode tells the bit rate.
+            Self::NexAccess(nex::AccessEvent::BitRateLocked(_))
+            | Self::Address(_)
+            | Self::Output { .. }
+            | Self::Input { .. } => false,
+            Self::Access(_)
+            | Self::NexAccess(_)
+            | Self::ScannerStatus(_)
+            | Self::Tool(_)
+            | Self::Action(..) => true,
         }
     }
 
@@ -73,6 +90,7 @@ impl NodeEvent {
     pub(crate) const fn is_problem(&self) -> bool {
         match self {
             Self::Access(event) => is_problem_of_access(event),
+            Self::NexAccess(event) => is_problem_of_nex_access(event),
             Self::Slave(event) => match event {
                 SlaveEvent::Mode(_, mode) => matches!(mode, IoMode::Fault),
                 SlaveEvent::Io { to, .. } => matches!(to, cip_core::connection::IoState::TimedOut),
@@ -116,7 +134,7 @@ impl NodeEvent {
                 _ => false,
             },
             Self::Action(_, effect) => matches!(effect, Effect::None(_)),
-            Self::ScannerStatus(_) | Self::Output { .. } | Self::Input { .. } => false,
+            Self::Address(_) | Self::ScannerStatus(_) | Self::Output { .. } | Self::Input { .. } => false,
         }
     }
 }
@@ -160,6 +178,31 @@ const fn is_problem_of_access(event: &AccessEvent) -> bool {
         AccessEvent::Challenged { .. } | AccessEvent::MacIdAssigned { .. } | AccessEvent::Identify { .. } => {
             false
         }
+    }
+}
+
+const fn is_problem_of_nex_access(event: &nex::AccessEvent) -> bool {
+    match event {
+        nex::AccessEvent::StateChanged { to, .. } => {
+            matches!(to, nex::StateKind::BusOff | nex::StateKind::Faulted)
+        }
+        nex::AccessEvent::AddressTaken { .. }
+        | nex::AccessEvent::OwnIdentity(_)
+        | nex::AccessEvent::RoamRefused { .. }
+        | nex::AccessEvent::NotAcknowledged
+        | nex::AccessEvent::NotSent { .. }
+        | nex::AccessEvent::BadFrame(_)
+        | nex::AccessEvent::FramesLost { .. }
+        | nex::AccessEvent::LinkRefused(_) => true,
+        nex::AccessEvent::BitRateLocked(_)
+        | nex::AccessEvent::AddressAssigned { .. }
+        | nex::AccessEvent::Defended { .. } => false,
+    }
+}
+
+impl From<nex::AccessEvent> for NodeEvent {
+    fn from(event: nex::AccessEvent) -> Self {
+        Self::NexAccess(event)
     }
 }
 

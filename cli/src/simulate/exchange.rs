@@ -218,7 +218,11 @@ impl Exchange {
                 self.input.clone_from(data);
                 None
             }
-            NodeEvent::Access(_) | NodeEvent::Tool(_) | NodeEvent::Action(..) => None,
+            NodeEvent::Access(_)
+            | NodeEvent::NexAccess(_)
+            | NodeEvent::Address(_)
+            | NodeEvent::Tool(_)
+            | NodeEvent::Action(..) => None,
         }
     }
 

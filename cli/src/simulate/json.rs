@@ -24,8 +24,8 @@
 
 use devicenet_core::access::AccessEvent;
 use devicenet_core::master::{self, MasterEvent};
-use devicenet_core::monitor::Reading;
 use devicenet_core::slave::SlaveEvent;
+use devicenex_core::access as nex;
 use link_core::{BusErrorKind, Frame, Instant};
 use serde::Serialize;
 use transport_mock::Flag;
@@ -35,8 +35,9 @@ use transport_mock::record::{FrameRecord, Outcome};
 use super::event::NodeEvent;
 use super::exchange::{explicit_state, io_state, slave_state};
 use super::expectations::Verdict;
+use super::said::Said;
 use super::shared::SharedBuffer;
-use super::sight::{Nodes, Sight, View, index, state_name};
+use super::sight::{Nodes, Sight, View, index, nex_state_name, state_name};
 use super::summary::Summary;
 use super::text::field_name;
 
@@ -52,7 +53,7 @@ enum Line<'a> {
         #[serde(flatten)]
         attempt: Attempt<'a>,
         #[serde(flatten)]
-        reading: Option<&'a Reading<'a>>,
+        reading: Option<&'a Said<'a>>,
     },
     ErrorFrame {
         #[serde(flatten)]
@@ -202,7 +203,7 @@ impl View for JsonView {
     fn see(&mut self, nodes: &Nodes<'_>, sight: &Sight<'_>) {
         let line = match sight {
             Sight::Frame { record, reading } => {
-                let attempt = attempt(nodes, record, reading.as_ref().map(|reading| reading.n));
+                let attempt = attempt(nodes, record, reading.as_ref().map(|said| said.n()));
                 match record.outcome {
                     Outcome::Ok => Line::Frame { attempt, reading: *reading },
                     Outcome::Error(error) => Line::ErrorFrame { attempt, error: error_fields(nodes, &error) },
@@ -256,6 +257,15 @@ fn node_event<'a>(t: f64, node: &'a str, event: &'a NodeEvent) -> Line<'a> {
             to: state_name(*to).name(),
             cause: cause.name(),
         },
+        NodeEvent::NexAccess(nex::AccessEvent::StateChanged { from, to, cause }) => Line::State {
+            t,
+            node,
+            from: nex_state_name(*from).name(),
+            to: nex_state_name(*to).name(),
+            cause: cause.name(),
+        },
+        NodeEvent::Address(address) => Line::Node { t, node, text: format!("OA {address}") },
+        NodeEvent::NexAccess(event) => Line::Node { t, node, text: event.to_string() },
         NodeEvent::Access(event) => Line::Node { t, node, text: event.to_string() },
         NodeEvent::Slave(SlaveEvent::Io { connection, from, to, cause }) => Line::Connection {
             t,

@@ -16,6 +16,7 @@ mod machines;
 mod picture;
 mod record;
 mod run;
+mod said;
 mod selection;
 mod shared;
 mod sight;

@@ -34,6 +34,12 @@ pub(super) enum Shade {
     Cut,
     Sending,
     Waiting,
+    /// It listens for the bit rate.
+    Detecting,
+    /// It says Hello, and waits for objections.
+    Hello,
+    /// It waits for an address.
+    Standby,
     OnLine,
     /// On line, and I/O runs.
     Exchanging,
@@ -97,6 +103,9 @@ impl Shade {
             | Self::Cut
             | Self::Sending
             | Self::Waiting
+            | Self::Detecting
+            | Self::Hello
+            | Self::Standby
             | Self::OnLine
             | Self::Exchanging
             | Self::Present => false,

@@ -118,6 +118,7 @@ impl<'a> Run<'a> {
             Last {
                 max_tec: self.observer.highest_tec(node),
                 mac: access(&self.network, ids[node.0]).map(|access| access.mac_id().into()),
+                oa: status.oa,
                 slave: slave.map(SlaveMachine::counters),
                 scan: master.map(|master| scan(master, &status)),
                 status,

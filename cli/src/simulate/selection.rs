@@ -4,6 +4,7 @@ use clap::ValueEnum;
 use devicenet_core::access::AccessEvent;
 use devicenet_core::master::{self, MasterEvent};
 use devicenet_core::slave::SlaveEvent;
+use devicenex_core::access as nex;
 use transport_mock::record::Outcome;
 
 use super::event::NodeEvent;
@@ -103,7 +104,8 @@ fn kind_of(sight: &Sight<'_>) -> EventKind {
 /// What a node tells.
 pub(super) const fn kind_of_event(event: &NodeEvent) -> EventKind {
     match event {
-        NodeEvent::Access(AccessEvent::StateChanged { .. }) => EventKind::State,
+        NodeEvent::Access(AccessEvent::StateChanged { .. })
+        | NodeEvent::NexAccess(nex::AccessEvent::StateChanged { .. }) => EventKind::State,
         NodeEvent::Slave(SlaveEvent::Io { .. } | SlaveEvent::Explicit { .. }) => EventKind::Connection,
         NodeEvent::Output { .. } => EventKind::Output,
         NodeEvent::Input { .. } => EventKind::Input,
@@ -114,6 +116,8 @@ pub(super) const fn kind_of_event(event: &NodeEvent) -> EventKind {
         NodeEvent::Master(MasterEvent::Slave { event: master::SlaveEvent::Status(_), .. })
         | NodeEvent::ScannerStatus(_) => EventKind::Status,
         NodeEvent::Access(_)
+        | NodeEvent::NexAccess(_)
+        | NodeEvent::Address(_)
         | NodeEvent::Slave(_)
         | NodeEvent::Master(_)
         | NodeEvent::Tool(_)

@@ -4,8 +4,8 @@ use std::rc::Rc;
 
 use devicenet_core::access::{AccessEvent, StateKind};
 use devicenet_core::master::MasterEvent;
-use devicenet_core::monitor::{Monitor, MonitorConfig, Reading};
 use devicenet_core::tool::{ToolEvent, ToolState};
+use devicenex_core::access as nex;
 use link_core::{Instant, TxOutcome};
 use transport_mock::change::ChangeKind;
 use transport_mock::record::{FrameRecord, Outcome};
@@ -16,13 +16,14 @@ use super::event::{Effect, NodeEvent};
 use super::exchange::{Exchange, Happening};
 use super::expectations::{Judge, Status, Verdict};
 use super::level::Level;
-use crate::scenario::{Do, EventName, NodeIndex, Scenario, StateName};
+use super::said::{Reader, Said};
+use crate::scenario::{Do, EventName, Kind, NodeIndex, Scenario, StateName};
 
 /// One thing that happened.
 #[derive(Debug)]
 pub(super) enum Sight<'a> {
     /// An attempt to send a frame is over. A frame that got through is read.
-    Frame { record: &'a FrameRecord<'a>, reading: Option<&'a Reading<'a>> },
+    Frame { record: &'a FrameRecord<'a>, reading: Option<&'a Said<'a>> },
     /// A node tells something.
     Event { at: Instant, node: NodeIndex, event: &'a NodeEvent },
     /// The error counters of a node have changed its part in the bus.
@@ -80,7 +81,7 @@ impl Nodes<'_> {
 pub(super) struct Observer<'a> {
     scenario: &'a Scenario,
     /// One for each segment of the bus: each sees only what is on its own.
-    monitors: Vec<Monitor>,
+    readers: Vec<Reader>,
     judge: Judge,
     attached: Vec<Attached>,
     /// The highest transmit error counter of each node.
@@ -92,15 +93,16 @@ pub(super) struct Observer<'a> {
 impl<'a> Observer<'a> {
     pub(super) fn new(scenario: &'a Scenario, views: Vec<Box<dyn View + 'a>>) -> Self {
         let initial = |node: NodeIndex| Status {
-            state: scenario.nodes[node.0].role.access().map(|_| StateName::Nonexistent),
+            state: scenario.nodes[node.0].role.is(Kind::Access).then_some(StateName::Nonexistent),
+            oa: scenario.nodes[node.0].role.nex().map(|node| node.oa),
             exchange: Rc::new(Exchange::of(&scenario.nodes[node.0])),
             ..Status::default()
         };
         let judge = Judge::new(scenario, initial);
         let attached = vec![Attached { power: false, cable: true }; scenario.nodes.len()];
-        let monitors = vec![Monitor::new(MonitorConfig::default())];
+        let readers = vec![Reader::new(scenario.protocol())];
         let highest = vec![0; scenario.nodes.len()];
-        Self { scenario, monitors, judge, attached, highest, frames: 0, views }
+        Self { scenario, readers, judge, attached, highest, frames: 0, views }
     }
 
     /// The run is over.
@@ -149,8 +151,8 @@ impl<'a> Observer<'a> {
         let reading = match record.outcome {
             Outcome::Ok => {
                 self.frames += 1;
-                let monitor = self.monitors.get_mut(record.segment);
-                monitor.map(|monitor| monitor.observe(record.end, self.frames, record.frame))
+                let reader = self.readers.get_mut(record.segment);
+                reader.map(|reader| reader.read(record.end, self.frames, record.frame))
             }
             Outcome::Error(_) | Outcome::Abandoned => None,
         };
@@ -174,6 +176,8 @@ impl<'a> Observer<'a> {
     fn event(&mut self, at: Instant, node: NodeIndex, event: &NodeEvent) {
         let happened = match event {
             NodeEvent::Access(event) => self.access_event(at, node, event).map(Happening::from),
+            NodeEvent::Address(address) => return self.set_oa(at, node, Some(address.number())),
+            NodeEvent::NexAccess(event) => self.nex_access_event(at, node, event).map(Happening::from),
             NodeEvent::Action(action, effect) => {
                 if matches!(action, Do::SetInput(_)) {
                     self.follow(at, node, event);
@@ -212,6 +216,37 @@ impl<'a> Observer<'a> {
         }
     }
 
+    fn nex_access_event(
+        &mut self,
+        at: Instant,
+        node: NodeIndex,
+        event: &nex::AccessEvent,
+    ) -> Option<EventName> {
+        match event {
+            nex::AccessEvent::StateChanged { to, .. } => {
+                self.enter(at, node, nex_state_name(*to));
+                Some(EventName::StateChanged)
+            }
+            nex::AccessEvent::AddressAssigned { .. } => Some(EventName::AddressAssigned),
+            nex::AccessEvent::AddressTaken { .. } => Some(EventName::AddressTaken),
+            nex::AccessEvent::BitRateLocked(_) => Some(EventName::BitRateDetected),
+            nex::AccessEvent::Defended { .. } => Some(EventName::Defended),
+            nex::AccessEvent::OwnIdentity(_) => Some(EventName::OwnIdentity),
+            nex::AccessEvent::RoamRefused { .. } => Some(EventName::RoamRefused),
+            nex::AccessEvent::NotAcknowledged => Some(EventName::NotAcknowledged),
+            nex::AccessEvent::NotSent { .. }
+            | nex::AccessEvent::BadFrame(_)
+            | nex::AccessEvent::FramesLost { .. }
+            | nex::AccessEvent::LinkRefused(_) => None,
+        }
+    }
+
+    /// A node has another operational address.
+    fn set_oa(&mut self, at: Instant, node: NodeIndex, oa: Option<u8>) {
+        let before = self.judge.status(node);
+        self.judge.changed(at, node, Status { oa, ..before });
+    }
+
     /// Connections and data have changed.
     fn follow(&mut self, at: Instant, node: NodeIndex, event: &NodeEvent) -> Option<Happening> {
         let mut status = self.judge.status(node);
@@ -227,6 +262,9 @@ impl<'a> Observer<'a> {
                 self.attached[node.index()].power = false;
                 self.detached(at, index(*node));
                 self.lost_power(at, index(*node));
+                // It begins with it again.
+                let first = self.scenario.nodes[node.index()].role.nex().map(|node| node.oa);
+                self.set_oa(at, index(*node), first);
                 if self.enter(at, index(*node), StateName::Nonexistent) {
                     // Nobody is left to tell it.
                     self.judge.happened(at, index(*node), EventName::StateChanged);
@@ -239,10 +277,10 @@ impl<'a> Observer<'a> {
             }
             // Each part goes on with what was seen before; those that come back are new to the others.
             ChangeKind::Split(_) => {
-                self.monitors.truncate(1);
-                self.monitors.extend_from_within(..);
+                self.readers.truncate(1);
+                self.readers.extend_from_within(..);
             }
-            ChangeKind::Join => self.monitors.truncate(1),
+            ChangeKind::Join => self.readers.truncate(1),
             _ => {}
         }
         if let Some((node, what)) = self.words(change) {
@@ -263,8 +301,8 @@ impl<'a> Observer<'a> {
     /// A controller is gone, and with it its counters: it has not become error-active.
     fn detached(&mut self, at: Instant, node: NodeIndex) {
         let before = self.judge.status(node);
-        let (state, exchange) = (before.state, before.exchange);
-        self.judge.changed(at, node, Status { state, exchange, ..Status::default() });
+        let Status { state, oa, exchange, .. } = before;
+        self.judge.changed(at, node, Status { state, oa, exchange, ..Status::default() });
     }
 
     /// Connections and data are gone with the power.
@@ -350,6 +388,19 @@ pub(super) const fn state_name(state: StateKind) -> StateName {
         StateKind::WaitingDupMac => StateName::WaitingDupMac,
         StateKind::OnLine => StateName::OnLine,
         StateKind::CommFault => StateName::CommFault,
+    }
+}
+
+pub(super) const fn nex_state_name(state: nex::StateKind) -> StateName {
+    match state {
+        nex::StateKind::NonExistent => StateName::Nonexistent,
+        nex::StateKind::DetectingBitRate => StateName::DetectingBitRate,
+        nex::StateKind::Hello1 => StateName::Hello1,
+        nex::StateKind::Hello2 => StateName::Hello2,
+        nex::StateKind::Standby => StateName::Standby,
+        nex::StateKind::Online => StateName::OnLine,
+        nex::StateKind::BusOff => StateName::BusOff,
+        nex::StateKind::Faulted => StateName::Faulted,
     }
 }
 

@@ -35,6 +35,9 @@ pub struct NodeSummary {
     /// Its MAC ID at the end, for roles that have one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mac: Option<u8>,
+    /// Its operational address at the end, for roles that have one; 127 is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub oa: Option<u8>,
     /// The state of network access at the end, for roles that have one.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "by_name")]
     pub state: Option<StateName>,
@@ -127,6 +130,7 @@ pub(super) struct Last {
     pub(super) status: Status,
     pub(super) max_tec: u16,
     pub(super) mac: Option<u8>,
+    pub(super) oa: Option<u8>,
     pub(super) slave: Option<slave::Counters>,
     pub(super) scan: Option<ScanSummary>,
 }
@@ -138,6 +142,7 @@ impl Counting {
             node: node.name.clone(),
             role: node.role.name(),
             mac: None,
+            oa: None,
             state: None,
             sent: 0,
             failed: 0,
@@ -192,9 +197,9 @@ impl Figures {
     /// The summary of a run that has ended.
     pub(super) fn summary(&self, end: Instant, last: impl Fn(NodeIndex) -> Last) -> Summary {
         let finish = |(place, node): (usize, &NodeSummary)| {
-            let Last { status: Status { state, tec, rec, .. }, max_tec, mac, slave, scan } =
+            let Last { status: Status { state, tec, rec, .. }, max_tec, mac, oa, slave, scan } =
                 last(NodeIndex(place));
-            NodeSummary { mac, state, tec, rec, max_tec, slave, scan, ..node.clone() }
+            NodeSummary { mac, oa, state, tec, rec, max_tec, slave, scan, ..node.clone() }
         };
         let percent = |nanos: u64| nanos as f64 * 100.0 / end.as_nanos().max(1) as f64;
         Summary {
@@ -216,9 +221,10 @@ impl Summary {
     pub(super) fn table(&self, bit_rate: BitRate) -> String {
         use core::fmt::Write as _;
         let width = self.nodes.iter().map(|node| node.node.chars().count()).max().unwrap_or(0).max(4);
+        let address = if self.nodes.iter().any(|node| node.oa.is_some()) { "OA" } else { "MAC" };
         let mut text = format!(
             "{:<width$}  {:<8}  {:>3}  {:<15}  {:>7}  {:>7}  {:>4}  {:>4}  {:>7}  {:>7}\n",
-            "node", "role", "MAC", "state", "sent", "failed", "TEC", "REC", "max TEC", "bus-off"
+            "node", "role", address, "state", "sent", "failed", "TEC", "REC", "max TEC", "bus-off"
         );
         for node in &self.nodes {
             let _ = writeln!(
@@ -226,7 +232,10 @@ impl Summary {
                 "{:<width$}  {:<8}  {:>3}  {:<15}  {:>7}  {:>7}  {:>4}  {:>4}  {:>7}  {:>7}",
                 node.node,
                 node.role,
-                node.mac.map_or_else(|| "-".to_owned(), |mac| mac.to_string()),
+                match (node.mac, node.oa) {
+                    (Some(address), _) | (None, Some(address @ 0..=126)) => address.to_string(),
+                    (None, _) => "-".to_owned(),
+                },
                 node.state.map_or("-", StateName::name),
                 node.sent,
                 node.failed,

@@ -4,7 +4,7 @@ use core::fmt::Write as _;
 use std::collections::HashMap;
 
 use devicenet_core::master::{MasterEvent, SlaveEvent, SlaveState};
-use devicenet_core::monitor::{Kind, Reading};
+use devicenet_core::monitor::Kind;
 use link_core::wire::Field;
 use link_core::{Frame, Instant};
 use transport_mock::Flag;
@@ -13,6 +13,7 @@ use transport_mock::record::{FrameRecord, Outcome};
 
 use super::event::NodeEvent;
 use super::level::Level;
+use super::said::Said;
 use super::selection::{Selection, kind_of_event};
 use super::shared::SharedBuffer;
 use super::sight::{Nodes, Sight, View, index};
@@ -236,7 +237,8 @@ impl View for TextView {
 
 impl Exchanged {
     /// Whether the frame says nothing that the last of its kind has not said.
-    fn is_known(&mut self, record: &FrameRecord<'_>, reading: &Reading<'_>) -> bool {
+    fn is_known(&mut self, record: &FrameRecord<'_>, said: &Said<'_>) -> bool {
+        let Said::DeviceNet(reading) = said else { return false };
         let is_command = match reading.kind {
             Kind::PollCommand | Kind::MulticastPollCommand | Kind::BitStrobeCommand => true,
             Kind::PollResponse

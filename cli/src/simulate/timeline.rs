@@ -19,9 +19,10 @@ impl TimelineView {
     /// A view, and the picture that it makes.
     pub(super) fn new(scenario: &Scenario) -> (Self, Rc<RefCell<Picture>>) {
         let row = |node: &crate::scenario::Node| {
-            let detail = match node.role.access() {
-                Some(access) => format!("MAC {}", access.mac),
-                None => node.role.name().to_owned(),
+            let detail = match (node.role.access(), node.role.nex()) {
+                (Some(access), _) => format!("MAC {}", access.mac),
+                (None, Some(nex)) if nex.oa < 127 => format!("OA {}", nex.oa),
+                (None, _) => node.role.name().to_owned(),
             };
             Row::new(node.name.clone(), detail)
         };
@@ -77,6 +78,10 @@ fn shade_of(nodes: &Nodes<'_>, node: NodeIndex) -> Shade {
         Some(StateName::OnLine) if status.exchange.has_timed_out() => Shade::TimedOut,
         Some(StateName::OnLine) if status.exchange.has_io() => Shade::Exchanging,
         Some(StateName::OnLine) => Shade::OnLine,
-        Some(StateName::CommFault) => Shade::Fault,
+        Some(StateName::CommFault | StateName::Faulted) => Shade::Fault,
+        Some(StateName::DetectingBitRate) => Shade::Detecting,
+        Some(StateName::Hello1 | StateName::Hello2) => Shade::Hello,
+        Some(StateName::Standby) => Shade::Standby,
+        Some(StateName::BusOff) => Shade::BusOff,
     }
 }

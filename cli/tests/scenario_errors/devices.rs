@@ -334,7 +334,7 @@ fn what_can_be_expected_of_a_master() {
         ),
         (
             "slave = 10",
-            "18:1: nothing is expected; expected one or more of `state`, `tec`, `rec`, `bus_off`, `connection_state`, `mode`, `input`, `output`, `slave_state`, `status` or `event`",
+            "18:1: nothing is expected; expected one or more of `state`, `oa`, `tec`, `rec`, `bus_off`, `connection_state`, `mode`, `input`, `output`, `slave_state`, `status` or `event`",
         ),
         (
             "slave = 10\nslave_state = \"up\"",

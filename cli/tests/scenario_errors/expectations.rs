@@ -25,7 +25,7 @@ state = "online""#,
         r#"[[expect]]
 by = "1s"
 node = "valve""#,
-        "8:1: nothing is expected; expected one or more of `state`, `tec`, `rec`, `bus_off`, `connection_state`, `mode`, `input`, `output`, `slave_state`, `status` or `event`",
+        "8:1: nothing is expected; expected one or more of `state`, `oa`, `tec`, `rec`, `bus_off`, `connection_state`, `mode`, `input`, `output`, `slave_state`, `status` or `event`",
     );
     refused(
         VALVE,
@@ -56,7 +56,7 @@ tec = "<x""#,
 by = "1s"
 node = "valve"
 connection = "poll""#,
-        "8:1: nothing is expected; expected one or more of `state`, `tec`, `rec`, `bus_off`, `connection_state`, `mode`, `input`, `output`, `slave_state`, `status` or `event`",
+        "8:1: nothing is expected; expected one or more of `state`, `oa`, `tec`, `rec`, `bus_off`, `connection_state`, `mode`, `input`, `output`, `slave_state`, `status` or `event`",
     );
     refused(
         VALVE,
@@ -72,7 +72,7 @@ event = "bus_off""#,
 at = "1s"
 node = "tool"
 state = "online""#,
-        "8:9: `tool` has the role `external` and no state of network access; expected a node with the role `access`, `slave`, `master` or `tool`",
+        "8:9: `tool` has the role `external` and no state of network access; expected a node with the role `access`, `slave`, `master`, `tool`, `device` or `manager`",
     );
     refused(
         VALVE,
@@ -112,7 +112,7 @@ fn what_can_be_expected_of_a_role() {
 by = "1s"
 node = "tool"
 event = "defended""#,
-        r#"8:9: `tool` has the role `external` and no event `defended`; expected a node with the role `access`, `slave`, `master` or `tool`"#,
+        r#"8:9: `tool` has the role `external` and no event `defended`; expected a node with the role `access`, `slave`, `master`, `tool`, `device` or `manager`"#,
     );
     refused(
         BUS,

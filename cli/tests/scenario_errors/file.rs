@@ -56,7 +56,7 @@ fn keys_that_nobody_knows() {
     refused(
         BUS,
         "[[node]]\nnaem = 1",
-        "3:1: there is no key `naem`, did you mean `name`? expected `name`, `count`, `protocol`, `role`, `mac`, `power_up`, `reaction`, `bit_rate`, `clock_ppm`, `identity`, `port`, `boi`, `quick_connect`, `offline_set`, `switches`, `poll`, `bit_strobe`, `cos`, `cyclic`, `multicast_poll`, `input`, `ucmm`, `unconnected_port`, `heartbeat`, `shutdown_message`, `run`, `interscan_delay`, `response_wait`, `background_ratio`, `first_contact`, `retry_after`, `retry_at_most`, `replacement`, `replacement_retry`, `multicast_output`, `scan`, `file`, `log`, `only`, `frame` or `period`",
+        "3:1: there is no key `naem`, did you mean `name`? expected `name`, `count`, `protocol`, `role`, `mac`, `oa`, `power_up`, `reaction`, `bit_rate`, `clock_ppm`, `identity`, `port`, `boi`, `quick_connect`, `offline_set`, `switches`, `hello_wait`, `announcement`, `poll`, `bit_strobe`, `cos`, `cyclic`, `multicast_poll`, `input`, `ucmm`, `unconnected_port`, `heartbeat`, `shutdown_message`, `run`, `interscan_delay`, `response_wait`, `background_ratio`, `first_contact`, `retry_after`, `retry_at_most`, `replacement`, `replacement_retry`, `multicast_output`, `scan`, `file`, `log`, `only`, `frame` or `period`",
     );
     refused(
         TOOL,
@@ -70,7 +70,7 @@ role = "babbler""#,
         TOOL,
         "[[expect]]
 whatever = 1",
-        "6:1: there is no key `whatever`; expected `by`, `at`, `from`, `to`, `never`, `always`, `node`, `state`, `tec`, `rec`, `bus_off`, `event`, `connection`, `connection_state`, `mode`, `input`, `output`, `slave`, `slave_state` or `status`",
+        "6:1: there is no key `whatever`; expected `by`, `at`, `from`, `to`, `never`, `always`, `node`, `state`, `oa`, `tec`, `rec`, `bus_off`, `event`, `connection`, `connection_state`, `mode`, `input`, `output`, `slave`, `slave_state` or `status`",
     );
     refused(BUS, "rate = 1", "2:1: there is no key `rate`; expected `bit_rate`, `seed` or `duration`");
 }

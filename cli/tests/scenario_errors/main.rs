@@ -6,6 +6,7 @@ mod devices;
 mod expectations;
 mod faults;
 mod file;
+mod nex;
 mod nodes;
 
 use std::path::Path;

@@ -27,15 +27,8 @@ name = "a""#,
         BUS,
         r#"[[node]]
 name = "a"
-role = "manager""#,
-        "4:8: `manager` is a role of DeviceNeX, which is not simulated; expected `access`, `slave`, `master`, `tool`, `replay`, `listener`, `babbler` or `external`",
-    );
-    refused(
-        BUS,
-        r#"[[node]]
-name = "a"
 role = "spy""#,
-        "4:8: there is no role `spy`; expected `access`, `slave`, `master`, `tool`, `replay`, `listener`, `babbler` or `external`",
+        "4:8: there is no role `spy`; expected `access`, `slave`, `master`, `tool`, `device`, `manager`, `replay`, `listener`, `babbler` or `external`",
     );
     refused(
         TOOL,
@@ -61,7 +54,7 @@ role = "access""#,
 name = "a"
 role = "access"
 protocol = "devicenex""#,
-        "5:12: `devicenex` is not simulated; expected `devicenet`",
+        "5:12: the role `access` is not one of devicenex; expected `devicenet`",
     );
     refused(
         BUS,
@@ -140,7 +133,7 @@ fn times_and_rates() {
     refused(
         TOOL,
         r#"bit_rate = "auto""#,
-        r#"5:12: `bit_rate` is "auto", and only a slave detects the bit rate; expected a rate in bit/s"#,
+        r#"5:12: `bit_rate` is "auto", and only a slave or a device detects the bit rate; expected a rate in bit/s"#,
     );
     refused(
         TOOL,
@@ -278,8 +271,8 @@ count = 2"#,
         r#"[[node]]
 name = "a"
 role = "listener"
-count = 65"#,
-        r#"5:9: `count` is 65; expected a number of nodes, 1 to 64"#,
+count = 128"#,
+        r#"5:9: `count` is 128; expected a number of nodes, 1 to 127"#,
     );
 }
 

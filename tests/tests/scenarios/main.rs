@@ -10,6 +10,7 @@
 //! The scenario files of `tests/scenarios`: their expectations hold, and their traces are what they were.
 
 mod actions;
+mod devicenex;
 mod duplicate_mac;
 mod exchange;
 mod faults;

@@ -1,4 +1,4 @@
-//! What every node has that performs network access.
+//! What every DeviceNet node has, and what those of DeviceNeX share with it.
 
 use core::ops::Range;
 
@@ -8,26 +8,18 @@ use toml::Spanned;
 
 use super::Checker;
 use crate::scenario::diagnostic::ScenarioError;
-use crate::scenario::model::AccessNode;
+use crate::scenario::model::{AccessNode, Protocol};
 use crate::scenario::raw::{RawIdentity, RawNode};
 
 impl Checker<'_> {
     pub(super) fn access(&self, raw: &RawNode, table: &Range<usize>) -> Result<AccessNode, ScenarioError> {
-        self.protocol(raw, table)?;
+        self.protocol(raw, table, Protocol::DeviceNet)?;
         let mac =
             self.mac_id("mac", self.required(raw.mac.as_ref(), table, "`mac`, the MAC ID of the node,")?)?;
-        let identity = self.required(
-            raw.identity.as_ref(),
-            table,
-            "`identity = { vendor = .., serial = .. }` of the node",
-        )?;
         Ok(AccessNode {
             mac,
-            device: self.identity(identity, raw.name.as_ref())?,
-            port: match &raw.port {
-                Some(port) => self.number("port", port, 0, 127, "a physical port number, 0 to 127")?,
-                None => 0,
-            },
+            device: self.required_identity(raw, table)?,
+            port: self.port(raw)?,
             boi: is_set(raw.boi.as_ref()),
             quick_connect: is_set(raw.quick_connect.as_ref()),
             offline_set: is_set(raw.offline_set.as_ref()),
@@ -35,15 +27,38 @@ impl Checker<'_> {
         })
     }
 
-    fn protocol(&self, raw: &RawNode, table: &Range<usize>) -> Result<(), ScenarioError> {
-        let protocol =
-            self.required(raw.protocol.as_ref(), table, "`protocol = \"devicenet\"` of the node")?;
-        match protocol.get_ref().as_str() {
-            "devicenet" => Ok(()),
-            "devicenex" => self.fail(&protocol.span(), "`devicenex` is not simulated; expected `devicenet`"),
-            other => {
-                self.fail(&protocol.span(), format!("there is no protocol `{other}`; expected `devicenet`"))
-            }
+    /// A node says what it speaks, and that is what its role speaks.
+    pub(super) fn protocol(
+        &self,
+        raw: &RawNode,
+        table: &Range<usize>,
+        of_role: Protocol,
+    ) -> Result<(), ScenarioError> {
+        let what = format!("`protocol = \"{of_role}\"` of the node");
+        let protocol = self.required(raw.protocol.as_ref(), table, &what)?;
+        let named = self.name("protocol", Some(protocol), Protocol::ALL, Protocol::name)?;
+        match (named, &raw.role) {
+            (Some(named), Some(role)) if named != of_role => self.fail(
+                &protocol.span(),
+                format!("the role `{}` is not one of {named}; expected `{of_role}`", role.get_ref()),
+            ),
+            _ => Ok(()),
+        }
+    }
+
+    pub(super) fn required_identity(
+        &self,
+        raw: &RawNode,
+        table: &Range<usize>,
+    ) -> Result<DeviceIdentity, ScenarioError> {
+        let what = "`identity = { vendor = .., serial = .. }` of the node";
+        self.identity(self.required(raw.identity.as_ref(), table, what)?, raw.name.as_ref())
+    }
+
+    pub(super) fn port(&self, raw: &RawNode) -> Result<u8, ScenarioError> {
+        match &raw.port {
+            Some(port) => self.number("port", port, 0, 127, "a physical port number, 0 to 127"),
+            None => Ok(0),
         }
     }
 

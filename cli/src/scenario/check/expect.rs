@@ -5,10 +5,11 @@ use core::ops::Range;
 use link_core::Instant;
 use toml::Spanned;
 
+use super::nex::OPERATIONAL_ADDRESS;
 use super::{Checker, list};
 use crate::scenario::diagnostic::ScenarioError;
 use crate::scenario::model::{
-    ConnectionName, ConnectionStateName, EventName, Expectation, ModeName, Node, Role, SlaveStateName,
+    ConnectionName, ConnectionStateName, EventName, Expectation, Kind, ModeName, Node, Role, SlaveStateName,
     StateName, What, When,
 };
 use crate::scenario::raw::{RawExpect, Table};
@@ -79,6 +80,7 @@ impl Checker<'_> {
                 "the input of a master is that of a slave; expected `slave` too".to_owned()
             }
             ("state", _) => {
+                let roles = list(Kind::Access.roles());
                 format!("{here} no state of network access; expected a node with the role {roles}")
             }
             (key, _) => format!("{here} no `{key}`; expected a node with the role {roles}"),
@@ -131,7 +133,8 @@ impl Checker<'_> {
         nodes: &[Node],
     ) -> Result<What, ScenarioError> {
         let what = What {
-            state: self.name("state", raw.state.as_ref(), StateName::ALL, StateName::name)?,
+            state: self.state(raw, of)?,
+            oa: raw.oa.as_ref().map(|oa| self.number("oa", oa, 0, 127, OPERATIONAL_ADDRESS)).transpose()?,
             tec: raw.tec.as_ref().map(|tec| *tec.get_ref()),
             rec: raw.rec.as_ref().map(|rec| *rec.get_ref()),
             bus_off: raw.bus_off.as_ref().map(|flag| *flag.get_ref()),
@@ -176,6 +179,14 @@ impl Checker<'_> {
         Ok(what)
     }
 
+    /// One of the states that the node can be in.
+    fn state(&self, raw: &RawExpect, of: Option<&Node>) -> Result<Option<StateName>, ScenarioError> {
+        let can_be = |state: &&StateName| of.is_some_and(|node| node.role.is(state.kind()));
+        let own: Vec<StateName> = StateName::ALL.iter().filter(can_be).copied().collect();
+        let states = if own.is_empty() { StateName::ALL } else { own.as_slice() };
+        self.name("state", raw.state.as_ref(), states, StateName::name)
+    }
+
     /// `connection` and `slave` select; what they select must be there.
     fn selected(&self, raw: &RawExpect, what: &What) -> Result<(), ScenarioError> {
         let has_connection_event = what.event.is_some_and(EventName::has_connection);
@@ -214,6 +225,7 @@ impl Checker<'_> {
 const TIMES: &str = "one of `by`, `at`, `from` and `to`, `always = true` or `never = true`";
 const WHAT: &[&str] = &[
     "state",
+    "oa",
     "tec",
     "rec",
     "bus_off",

@@ -238,7 +238,7 @@ impl Checker<'_> {
         }
     }
 
-    fn milliseconds(&self, key: &str, value: &Spanned<Time>) -> Result<u16, ScenarioError> {
+    pub(super) fn milliseconds(&self, key: &str, value: &Spanned<Time>) -> Result<u16, ScenarioError> {
         let Time(time) = *value.get_ref();
         match u16::try_from(time.as_millis()) {
             Ok(millis) if Duration::from_millis(millis.into()) == time => Ok(millis),

@@ -5,6 +5,7 @@ mod device;
 mod expect;
 mod fault;
 mod master;
+mod nex;
 mod node;
 mod slave;
 mod unknown;
@@ -26,7 +27,7 @@ use toml::Spanned;
 
 use super::diagnostic::ScenarioError;
 use super::model::{Bus, NodeIndex, Note, Scenario};
-use super::raw::{RawBus, RawNote, RawScenario, Table};
+use super::raw::{RawBus, RawNode, RawNote, RawScenario, Table};
 use super::values::{RateSetting, Time};
 
 /// Reads and checks the text of a scenario. Files that it names are looked for in `folder`.
@@ -62,6 +63,7 @@ pub(super) fn scenario(file: &str, text: &str, folder: &Path) -> Result<Scenario
     if nodes.is_empty() {
         return Err(ScenarioError::of_file(file, "there is no [[node]]; expected at least one"));
     }
+    check.one_protocol(&raw.node)?;
     Ok(Scenario {
         file: file.to_owned(),
         title: raw.title,
@@ -137,12 +139,29 @@ impl Checker<'_> {
         self.number(key, value, 0, 63, "a MAC ID, 0 to 63")
     }
 
+    /// Both protocols on one bus would share identifiers.
+    fn one_protocol(&self, nodes: &[Spanned<RawNode>]) -> Result<(), ScenarioError> {
+        let mut named = nodes.iter().filter_map(|node| node.get_ref().protocol.as_ref());
+        let Some(first) = named.next() else { return Ok(()) };
+        match named.find(|protocol| protocol.get_ref() != first.get_ref()) {
+            None => Ok(()),
+            Some(other) => self.fail(
+                &other.span(),
+                format!(
+                    "`{}` beside `{}` on one bus; expected one protocol, since both would use the same identifiers",
+                    other.get_ref(),
+                    first.get_ref()
+                ),
+            ),
+        }
+    }
+
     fn rate_setting(&self, setting: &Spanned<RateSetting>) -> Result<BitRate, ScenarioError> {
         match setting.get_ref() {
             RateSetting::Fixed(rate) => self.bit_rate("bit_rate", &Spanned::new(setting.span(), *rate)),
             RateSetting::Auto => self.fail(
                 &setting.span(),
-                "`bit_rate` is \"auto\", and only a slave detects the bit rate; expected a rate in bit/s",
+                "`bit_rate` is \"auto\", and only a slave or a device detects the bit rate; expected a rate in bit/s",
             ),
         }
     }

@@ -33,7 +33,7 @@ impl Checker<'_> {
         let bit_rate = match &raw.bit_rate {
             None => bus_rate,
             // It is what the detection begins with.
-            Some(setting) if *setting.get_ref() == RateSetting::Auto && matches!(role, Role::Slave(_)) => {
+            Some(setting) if *setting.get_ref() == RateSetting::Auto && role.is(Kind::Server) => {
                 BitRate::K125
             }
             Some(setting) => self.rate_setting(setting)?,
@@ -100,13 +100,13 @@ impl Checker<'_> {
         count: &Spanned<i64>,
         identity: Option<&Spanned<RawIdentity>>,
     ) -> Result<Vec<Node>, ScenarioError> {
-        let number: u32 = self.number("count", count, 1, 64, "a number of nodes, 1 to 64")?;
+        let number: u32 = self.number("count", count, 1, 127, "a number of nodes, 1 to 127")?;
         let width = number.to_string().len();
         let mut copies = Vec::new();
         for n in 0..number {
             let mut copy = Node { name: format!("{}-{:0width$}", node.name, n + 1), ..node.clone() };
-            if let (Some(access), Some(identity)) = (copy.role.access_mut(), identity) {
-                let Some(serial) = access.device.serial.checked_add(n) else {
+            if let (Some(device), Some(identity)) = (copy.role.identity_mut(), identity) {
+                let Some(serial) = device.serial.checked_add(n) else {
                     return self.fail(
                         &identity.span(),
                         format!(
@@ -114,7 +114,7 @@ impl Checker<'_> {
                         ),
                     );
                 };
-                access.device.serial = serial;
+                device.serial = serial;
             }
             copies.push(copy);
         }
@@ -131,6 +131,8 @@ impl Checker<'_> {
             "tool" => self.access(raw, table).map(Role::Tool),
             "slave" => Ok(Role::Slave(Box::new(self.slave(raw, table)?))),
             "master" => Ok(Role::Master(Box::new(self.master(raw, table)?))),
+            "device" => Ok(Role::Device(Box::new(self.nex_device(raw, table)?))),
+            "manager" => Ok(Role::Manager(Box::new(self.nex_manager(raw, table)?))),
             "replay" => self.replay(raw, table),
             "listener" => Ok(Role::Listener),
             "external" => Ok(Role::External),
@@ -140,10 +142,6 @@ impl Checker<'_> {
                 let period = raw.period.as_ref().map_or(Duration::ZERO, |period| period.get_ref().0);
                 Ok(Role::Babbler { frame, period })
             }
-            nex @ ("device" | "manager") => self.fail(
-                &role.span(),
-                format!("`{nex}` is a role of DeviceNeX, which is not simulated; expected {}", list(ROLES)),
-            ),
             other => self.fail(&role.span(), format!("there is no role `{other}`; expected {}", list(ROLES))),
         }
     }
@@ -208,6 +206,7 @@ pub(super) fn role_keys(role: &str) -> Option<Vec<&'static str>> {
         "access" | "tool" => [DEVICE, &[]],
         "slave" => [DEVICE, SLAVE],
         "master" => [DEVICE, MASTER],
+        "device" | "manager" => [NEX, &[]],
         "replay" => [&["file", "log", "only"], &[]],
         "listener" | "external" => [&[], &[]],
         "babbler" => [&["frame", "period"], &[]],
@@ -220,6 +219,7 @@ pub(in crate::scenario) const ROLES: &[&str] = Kind::Any.roles();
 const ANY_ROLE: &[&str] = &["name", "count", "role", "power_up", "reaction", "bit_rate", "clock_ppm"];
 const DEVICE: &[&str] =
     &["protocol", "mac", "identity", "port", "boi", "quick_connect", "offline_set", "switches"];
+const NEX: &[&str] = &["protocol", "oa", "identity", "port", "boi", "hello_wait", "announcement"];
 const SLAVE: &[&str] = &[
     "poll",
     "bit_strobe",

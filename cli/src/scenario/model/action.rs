@@ -101,7 +101,8 @@ impl Do {
             | Self::PowerOn
             | Self::PowerCycle
             | Self::SetBitRate(_) => Kind::Any,
-            Self::SetMac(_) | Self::Reset => Kind::Access,
+            Self::SetMac(_) => Kind::DeviceNet,
+            Self::Reset => Kind::Access,
             Self::SetInput(_) => Kind::Slave,
             Self::SetOutput(_) | Self::GoRun | Self::GoIdle => Kind::Master,
             Self::Claim | Self::Release | Self::Who | Self::Identify(_) | Self::Recover(..) => Kind::Tool,

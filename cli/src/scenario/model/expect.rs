@@ -38,6 +38,8 @@ pub enum When {
 pub struct What {
     /// The state of network access.
     pub state: Option<StateName>,
+    /// The operational address that it has, wants, or had; 127 is none.
+    pub oa: Option<u8>,
     /// The transmit error counter.
     pub tec: Option<Comparison>,
     /// The receive error counter.
@@ -69,7 +71,8 @@ impl What {
     pub fn keys(&self) -> impl Iterator<Item = (&'static str, Kind)> {
         let input = if self.slave.is_some() { Kind::Master } else { Kind::Slave };
         [
-            ("state", self.state.is_some(), Kind::Access),
+            ("state", self.state.is_some(), self.state.map_or(Kind::Any, StateName::kind)),
+            ("oa", self.oa.is_some(), Kind::DeviceNex),
             ("tec", self.tec.is_some(), Kind::Any),
             ("rec", self.rec.is_some(), Kind::Any),
             ("bus_off", self.bus_off.is_some(), Kind::Any),
@@ -107,6 +110,35 @@ names! {
         OnLine = "online",
         /// Off line, because of a duplicate MAC ID or bus-off.
         CommFault = "comm_fault",
+        /// DeviceNeX: it listens for the bit rate in use.
+        DetectingBitRate = "detecting_bit_rate",
+        /// DeviceNeX: the first Hello is to be sent, or was.
+        Hello1 = "hello_1",
+        /// DeviceNeX: the second Hello is to be sent, or was.
+        Hello2 = "hello_2",
+        /// DeviceNeX: without an address, waiting for one.
+        Standby = "standby",
+        /// DeviceNeX: off the bus.
+        BusOff = "bus_off",
+        /// DeviceNeX: its controller does not do what it must.
+        Faulted = "faulted",
+    }
+}
+
+impl StateName {
+    /// Who can be in it.
+    #[must_use]
+    pub const fn kind(self) -> Kind {
+        match self {
+            Self::Nonexistent | Self::OnLine => Kind::Access,
+            Self::SendingDupMac | Self::WaitingDupMac | Self::CommFault => Kind::DeviceNet,
+            Self::DetectingBitRate
+            | Self::Hello1
+            | Self::Hello2
+            | Self::Standby
+            | Self::BusOff
+            | Self::Faulted => Kind::DeviceNex,
+        }
     }
 }
 
@@ -179,6 +211,14 @@ names! {
         NotAcknowledged = "not_acknowledged",
         /// It was given a MAC ID over the network.
         MacIdAssigned = "mac_id_assigned",
+        /// A device was given an operational address.
+        AddressAssigned = "address_assigned",
+        /// Another node has its operational address, which it gives up.
+        AddressTaken = "address_taken",
+        /// It heard its own address and identity.
+        OwnIdentity = "own_identity",
+        /// A ROAM for the device was not obeyed.
+        RoamRefused = "roam_refused",
         /// Slave: a master has allocated connections.
         Allocated = "allocated",
         /// Slave: nothing is allocated any longer.
@@ -239,11 +279,11 @@ impl EventName {
         match self {
             Self::Sent => Kind::Sender,
             Self::ErrorWarning | Self::ErrorPassive | Self::ErrorActive | Self::BusOff => Kind::Any,
-            Self::StateChanged
-            | Self::Defended
-            | Self::DuplicateMacId
-            | Self::NotAcknowledged
-            | Self::MacIdAssigned => Kind::Access,
+            Self::StateChanged | Self::Defended | Self::NotAcknowledged => Kind::Access,
+            Self::DuplicateMacId | Self::MacIdAssigned => Kind::DeviceNet,
+            Self::OwnIdentity | Self::AddressTaken => Kind::DeviceNex,
+            Self::AddressAssigned | Self::RoamRefused => Kind::Device,
+            Self::BitRateDetected => Kind::Server,
             Self::Allocated
             | Self::Released
             | Self::ConnectionChanged
@@ -251,7 +291,6 @@ impl EventName {
             | Self::ModeChanged
             | Self::OutputChanged
             | Self::Reset
-            | Self::BitRateDetected
             | Self::Ignored => Kind::Slave,
             Self::SlaveChanged
             | Self::Established
@@ -273,7 +312,16 @@ impl EventName {
     pub const fn has_slave(self) -> bool {
         match self.kind() {
             Kind::Master => !matches!(self, Self::ScanDone | Self::ResponseMissing | Self::NotReplaced),
-            Kind::Any | Kind::Sender | Kind::Access | Kind::Slave | Kind::Tool => false,
+            Kind::Any
+            | Kind::Sender
+            | Kind::Access
+            | Kind::DeviceNet
+            | Kind::DeviceNex
+            | Kind::Slave
+            | Kind::Tool
+            | Kind::Device
+            | Kind::Manager
+            | Kind::Server => false,
         }
     }
 

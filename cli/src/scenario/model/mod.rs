@@ -5,9 +5,11 @@ mod device;
 mod expect;
 mod fault;
 mod names;
+mod nex;
 
 use core::time::Duration;
 
+use cip_core::identity::DeviceIdentity;
 use link_core::{BitRate, Frame, Instant};
 
 pub use action::{Action, Do, Output};
@@ -16,8 +18,10 @@ pub use expect::{
     ConnectionStateName, EventName, Expectation, ModeName, SlaveStateName, StateName, What, When,
 };
 pub use fault::{Fault, FaultKind};
+pub use nex::{DeviceNode, ManagerNode, NexNode};
 
 use super::values::TimeRange;
+use names::names;
 
 /// What is simulated, what happens to it, and what is expected of it.
 #[derive(Clone, PartialEq, Debug)]
@@ -83,6 +87,10 @@ pub enum Role {
     Master(Box<MasterNode>),
     /// A tool that recovers nodes through the offline connection set.
     Tool(AccessNode),
+    /// A DeviceNeX device.
+    Device(Box<DeviceNode>),
+    /// A DeviceNeX network manager.
+    Manager(Box<ManagerNode>),
     /// Plays a recording.
     Replay(Vec<Recorded>),
     /// Receives, and never disturbs the bus: listen-only.
@@ -107,6 +115,8 @@ impl Role {
             Self::Slave(_) => "slave",
             Self::Master(_) => "master",
             Self::Tool(_) => "tool",
+            Self::Device(_) => "device",
+            Self::Manager(_) => "manager",
             Self::Replay(_) => "replay",
             Self::Listener => "listener",
             Self::Babbler { .. } => "babbler",
@@ -114,37 +124,74 @@ impl Role {
         }
     }
 
-    /// What every node that performs network access has.
+    /// What every DeviceNet node has.
     #[must_use]
     pub const fn access(&self) -> Option<&AccessNode> {
         match self {
             Self::Access(access) | Self::Tool(access) => Some(access),
             Self::Slave(slave) => Some(&slave.access),
             Self::Master(master) => Some(&master.access),
+            Self::Device(_)
+            | Self::Manager(_)
+            | Self::Replay(_)
+            | Self::Listener
+            | Self::Babbler { .. }
+            | Self::External => None,
+        }
+    }
+
+    /// What every DeviceNeX node has.
+    #[must_use]
+    pub const fn nex(&self) -> Option<&NexNode> {
+        match self {
+            Self::Device(device) => Some(&device.node),
+            Self::Manager(manager) => Some(&manager.node),
+            Self::Access(_)
+            | Self::Slave(_)
+            | Self::Master(_)
+            | Self::Tool(_)
+            | Self::Replay(_)
+            | Self::Listener
+            | Self::Babbler { .. }
+            | Self::External => None,
+        }
+    }
+
+    /// Who it is, if it is anybody.
+    pub(super) const fn identity_mut(&mut self) -> Option<&mut DeviceIdentity> {
+        match self {
+            Self::Access(access) | Self::Tool(access) => Some(&mut access.device),
+            Self::Slave(slave) => Some(&mut slave.access.device),
+            Self::Master(master) => Some(&mut master.access.device),
+            Self::Device(device) => Some(&mut device.node.device),
+            Self::Manager(manager) => Some(&mut manager.node.device),
             Self::Replay(_) | Self::Listener | Self::Babbler { .. } | Self::External => None,
         }
     }
 
-    pub(super) const fn access_mut(&mut self) -> Option<&mut AccessNode> {
-        match self {
-            Self::Access(access) | Self::Tool(access) => Some(access),
-            Self::Slave(slave) => Some(&mut slave.access),
-            Self::Master(master) => Some(&mut master.access),
-            Self::Replay(_) | Self::Listener | Self::Babbler { .. } | Self::External => None,
+    /// The protocol that it speaks, if any.
+    #[must_use]
+    pub const fn protocol(&self) -> Option<Protocol> {
+        if self.access().is_some() {
+            return Some(Protocol::DeviceNet);
         }
+        if self.nex().is_some() { Some(Protocol::DeviceNex) } else { None }
     }
 
     /// Whether it is one of these.
     #[must_use]
-    pub const fn is(&self, kind: Kind) -> bool {
-        match kind {
-            Kind::Any => true,
-            Kind::Sender => !matches!(self, Self::Listener),
-            Kind::Access => self.access().is_some(),
-            Kind::Slave => matches!(self, Self::Slave(_)),
-            Kind::Master => matches!(self, Self::Master(_)),
-            Kind::Tool => matches!(self, Self::Tool(_)),
-        }
+    pub fn is(&self, kind: Kind) -> bool {
+        kind.roles().contains(&self.name())
+    }
+}
+
+names! {
+    /// What the nodes of a bus speak.
+    Protocol {
+        /// 11-bit identifiers, MAC IDs.
+        DeviceNet = "devicenet",
+        /// 29-bit identifiers, operational addresses.
+        DeviceNex = "devicenex",
     }
 }
 
@@ -157,12 +204,22 @@ pub enum Kind {
     Sender,
     /// Those that perform network access.
     Access,
+    /// Those on DeviceNet.
+    DeviceNet,
+    /// Those on DeviceNeX.
+    DeviceNex,
     /// `role = "slave"`
     Slave,
     /// `role = "master"`
     Master,
     /// `role = "tool"`
     Tool,
+    /// `role = "device"`
+    Device,
+    /// `role = "manager"`
+    Manager,
+    /// Those that exchange I/O when they are told to: slaves and devices.
+    Server,
 }
 
 impl Kind {
@@ -170,12 +227,22 @@ impl Kind {
     #[must_use]
     pub const fn roles(self) -> &'static [&'static str] {
         match self {
-            Self::Any => &["access", "slave", "master", "tool", "replay", "listener", "babbler", "external"],
-            Self::Sender => &["access", "slave", "master", "tool", "replay", "babbler", "external"],
-            Self::Access => &["access", "slave", "master", "tool"],
+            Self::Any => &[
+                "access", "slave", "master", "tool", "device", "manager", "replay", "listener", "babbler",
+                "external",
+            ],
+            Self::Sender => {
+                &["access", "slave", "master", "tool", "device", "manager", "replay", "babbler", "external"]
+            }
+            Self::Access => &["access", "slave", "master", "tool", "device", "manager"],
+            Self::DeviceNet => &["access", "slave", "master", "tool"],
+            Self::DeviceNex => &["device", "manager"],
             Self::Slave => &["slave"],
             Self::Master => &["master"],
             Self::Tool => &["tool"],
+            Self::Device => &["device"],
+            Self::Manager => &["manager"],
+            Self::Server => &["slave", "device"],
         }
     }
 }
@@ -199,6 +266,12 @@ pub struct Note {
 }
 
 impl Scenario {
+    /// What the nodes speak; DeviceNet if none of them says.
+    #[must_use]
+    pub fn protocol(&self) -> Protocol {
+        self.nodes.iter().find_map(|node| node.role.protocol()).unwrap_or(Protocol::DeviceNet)
+    }
+
     /// `left, right and 2 more`
     #[must_use]
     pub fn names(&self, nodes: &[NodeIndex]) -> String {

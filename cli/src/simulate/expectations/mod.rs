@@ -16,6 +16,8 @@ use crate::scenario::{Expectation, NodeIndex, Scenario, StateName, Time, What, W
 pub struct Status {
     /// Of network access; `None` for roles without one.
     pub state: Option<StateName>,
+    /// The operational address, for DeviceNeX nodes; 127 is none.
+    pub oa: Option<u8>,
     /// The transmit error counter.
     pub tec: u16,
     /// The receive error counter.
@@ -273,6 +275,7 @@ impl What {
     /// Whether a status is all that is expected; events are not part of it.
     fn holds_of(&self, status: &Status) -> bool {
         self.state.is_none_or(|state| status.state == Some(state))
+            && self.oa.is_none_or(|oa| status.oa == Some(oa))
             && self.tec.is_none_or(|tec| tec.holds(status.tec))
             && self.rec.is_none_or(|rec| rec.holds(status.rec))
             && self.bus_off.is_none_or(|bus_off| status.bus_off == bus_off)
@@ -284,6 +287,9 @@ impl What {
         let mut words = Vec::new();
         if self.state.is_some() {
             words.push(status.state.map_or("no state", StateName::name).to_owned());
+        }
+        if self.oa.is_some() {
+            words.push(status.oa.map_or_else(|| "no OA".to_owned(), |oa| format!("OA {oa}")));
         }
         if self.tec.is_some() {
             words.push(format!("TEC {}", status.tec));
@@ -305,6 +311,7 @@ fn describe(expectation: &Expectation) -> String {
     let mut words = Vec::new();
     words.extend(what.event.map(|event| event.name().to_owned()));
     words.extend(what.state.map(|state| state.name().to_owned()));
+    words.extend(what.oa.map(|oa| format!("OA {oa}")));
     words.extend(what.tec.map(|tec| format!("TEC {tec}")));
     words.extend(what.rec.map(|rec| format!("REC {rec}")));
     words.extend(what.bus_off.map(|off| if off { "bus-off" } else { "not bus-off" }.to_owned()));

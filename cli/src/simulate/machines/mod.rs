@@ -3,11 +3,13 @@
 
 mod device;
 mod master;
+mod nex;
 mod slave;
 mod tool;
 
 pub(crate) use master::release;
 pub(super) use master::{MasterMachine, ScanTimes};
+pub(super) use nex::NexMachine;
 pub(super) use slave::SlaveMachine;
 pub(super) use tool::{Task, ToolMachine};
 

@@ -6,11 +6,14 @@ use super::{ERROR_COLOUR, LOAD_COLOUR, MARGIN, WIDTH};
 use crate::simulate::picture::{Picture, Shade};
 
 impl Shade {
-    pub(super) const LEGEND: [(Self, &'static str); 10] = [
+    pub(super) const LEGEND: [(Self, &'static str); 13] = [
         (Self::Off, "no power"),
         (Self::Cut, "cable unplugged"),
         (Self::Sending, "sending the check"),
         (Self::Waiting, "waiting 1 s"),
+        (Self::Detecting, "detecting the bit rate"),
+        (Self::Hello, "saying Hello"),
+        (Self::Standby, "Standby"),
         (Self::OnLine, "on line"),
         (Self::Exchanging, "exchanging I/O"),
         (Self::TimedOut, "I/O timed out"),
@@ -25,6 +28,9 @@ impl Shade {
             Self::Cut => "#adb5bd",
             Self::Sending => "#f4a259",
             Self::Waiting => "#f6d55c",
+            Self::Detecting => "#cfb8e0",
+            Self::Hello => "#f6d55c",
+            Self::Standby => "#8fc1d4",
             Self::OnLine => "#a3d9b1",
             Self::Exchanging => "#4caf7a",
             Self::TimedOut => "#c77dbb",
@@ -98,7 +104,7 @@ mod tests {
         }
         let picture = Picture { end: Instant::from_millis(1_000), rows: vec![all], ..Picture::default() };
         let items = legend_items(&picture);
-        assert_eq!(items.len(), 12);
+        assert_eq!(items.len(), 15);
         assert!(items.iter().any(|item| item.y > LEGEND_TOP));
         let end = |item: &LegendItem| item.x + 20.0 + item.words.len() as f64 * LEGEND_LETTER;
         assert!(items.iter().all(|item| end(item) <= WIDTH - MARGIN));
