@@ -17,6 +17,7 @@
 //! |---|---|
 //! | [`access`] | network access: Hello, Mini-who, ROAM, who keeps an address |
 //! | [`bit_rate`] | bit rate detection without a word |
+//! | [`client`] | requests to another node: connectionless, for a connection, on a connection |
 //! | [`id`] | operational addresses, the layouts of identifiers, receive filters |
 //! | [`message`] | the data field of every message, with its byte table |
 //!
@@ -101,6 +102,7 @@ extern crate std;
 
 pub mod access;
 pub mod bit_rate;
+pub mod client;
 pub mod id;
 pub mod message;
 

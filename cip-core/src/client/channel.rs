@@ -41,7 +41,7 @@ pub trait Channel: Clone + PartialEq + Eq + Hash + Debug {
     fn hear<'a>(&self, frame: &'a Frame) -> Option<Result<Heard<'a, Self::Transaction>, ParseError>>;
 
     /// Reads the body of a response.
-    fn response(body: &[u8]) -> Result<Response<'_>, ParseError> {
+    fn response<'a>(&self, body: &'a [u8]) -> Result<Response<'a>, ParseError> {
         Response::parse(body)
     }
 }

@@ -5,7 +5,7 @@ use link_core::{Frame, TxOutcome};
 
 use super::channel::{Channel, Part};
 use super::outcome::{Failure, StartError, TimerChange, Waits};
-use crate::codec::Writer;
+use crate::codec::{Wire, Writer};
 use crate::fragment::{AckStatus, ExplicitReassembly, Fragment};
 use crate::message::{AttributeRequest, BodyFormat, EmitError, Request};
 
@@ -168,6 +168,11 @@ impl<C: Channel, const N: usize> Conversation<C, N> {
             EmitError::NotAddressable(_) | EmitError::Service(_) => StartError::NotAddressable(error),
         })?;
         self.start_body(out.written(), tries)
+    }
+
+    /// Starts a transaction whose body is a message of the network.
+    pub fn start_message<'a>(&mut self, message: &impl Wire<'a>, tries: u8) -> Result<(), StartError> {
+        self.start_with(|_, out| Ok(message.emit(out)?), tries)
     }
 
     /// Starts a transaction whose body, from the service byte on, is given as bytes.

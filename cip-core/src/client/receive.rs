@@ -26,7 +26,7 @@ impl<C: Channel, const N: usize> Conversation<C, N> {
     }
 
     fn complete<'a>(&mut self, transaction: C::Transaction, body: &'a [u8]) -> Progress<'a> {
-        let Ok(response) = C::response(body) else {
+        let Ok(response) = self.route.response(body) else {
             return Progress::Ignored(Ignored::Malformed);
         };
         if let Err(ignored) = self.expects(Some(transaction)).and_then(|()| self.answers(&response)) {
@@ -113,7 +113,7 @@ impl<C: Channel, const N: usize> Conversation<C, N> {
             ExplicitOutcome::Complete(body) => {
                 self.stage = Stage::Idle;
                 self.timer = TimerChange::Set(REPETITION);
-                match C::response(body) {
+                match self.route.response(body) {
                     Ok(response) if is_answer(asked, &response) => Progress::Response(response),
                     Ok(_) | Err(_) => Progress::Failed(Failure::Malformed),
                 }

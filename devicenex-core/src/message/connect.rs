@@ -251,14 +251,7 @@ impl Wire<'_> for ConnectionResponse {
 
     fn read(reader: &mut Reader<'_>) -> Result<Self, ParseError> {
         constant(reader, "service", CONNECT)?;
-        let (predefined, group, source_message) = split(reader.u8("P, group and Source Message ID")?);
-        let body_format = FormatByte(reader.u8("message body format")?);
-        let granted = if predefined {
-            Granted::Predefined { expected_packet_rate: reader.u16("expected packet rate")? }
-        } else {
-            Granted::Dynamic { instance: InstanceId(reader.u16("connection instance")?) }
-        };
-        Ok(Self { group, source_message, body_format, granted })
+        Self::read_after_service(reader)
     }
 
     fn emit(&self, out: &mut Writer<'_>) -> Result<(), Full> {
@@ -272,6 +265,20 @@ impl Wire<'_> for ConnectionResponse {
 
     fn wire_len(&self) -> usize {
         5
+    }
+}
+
+impl ConnectionResponse {
+    /// Reads all that follows the service.
+    pub(crate) fn read_after_service(reader: &mut Reader<'_>) -> Result<Self, ParseError> {
+        let (predefined, group, source_message) = split(reader.u8("P, group and Source Message ID")?);
+        let body_format = FormatByte(reader.u8("message body format")?);
+        let granted = if predefined {
+            Granted::Predefined { expected_packet_rate: reader.u16("expected packet rate")? }
+        } else {
+            Granted::Dynamic { instance: InstanceId(reader.u16("connection instance")?) }
+        };
+        Ok(Self { group, source_message, body_format, granted })
     }
 }
 
