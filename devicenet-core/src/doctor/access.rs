@@ -110,23 +110,37 @@ impl<const N: usize> Clinic<'_, N> {
             finding.node != Some(mac) && is_rival(finding.facts, device)
         });
         let before = self.patient(mac).check.replace(Check { seen, device });
-        // Neither was on line yet: both go off line without a word.
-        if let Some(before) = before.filter(|before| before.device != device)
-            && seen.at.saturating_since(before.seen.at) <= BOTH_CHECK
-        {
-            let facts = Facts::Rivals { holder: Some(before.device), rival: Some(device) };
-            self.duplicate(mac, facts, Some(before.seen.n), seen);
+        let Some(before) = before.filter(|before| before.device != device) else { return };
+        if seen.at.saturating_since(before.seen.at) > BOTH_CHECK {
+            return;
         }
+        let held = self.ledger.open(Rule::DuplicateMacId, Some(mac)).map(|finding| finding.facts);
+        let facts = match self.patient(mac).holder {
+            Some(holder) if holder == device => {
+                Facts::Rivals { holder: Some(holder), rival: Some(before.device) }
+            }
+            Some(holder) => Facts::Rivals { holder: Some(holder), rival: Some(device) },
+            // They have met before.
+            None if held.is_some_and(|facts| is_rival(facts, before.device) && is_rival(facts, device)) => {
+                return;
+            }
+            // Neither was on line yet: the one that hears the other goes off line without a word.
+            None => Facts::Contenders { first: before.device, second: device },
+        };
+        self.duplicate(mac, facts, Some(before.seen), seen);
     }
 
     fn defends(&mut self, mac: MacId, holder: Option<DeviceIdentity>, seen: Seen) {
         let check = self.patient(mac).check;
         let rival = check.map(|check| check.device).filter(|&device| Some(device) != holder);
-        let request = check.map(|check| check.seen.n);
+        let request = check.map(|check| check.seen);
+        if holder.is_some() {
+            self.patient(mac).holder = holder;
+        }
         self.duplicate(mac, Facts::Rivals { holder, rival }, request, seen);
     }
 
-    fn duplicate(&mut self, mac: MacId, facts: Facts, before: Option<u64>, seen: Seen) {
+    fn duplicate(&mut self, mac: MacId, facts: Facts, before: Option<Seen>, seen: Seen) {
         self.ledger.see(&Sign {
             rule: Rule::DuplicateMacId,
             severity: Severity::Error,
@@ -134,7 +148,7 @@ impl<const N: usize> Clinic<'_, N> {
             facts,
             since: seen.at,
             at: seen.at,
-            frames: [before, Some(seen.n)],
+            frames: [before.map(|before| before.n), Some(seen.n)],
         });
     }
 
@@ -186,8 +200,7 @@ impl<const N: usize> Clinic<'_, N> {
     }
 
     /// Answers without a question: one can be that of a lost question, several are those of a second sender.
-    pub(super) fn unasked(&mut self, reading: &Reading<'_>) {
-        let Some(mac) = reading.src else { return };
+    pub(super) fn unasked(&mut self, mac: MacId, reading: &Reading<'_>) {
         let seen = Seen { n: reading.n, at: reading.at };
         let most = if reading.problem.is_some() { MOST_UNASKED } else { MOST_UNASKED_AT_ALL };
         let patient = self.patient(mac);
@@ -201,17 +214,22 @@ impl<const N: usize> Clinic<'_, N> {
         unasked.count = unasked.count.saturating_add(1);
         patient.unasked = Some(unasked);
         if unasked.count >= most {
-            let identifier = u16::try_from(reading.frame.raw_id()).unwrap_or(u16::MAX);
-            self.ledger.see(&Sign {
-                rule: Rule::IdentifierCollision,
-                severity: Severity::Error,
-                node: Some(mac),
-                facts: Facts::Identifier(identifier),
-                since: unasked.first.at,
-                at: seen.at,
-                frames: [Some(unasked.first.n), Some(seen.n)],
-            });
+            self.second_sender(mac, reading, unasked.first);
         }
+    }
+
+    /// The identifier of a frame, which belongs to a node, has another sender, too; `first` is the first frame that shows it.
+    pub(super) fn second_sender(&mut self, mac: MacId, reading: &Reading<'_>, first: Seen) {
+        let identifier = u16::try_from(reading.frame.raw_id()).unwrap_or(u16::MAX);
+        self.ledger.see(&Sign {
+            rule: Rule::IdentifierCollision,
+            severity: Severity::Error,
+            node: Some(mac),
+            facts: Facts::Identifier(identifier),
+            since: first.at,
+            at: reading.at,
+            frames: [Some(first.n), Some(reading.n)],
+        });
     }
 
     /// Who does not answer by now, and which duplicates are over.
@@ -254,8 +272,31 @@ impl<const N: usize> Clinic<'_, N> {
         self.look_at_rivals(now);
     }
 
+    /// Who has a MAC ID by now.
+    fn look_at_holders(&mut self, now: Instant) {
+        for mac in MacId::all() {
+            if self.patient(mac).check.is_none() || self.records.access(mac, now) != AccessState::OnLine {
+                continue;
+            }
+            let told = self.records.told(mac);
+            let Some((vendor, serial)) = told.vendor.zip(told.serial) else { continue };
+            let holder = DeviceIdentity { vendor, serial };
+            if self.patient(mac).holder.replace(holder) == Some(holder) {
+                continue;
+            }
+            self.ledger.amend(Rule::DuplicateMacId, mac, |facts| match facts {
+                Facts::Contenders { first, second } if holder == first || holder == second => {
+                    let rival = Some(if holder == first { second } else { first });
+                    Facts::Rivals { holder: Some(holder), rival }
+                }
+                facts => facts,
+            });
+        }
+    }
+
     /// The rival has begun anew, nobody has objected, and it has got the MAC ID.
     fn look_at_rivals(&mut self, now: Instant) {
+        self.look_at_holders(now);
         let (records, patients) = (self.records, &*self.patients);
         self.ledger.end_where(Rule::DuplicateMacId, now, |finding| {
             let (Some(mac), Facts::Rivals { rival: Some(rival), .. }) = (finding.node, finding.facts) else {
@@ -275,7 +316,11 @@ pub(super) fn device_of(reading: &Reading<'_>) -> Option<DeviceIdentity> {
 }
 
 fn is_rival(facts: Facts, device: DeviceIdentity) -> bool {
-    matches!(facts, Facts::Rivals { holder, rival } if holder == Some(device) || rival == Some(device))
+    match facts {
+        Facts::Rivals { holder, rival } => holder == Some(device) || rival == Some(device),
+        Facts::Contenders { first, second } => first == device || second == device,
+        _ => false,
+    }
 }
 
 /// Attribute 5 of the Identity object.

@@ -21,7 +21,7 @@ pub(super) struct Bus {
     errors: Window,
     /// The first and the last of the present burst.
     first_error: Option<Instant>,
-    last_error: Option<Instant>,
+    pub(super) last_error: Option<Instant>,
     last_kind: BusErrorKind,
     /// Missing acknowledges since the last good frame: when the first was, and how many.
     unacknowledged: Option<(Instant, u32)>,

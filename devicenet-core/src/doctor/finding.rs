@@ -3,6 +3,7 @@
 use core::time::Duration;
 
 use cip_core::code::{AdditionalCode, GeneralStatus};
+use cip_core::message::AllocationChoice;
 use link_core::{BusErrorKind, Instant};
 
 use super::rule::{Rule, Severity};
@@ -44,6 +45,16 @@ impl Finding {
     #[must_use]
     pub const fn is_over(&self) -> bool {
         self.until.is_some()
+    }
+
+    /// It is over when it has not recurred for a while: nothing else tells its end.
+    pub(super) const fn subsides(&self) -> bool {
+        self.rule.subsides() || matches!(self.facts, Facts::Rejected { .. })
+    }
+
+    /// It is made of single happenings: what lies between them, or after the last, is only waited out.
+    pub(super) const fn is_burst(&self) -> bool {
+        self.subsides() || matches!(self.rule, Rule::ErrorFrames)
     }
 
     /// The code that a scanner display shows for it, if there is one.
@@ -185,6 +196,13 @@ pub enum Facts {
         /// The one that wants it, if it is known.
         rival: Option<DeviceIdentity>,
     },
+    /// Two devices that want one MAC ID, which none of them has yet.
+    Contenders {
+        /// The one that has checked it first.
+        first: DeviceIdentity,
+        /// The other one.
+        second: DeviceIdentity,
+    },
     /// A device, whatever its MAC ID.
     Device(DeviceIdentity),
     /// A heartbeat with a fault.
@@ -205,10 +223,36 @@ pub enum Facts {
         /// As it is.
         found: u32,
     },
+    /// The master has read a part of the identity, and let the slave go each time.
+    Rejected {
+        /// Who, if it is known.
+        master: Option<MacId>,
+        /// What it has read last.
+        field: KeyField,
+        /// The value.
+        found: u32,
+    },
+    /// The master has read the size of an I/O connection, and let the slave go each time.
+    RejectedSize {
+        /// Who, if it is known.
+        master: Option<MacId>,
+        /// Of which connection.
+        exchange: Exchange,
+        /// What the slave produces; else what it consumes.
+        is_produced: bool,
+        /// Bytes.
+        found: u16,
+    },
     /// An error response.
     Refusal {
         /// To whom.
         master: Option<MacId>,
+        /// What it wanted, if the request was seen.
+        #[cfg_attr(
+            feature = "serde",
+            serde(skip_serializing_if = "Option::is_none", serialize_with = "super::json::choice")
+        )]
+        choice: Option<AllocationChoice>,
         /// General status.
         status: GeneralStatus,
         /// Additional code.

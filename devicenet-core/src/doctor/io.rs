@@ -18,6 +18,9 @@ impl<const N: usize> Clinic<'_, N> {
         let Some(mac) = identifier.mac_id() else { return };
         let is_part = reading.frag.is_some() && reading.message.is_none();
         let seen = Seen { n: reading.n, at: reading.at };
+        let before = lane_of(identifier.purpose()).and_then(|which| self.patient(mac).peek(which).last);
+        // An error since the last answer: this can be that one again, or the answer to a command that was lost.
+        let is_excused = self.last_error.is_some_and(|error| before.is_none_or(|before| before.at <= error));
         match identifier.purpose() {
             Purpose::PollCommand if !is_part => self.command(mac, Predefined::Poll, seen),
             Purpose::PollResponse if !is_part => self.answer(mac, Predefined::Poll, seen),
@@ -27,10 +30,27 @@ impl<const N: usize> Clinic<'_, N> {
                 self.command_to_all(mac, Predefined::MulticastPoll, seen);
             }
             Purpose::MulticastPollResponse if !is_part => self.answer(mac, Predefined::MulticastPoll, seen),
-            Purpose::ChangeOfState => self.answer(mac, Predefined::CosCyclic, seen),
+            Purpose::ChangeOfState => {
+                if !is_part {
+                    self.produced(mac, reading, is_excused);
+                }
+                self.answer(mac, Predefined::CosCyclic, seen);
+            }
             _ => {}
         }
-        self.io_problem(reading, seen);
+        self.io_problem(reading, mac, is_excused);
+    }
+
+    /// A change-of-state or cyclic message of a slave.
+    fn produced(&mut self, mac: MacId, reading: &Reading<'_>, is_excused: bool) {
+        let Some(rhythm) = self.records.rhythm(mac) else { return };
+        let seen = Seen { n: reading.n, at: reading.at };
+        // What is not acknowledged is sent again.
+        let is_again = is_excused || matches!(reading.problem, Some(Problem::Unacknowledged { .. }));
+        let data = reading.value().unwrap_or_default();
+        if let Some(first) = self.patient(mac).rhythm.message(seen, data, &rhythm, is_again) {
+            self.second_sender(mac, reading, first);
+        }
     }
 
     fn command(&mut self, mac: MacId, which: Predefined, seen: Seen) {
@@ -114,16 +134,18 @@ impl<const N: usize> Clinic<'_, N> {
         });
     }
 
-    fn io_problem(&mut self, reading: &Reading<'_>, seen: Seen) {
+    fn io_problem(&mut self, reading: &Reading<'_>, mac: MacId, is_excused: bool) {
+        let seen = Seen { n: reading.n, at: reading.at };
         let (rule, facts) = match reading.problem {
+            Some(Problem::OutOfSequence { after, found }) if is_excused && after == found => return,
             Some(Problem::IoLength { expected, found }) => {
                 (Rule::WrongLength, Facts::Length { expected, found })
             }
             Some(Problem::OutOfSequence { after, found }) => {
                 (Rule::FragmentSequence, Facts::Fragments { after, found })
             }
-            Some(Problem::UnexpectedIoResponse) => return self.unasked(reading),
-            _ if is_unasked_from_the_start(reading) => return self.unasked(reading),
+            Some(Problem::UnexpectedIoResponse) if !is_excused => return self.unasked(mac, reading),
+            _ if is_unasked_from_the_start(reading) => return self.unasked(mac, reading),
             _ => return,
         };
         let node = reading.src.or(reading.dst);
@@ -229,7 +251,18 @@ fn is_unasked_from_the_start(reading: &Reading<'_>) -> bool {
     is_response && reading.request.is_none() && reading.assumed
 }
 
-const fn exchange_of(which: Predefined) -> Exchange {
+/// The kind of I/O that a slave answers with, or produces; an acknowledge answers the latter.
+const fn lane_of(purpose: Purpose) -> Option<Predefined> {
+    match purpose {
+        Purpose::PollResponse => Some(Predefined::Poll),
+        Purpose::BitStrobeResponse => Some(Predefined::BitStrobe),
+        Purpose::MulticastPollResponse => Some(Predefined::MulticastPoll),
+        Purpose::ChangeOfState | Purpose::ChangeOfStateAcknowledge => Some(Predefined::CosCyclic),
+        _ => None,
+    }
+}
+
+pub(super) const fn exchange_of(which: Predefined) -> Exchange {
     match which {
         Predefined::Explicit => Exchange::Explicit,
         Predefined::Poll => Exchange::Poll,

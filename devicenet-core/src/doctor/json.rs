@@ -3,6 +3,7 @@
 use core::fmt::{self, Write as _};
 use core::time::Duration;
 
+use cip_core::message::AllocationChoice;
 use link_core::Instant;
 use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
 
@@ -45,6 +46,14 @@ impl Serialize for Evidence {
 /// Seconds.
 pub(super) fn span<S: Serializer>(span: &Duration, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_f64(span.as_secs_f64())
+}
+
+/// The allocation choice byte.
+pub(super) fn choice<S: Serializer>(
+    choice: &Option<AllocationChoice>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    choice.map(|choice| choice.bits()).serialize(serializer)
 }
 
 /// The nearest number to what stands in a trace. Computed, it would be off by a digit now and then.

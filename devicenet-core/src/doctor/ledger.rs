@@ -103,6 +103,16 @@ impl<const N: usize> Ledger<N> {
         self.has_news = true;
     }
 
+    /// Makes what was seen more exact.
+    pub(super) fn amend(&mut self, rule: Rule, node: MacId, better: impl Fn(Facts) -> Facts) {
+        if !self.has_open(rule) {
+            return;
+        }
+        let open = self.entries.iter_mut().filter(|entry| !entry.finding.is_over());
+        let is_it = |entry: &&mut Entry| (entry.finding.rule, entry.finding.node) == (rule, Some(node));
+        open.filter(is_it).for_each(|entry| entry.finding.facts = better(entry.finding.facts));
+    }
+
     /// Ends the finding of a rule and a node.
     pub(super) fn end(&mut self, rule: Rule, node: Option<MacId>, at: Instant) {
         self.end_where(rule, at, |finding| finding.node == node);
@@ -130,7 +140,7 @@ impl<const N: usize> Ledger<N> {
         }
         for entry in self.entries.iter_mut().filter(|entry| !entry.finding.is_over()) {
             let finding = entry.finding;
-            if finding.rule.subsides() && now.saturating_since(finding.last) >= quiet {
+            if finding.subsides() && now.saturating_since(finding.last) >= quiet {
                 entry.end(finding.last + quiet);
                 self.has_news = true;
             } else if finding.rule == Rule::Fault && finding.last.saturating_since(finding.since) >= stuck {
@@ -228,7 +238,7 @@ impl<const N: usize> Ledger<N> {
 impl Finding {
     /// Since when nothing is wrong any more; `None` as long as something is. When it is told to be over can be long after.
     fn ceased(&self) -> Option<Instant> {
-        if self.rule.is_burst() { Some(self.last) } else { self.until }
+        if self.is_burst() { Some(self.last) } else { self.until }
     }
 
     /// What is seen is this finding again: it is not over, or not for long.
@@ -346,6 +356,7 @@ const fn causes_of(rule: Rule) -> &'static [Rule] {
         Rule::FragmentSequence => &[Rule::IdentifierCollision, Rule::ErrorFrames, Rule::Overrun],
         Rule::DuplicateMacId
         | Rule::Fault
+        | Rule::SizeMismatch
         | Rule::IdentityChanged
         | Rule::TwoMasters
         | Rule::ForeignMacId

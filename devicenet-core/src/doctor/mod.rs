@@ -12,16 +12,17 @@
 //! | [`NotFound`](Rule::NotFound) | a node never heard answers none of three requests for 2.5 s; 5 s, if nobody expects it | it is heard, or not asked for 60 s | 78 | warning; error if it is expected |
 //! | [`SlowAnswers`](Rule::SlowAnswers) | from the first unanswered command to the answer 70 % of EPR x 4 | ten answers in time of each kind of I/O, or quiet | | warning |
 //! | [`MasterSilent`](Rule::MasterSilent) | the watchdog of a slave that has answered everything must have expired | its slaves are commanded, allocated or released | | error |
-//! | [`DuplicateMacId`](Rule::DuplicateMacId) | a duplicate MAC ID check response; two devices check within 1 s | one checks another MAC ID, or the second has got it | 70 | error |
+//! | [`DuplicateMacId`](Rule::DuplicateMacId) | a duplicate MAC ID check response; two devices check within 1 s, or one within 1 s of another that has the MAC ID | one checks another MAC ID, or the second has got it | 70 | error |
 //! | [`WaitingForRecovery`](Rule::WaitingForRecovery) | a device answers Who | it checks a MAC ID | | error |
 //! | [`Fault`](Rule::Fault) | a heartbeat with a fault, or a fault in the status of the Identity object | told otherwise, or the node begins anew | | warning; error if unrecoverable, or told still after 10 s |
-//! | [`KeyMismatch`](Rule::KeyMismatch) | the identity differs from that [expected](SizedDoctor::expect) | it does not | 73 | error |
+//! | [`KeyMismatch`](Rule::KeyMismatch) | the identity differs from that [expected](SizedDoctor::expect); a master lets the slave go three times after it has read the same value of its identity | it does not; it is taken into service, or quiet | 73 | error |
+//! | [`SizeMismatch`](Rule::SizeMismatch) | a master lets the slave go three times after it has read the same size of an I/O connection | it is taken into service, or quiet | 77 | error |
 //! | [`IdentityChanged`](Rule::IdentityChanged) | another vendor, device type, product or serial number than before | quiet | 73 | warning; info if only the serial number differs, or at MAC ID 63 |
-//! | [`AllocationRefused`](Rule::AllocationRefused) | an error response to Allocate; "already allocated" only if it stays so for 5 s | an allocation succeeds, or quiet | 83 | error |
+//! | [`AllocationRefused`](Rule::AllocationRefused) | an error response to Allocate; "already allocated" only if it stays so for 5 s | an allocation of the same succeeds, or quiet | 83 | error |
 //! | [`TwoMasters`](Rule::TwoMasters) | a request of a master on a slave of another; refused with 0x0C/0x01 | the second one gets the slave, or quiet | 83 | warning |
 //! | [`ForeignMacId`](Rule::ForeignMacId) | a node that is neither expected nor learned ([`Intrusion`]) | quiet | | error |
 //! | [`UnexpectedAllocation`](Rule::UnexpectedAllocation) | a slave is allocated by another master than the expected or learned one | quiet | | error |
-//! | [`IdentifierCollision`](Rule::IdentifierCollision) | three I/O responses of a node within 10 s that nobody has asked for; ten, if it was never asked | quiet | | error |
+//! | [`IdentifierCollision`](Rule::IdentifierCollision) | three I/O responses of a node within 10 s that nobody has asked for; ten, if it was never asked; change-of-state or cyclic messages in a rhythm that one sender cannot have, three to six times within 10 s or EPR x 12 | quiet | | error |
 //! | [`BusOff`](Rule::BusOff) | a controller is bus-off; a node tells a bus-off counter above 0 | it takes part again; the counter is 0, or the node begins anew | 91 | error; warning |
 //! | [`ErrorPassive`](Rule::ErrorPassive) | a controller is error-passive | it is error-active, with or without warning | | warning |
 //! | [`ErrorFrames`](Rule::ErrorFrames) | 10 errors within 10 s; up to 16 form errors of one that tries again at once are one | fewer than 5 | | warning; error from 100 |
@@ -72,7 +73,9 @@ mod json;
 mod ledger;
 mod ownership;
 mod patient;
+mod rhythm;
 mod rule;
+mod setup;
 #[cfg(test)]
 mod tests;
 mod text;
@@ -121,6 +124,8 @@ struct Clinic<'a, const N: usize> {
     records: Records<'a>,
     /// When the first frame was.
     begin: Instant,
+    /// When the last error on the bus was.
+    last_error: Option<Instant>,
 }
 
 impl<const N: usize> SizedDoctor<N> {
@@ -231,6 +236,7 @@ impl<const N: usize> SizedDoctor<N> {
             _ => clinic.access(reading),
         }
         clinic.ownership(reading);
+        clinic.setup(reading);
         clinic.identity(reading);
         let foreign = match reading.kind {
             Kind::Foreign if reading.frame.is_remote() => Some(Foreign::RemoteFrame),
@@ -272,8 +278,8 @@ impl<const N: usize> SizedDoctor<N> {
     }
 
     fn clinic<'a>(&'a mut self, records: Records<'a>) -> Clinic<'a, N> {
-        let Self { config, ledger, patients, begin, now, .. } = self;
-        Clinic { config, ledger, patients, records, begin: begin.unwrap_or(*now) }
+        let Self { config, ledger, patients, bus, begin, now, .. } = self;
+        Clinic { config, ledger, patients, records, begin: begin.unwrap_or(*now), last_error: bus.last_error }
     }
 }
 

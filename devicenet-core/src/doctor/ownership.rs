@@ -3,6 +3,7 @@
 use core::time::Duration;
 
 use cip_core::code::{AdditionalCode, ClassId, GeneralStatus, ServiceCode};
+use cip_core::message::AllocationChoice;
 use link_core::Instant;
 
 use super::Clinic;
@@ -51,7 +52,9 @@ impl<const N: usize> Clinic<'_, N> {
                     let facts = Facts::Identity { field, expected, found };
                     self.event(Rule::KeyMismatch, Severity::Error, Some(mac), facts, seen);
                 }
-                None => self.ledger.end(Rule::KeyMismatch, Some(mac), seen.at),
+                None => self.ledger.end_where(Rule::KeyMismatch, seen.at, |finding| {
+                    finding.node == Some(mac) && matches!(finding.facts, Facts::Identity { .. })
+                }),
             }
         }
     }
@@ -67,10 +70,12 @@ impl<const N: usize> Clinic<'_, N> {
             (Some(Problem::Refused { status, additional }), _, Some(slave))
                 if reading.fields.requested == Some(ServiceCode::ALLOCATE) =>
             {
-                self.refused(slave, reading.dst, status, additional, seen);
+                let facts =
+                    Facts::Refusal { master: reading.dst, choice: reading.fields.choice, status, additional };
+                self.refused(slave, facts, seen);
             }
             (_, Detail::Allocated { .. }, Some(slave)) if reading.kind != Kind::UnconnectedRequest => {
-                self.allocated(slave, reading.dst, seen);
+                self.allocated(slave, reading.dst, reading.fields.choice, seen);
             }
             _ if is_release(reading) => {
                 if let Some(slave) = reading.src {
@@ -83,14 +88,8 @@ impl<const N: usize> Clinic<'_, N> {
         }
     }
 
-    fn refused(
-        &mut self,
-        slave: MacId,
-        master: Option<MacId>,
-        status: GeneralStatus,
-        additional: AdditionalCode,
-        seen: Seen,
-    ) {
+    fn refused(&mut self, slave: MacId, facts: Facts, seen: Seen) {
+        let Facts::Refusal { master, status, additional, .. } = facts else { return };
         let is_owned = status == GeneralStatus::OBJECT_STATE_CONFLICT
             && additional == AdditionalCode::ALLOCATION_CONFLICT;
         if is_owned {
@@ -102,7 +101,7 @@ impl<const N: usize> Clinic<'_, N> {
             rule: Rule::AllocationRefused,
             severity: Severity::Error,
             node: Some(slave),
-            facts: Facts::Refusal { master, status, additional },
+            facts,
             since: seen.at,
             at: seen.at,
             frames: [Some(seen.n), None],
@@ -115,7 +114,13 @@ impl<const N: usize> Clinic<'_, N> {
         }
     }
 
-    fn allocated(&mut self, slave: MacId, master: Option<MacId>, seen: Seen) {
+    fn allocated(
+        &mut self,
+        slave: MacId,
+        master: Option<MacId>,
+        granted: Option<AllocationChoice>,
+        seen: Seen,
+    ) {
         let owner = self.records.owner(slave).or(master);
         let learns = self.is_learning(seen.at);
         let is_watched = self.config.intrusion != Intrusion::Allowed && !learns;
@@ -129,7 +134,12 @@ impl<const N: usize> Clinic<'_, N> {
             patient.learned_owner = owner;
         }
         let is_wrong = is_watched && (wanted.is_some() && wanted != owner);
-        self.ledger.end(Rule::AllocationRefused, Some(slave), seen.at);
+        // A slave can grant the explicit connection, and refuse the I/O that is asked for next, each time anew.
+        self.ledger.end_where(Rule::AllocationRefused, seen.at, |finding| {
+            let Facts::Refusal { choice, .. } = finding.facts else { return false };
+            finding.node == Some(slave)
+                && choice.is_none_or(|choice| granted.is_some_and(|granted| granted.contains(choice)))
+        });
         self.ledger.end(Rule::NotAnswering, Some(slave), seen.at);
         self.ledger.end_where(Rule::TwoMasters, seen.at, |finding| {
             finding.node == Some(slave)

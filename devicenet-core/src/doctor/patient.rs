@@ -5,6 +5,8 @@ use core::time::Duration;
 use link_core::Instant;
 
 use super::config::ExpectedNode;
+use super::rhythm::Rhythm;
+use super::setup::{Rejected, Setup};
 use crate::id::MacId;
 use crate::message::DeviceIdentity;
 use crate::monitor::{Predefined, Told};
@@ -74,6 +76,12 @@ pub(super) struct Patient {
     pub(super) owner: Option<MacId>,
     pub(super) refused: Option<Refused>,
     pub(super) unasked: Option<Unasked>,
+    /// What it has produced by change of state or cyclic.
+    pub(super) rhythm: Rhythm,
+    pub(super) setup: Option<Setup>,
+    pub(super) rejected: Option<Rejected>,
+    /// The device that has the MAC ID, once it was on line.
+    pub(super) holder: Option<DeviceIdentity>,
     pub(super) expected: Option<ExpectedNode>,
     /// It was heard while the doctor was learning.
     pub(super) is_learned: bool,
@@ -134,6 +142,10 @@ impl Patient {
         owner: None,
         refused: None,
         unasked: None,
+        rhythm: Rhythm::NEW,
+        setup: None,
+        rejected: None,
+        holder: None,
         expected: None,
         is_learned: false,
         learned_owner: None,
@@ -173,7 +185,8 @@ impl Patient {
     /// Nothing was heard for a while: what waited for an answer waits no longer.
     pub(super) fn wait_anew(&mut self) {
         self.begin_anew();
-        (self.asked, self.unasked) = (None, None);
+        (self.asked, self.unasked, self.setup) = (None, None, None);
+        self.rhythm = Rhythm::NEW;
     }
 
     /// Its connections begin anew.

@@ -104,6 +104,10 @@ rules! {
     /// A device is not the one that is expected.
     KeyMismatch, "key_mismatch", Some(ScannerStatus::WRONG_DEVICE),
         "compare the type plate of {node} with the scan list: fit the right device, or correct the key";
+    /// The I/O of a device has another size than its master expects.
+    SizeMismatch, "size_mismatch", Some(ScannerStatus::SIZE_MISMATCH),
+        "compare the I/O sizes of {node} in the scan list with its data sheet and its assembly settings, and see that all of its \
+         modules are plugged in";
     /// Another device has taken over a MAC ID.
     IdentityChanged, "identity_changed", Some(ScannerStatus::WRONG_DEVICE),
         "if nobody has replaced {node}, look for a device with wrong address switches";
@@ -175,6 +179,7 @@ impl Rule {
     pub(super) const fn subsides(self) -> bool {
         match self {
             Self::SlowAnswers
+            | Self::SizeMismatch
             | Self::IdentityChanged
             | Self::AllocationRefused
             | Self::TwoMasters
@@ -200,11 +205,6 @@ impl Rule {
             | Self::BusLoad
             | Self::Left => false,
         }
-    }
-
-    /// It is made of single happenings: what lies between them, or after the last, is only waited out.
-    pub(super) const fn is_burst(self) -> bool {
-        self.subsides() || matches!(self, Self::ErrorFrames)
     }
 }
 

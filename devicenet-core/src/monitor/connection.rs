@@ -189,11 +189,16 @@ impl Connection {
         self.fresh = false;
     }
 
-    /// The watchdog time; `None` without a watchdog.
-    pub(super) fn watchdog(&self) -> Option<Duration> {
+    /// How long its peers wait for each other once it is in use; `None` without a watchdog.
+    pub(super) fn time_out(&self) -> Option<Duration> {
         let epr = self.epr.filter(|&epr| epr != 0)?;
         let factor = 4_u32.checked_shl(u32::from(self.multiplier.min(7))).unwrap_or(4);
-        let time = Duration::from_millis(u64::from(epr)).saturating_mul(factor);
+        Some(Duration::from_millis(u64::from(epr)).saturating_mul(factor))
+    }
+
+    /// The time of the watchdog as it runs now; `None` without a watchdog.
+    pub(super) fn watchdog(&self) -> Option<Duration> {
+        let time = self.time_out()?;
         Some(if self.fresh { time.max(PRE_CONSUMPTION) } else { time })
     }
 

@@ -1,6 +1,7 @@
 //! The connections of a network: their names, their states, and what a summary says of them.
 
 use core::fmt;
+use core::time::Duration;
 
 use cip_core::code::InstanceId;
 
@@ -217,6 +218,9 @@ pub struct ConnectionRecord {
     pub states_seen: u8,
     /// The expected packet rate that the server uses, in milliseconds.
     pub epr: Option<u16>,
+    /// How long its peers wait for each other before they give up: four times the expected packet rate, or as attribute 18
+    /// says. `None` if the rate is not known, or is 0, which is no watchdog.
+    pub time_out: Option<Duration>,
     /// Attribute 12.
     pub watchdog_action: Option<u8>,
     /// Attribute 17, in milliseconds.
@@ -258,6 +262,7 @@ impl ConnectionRecord {
             assumed: connection.assumed,
             states_seen: connection.states_seen,
             epr: connection.epr,
+            time_out: connection.time_out(),
             watchdog_action: connection.watchdog_action,
             inhibit: connection.inhibit,
             consumed_size: connection.consumed.size,

@@ -100,8 +100,9 @@ pub use kind::Kind;
 pub use nodes::{AccessState, NAME_CAPACITY, NodeRecord, Roles};
 pub use problem::Problem;
 pub use reading::{Answered, Detail, Fields, Frag, Message, Note, Reading};
-pub(crate) use records::{Records, Told};
+pub(crate) use records::{Records, Rhythm, Told};
 pub use state::Lost;
+pub(crate) use text::write_status;
 pub use text::{ValueText, Words};
 
 use cip_core::code::ServiceCode;

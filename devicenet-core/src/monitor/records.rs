@@ -3,6 +3,7 @@
 use core::time::Duration;
 
 use cip_core::code::{DeviceType, VendorId};
+use cip_core::message::AllocationChoice;
 use link_core::Instant;
 
 use super::connection::Connection;
@@ -26,6 +27,17 @@ pub(crate) struct Told {
     pub(crate) serial: Option<u32>,
 }
 
+/// How a slave produces by change of state or cyclic.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct Rhythm {
+    /// The expected packet rate: so long after a message comes the next, if nothing changes.
+    pub(crate) period: Duration,
+    /// So long after a message comes no other.
+    pub(crate) inhibit: Duration,
+    /// It does not matter whether something changes.
+    pub(crate) is_cyclic: bool,
+}
+
 impl<'a> Records<'a> {
     /// Where a node stands on its way to the network.
     pub(crate) fn access(self, mac: MacId, now: Instant) -> AccessState {
@@ -46,10 +58,24 @@ impl<'a> Records<'a> {
         })
     }
 
-    /// How long the peers of a connection wait for each other: four times the expected packet rate, or as attribute 18 says.
+    /// How long the peers of a connection wait for each other.
     pub(crate) fn patience(self, mac: MacId, which: Predefined) -> Option<Duration> {
-        let connection = Connection { fresh: false, ..*self.connection(mac, which)? };
-        connection.watchdog()
+        self.connection(mac, which)?.time_out()
+    }
+
+    /// How a slave produces by change of state or cyclic; `None` as long as its expected packet rate is not known, or 0.
+    pub(crate) fn rhythm(self, mac: MacId) -> Option<Rhythm> {
+        let node = self.node(mac)?;
+        let connection = node.peek(Predefined::CosCyclic);
+        let milliseconds = |value: u16| Duration::from_millis(value.into());
+        Some(Rhythm {
+            period: connection.epr.filter(|&epr| epr != 0).map(milliseconds)?,
+            inhibit: connection.inhibit.map_or(Duration::ZERO, milliseconds),
+            is_cyclic: node.choice().is_some_and(|choice| {
+                choice.contains(AllocationChoice::CYCLIC)
+                    && !choice.contains(AllocationChoice::CHANGE_OF_STATE)
+            }),
+        })
     }
 
     /// The command of frame `n` wants an answer.

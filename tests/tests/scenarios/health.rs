@@ -28,6 +28,7 @@ const SCENARIOS: &[(Rule, &[Found], &[Found])] = &[
     ),
     (Rule::Fault, &[(Rule::Fault, Some(10))], &[]),
     (Rule::KeyMismatch, &[(Rule::KeyMismatch, Some(10))], &[]),
+    (Rule::SizeMismatch, &[(Rule::SizeMismatch, Some(10))], &[]),
     (Rule::IdentityChanged, &[(Rule::IdentityChanged, Some(10))], &[(Rule::Restarted, Some(10))]),
     (Rule::AllocationRefused, &[(Rule::AllocationRefused, Some(11))], &[(Rule::Restarted, Some(1))]),
     (Rule::TwoMasters, &[(Rule::TwoMasters, Some(10))], &[]),
@@ -191,6 +192,7 @@ const OTHERS: &[(&str, &[Found])] = &[
         "segments-joined",
         &[(Rule::ErrorFrames, None), (Rule::ErrorPassive, Some(10)), (Rule::DuplicateMacId, Some(10))],
     ),
+    ("two-producers", &[(Rule::IdentifierCollision, Some(10))]),
     ("slave-lost", &[(Rule::NotAnswering, Some(10)), (Rule::Restarted, Some(10))]),
     (
         "wrong-bit-rate",
@@ -203,7 +205,12 @@ const OTHERS: &[(&str, &[Found])] = &[
     ),
     (
         "wrong-devices",
-        &[(Rule::KeyMismatch, Some(10)), (Rule::AllocationRefused, Some(13)), (Rule::NotFound, Some(12))],
+        &[
+            (Rule::KeyMismatch, Some(10)),
+            (Rule::AllocationRefused, Some(13)),
+            (Rule::NotFound, Some(12)),
+            (Rule::SizeMismatch, Some(11)),
+        ],
     ),
 ];
 

@@ -117,7 +117,31 @@ fn a_duplicate_is_over_when_the_second_one_has_got_the_mac_id() {
 fn two_devices_that_check_at_once_silence_each_other() {
     let mut ward = Ward::new();
     ward.check(10, 0, 1).wait(500).check(10, 0, 2);
-    assert_eq!(ward.only(Rule::DuplicateMacId).evidence.frames(), [1, 2]);
+    let found = ward.only(Rule::DuplicateMacId);
+    assert_eq!(found.evidence.frames(), [1, 2]);
+    assert_eq!(
+        found.to_string(),
+        "duplicate MAC ID 10: vendor 4660, serial 0x00000001 and vendor 4660, serial 0x00000002 both want it, and none has \
+         it yet"
+    );
+    // The first one has heard the second, and is silent.
+    ward.wait(1_000).check(10, 0, 2).wait(1_010);
+    assert_eq!(
+        ward.only(Rule::DuplicateMacId).to_string(),
+        "duplicate MAC ID 10: vendor 4660, serial 0x00000002 has it, vendor 4660, serial 0x00000001 wants it"
+    );
+}
+
+/// Its defence fails, it is bus-off, begins anew, and checks its MAC ID itself: it is still the owner.
+#[test]
+fn an_owner_that_checks_anew_after_an_intruder_is_the_owner() {
+    let mut ward = Ward::new();
+    ward.check(10, 0, 1).wait(1_000).check(10, 0, 1).wait(1_000);
+    ward.check(10, 0, 2).wait(100).check(10, 0, 1).wait(1_000).check(10, 0, 1).wait(2_000);
+    assert_eq!(
+        ward.of(Rule::DuplicateMacId)[0].2,
+        "duplicate MAC ID 10: vendor 4660, serial 0x00000001 has it, vendor 4660, serial 0x00000002 wants it"
+    );
 }
 
 /// The old one was taken out. Nobody objects to the new one, which has the same MAC ID.
@@ -257,6 +281,12 @@ fn answers_that_nobody_has_asked_for_have_a_second_sender() {
         ward.poll().answer().answer().wait(6_000);
     }
     assert_eq!(ward.of(Rule::IdentifierCollision), []);
+    // An answer was destroyed for somebody, and sent again: the listener has it twice.
+    let mut ward = Ward::with_slave();
+    for _ in 0..9 {
+        ward.poll().answer().link(LinkEvent::BusError(link_core::BusErrorKind::Form)).answer().wait(90);
+    }
+    ward.is_healthy();
     // Or it has missed many, and knows it.
     let mut ward = Ward::with_slave();
     for _ in 0..10 {

@@ -128,6 +128,68 @@ fn change_of_state_that_stops() {
     }
 }
 
+/// Slave 10, which produces by change of state every 100 ms at least, and a second producer.
+fn producers(choice: u8, millis: u64, messages: &[(u64, u8)]) -> Ward {
+    let mut ward = Ward::with_slave_of(DoctorConfig::default(), choice);
+    let begin = ward.now;
+    for round in 0..20 {
+        for &(at, value) in messages {
+            let due = begin + 10 + round * millis + at;
+            ward.wait((due - 2).saturating_sub(ward.now)).group1(0xD, 10, &[value]).group2(10, 2, &[]);
+        }
+    }
+    ward
+}
+
+#[test]
+fn two_producers_on_the_identifier_of_change_of_state() {
+    // The same data, other data, and data at a time of its own.
+    let of_state: [(u64, &[(u64, u8)]); 3] =
+        [(100, &[(0, 7), (30, 7)]), (100, &[(0, 7), (30, 8)]), (300, &[(0, 7), (70, 8), (100, 7), (200, 7)])];
+    for (millis, messages) in of_state {
+        let ward = producers(0x11, millis, messages);
+        let found = ward.only(Rule::IdentifierCollision);
+        assert_eq!(found.node, Some(mac(10)));
+        assert!(
+            found.to_string().starts_with(
+                "identifier 0x34A of node 10 carries messages in a rhythm that a single sender does not have: a second sender"
+            ),
+            "{found}"
+        );
+    }
+}
+
+/// A value that changes as it likes, one that blinks, and one that is told when its time has come.
+#[test]
+fn a_single_producer_has_a_rhythm_of_its_own() {
+    let of_state: [(u64, &[(u64, u8)]); 4] = [
+        (100, &[(0, 7)]),
+        (100, &[(0, 7), (50, 8)]),
+        (170, &[(0, 7), (13, 8), (30, 7), (70, 8)]),
+        (230, &[(0, 7), (10, 8), (110, 8), (140, 7)]),
+    ];
+    for (millis, messages) in of_state {
+        producers(0x11, millis, messages).is_healthy();
+    }
+}
+
+/// Whatever has changed, it sends when its time has come.
+#[test]
+fn two_producers_on_the_identifier_of_cyclic() {
+    producers(0x21, 100, &[(0, 7)]).is_healthy();
+    producers(0x21, 100, &[(0, 7), (30, 8)]).only(Rule::IdentifierCollision);
+}
+
+/// Without an acknowledge it is sent again.
+#[test]
+fn a_message_that_is_sent_again_has_no_second_sender() {
+    let mut ward = Ward::with_slave_of(DoctorConfig::default(), 0x11);
+    for _ in 0..20 {
+        ward.group1(0xD, 10, &[7]).wait(15).group1(0xD, 10, &[7]).group2(10, 2, &[]).wait(82);
+    }
+    assert_eq!(ward.of(Rule::IdentifierCollision), []);
+}
+
 #[test]
 fn a_master_that_no_longer_polls() {
     let mut ward = Ward::with_slave();

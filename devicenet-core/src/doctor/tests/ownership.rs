@@ -51,9 +51,103 @@ fn a_slave_that_refuses_its_master() {
     ward.group2(10, 6, &[1, 0x4B, 3, 1, 3, 1]).group2(10, 3, &[1, 0x94, 0x02, 0x02]);
     let found = ward.only(Rule::AllocationRefused);
     assert_eq!(found.scanner_status().map(|status| status.0), Some(83));
-    assert!(found.to_string().starts_with("node 10 refuses to be allocated by master 1: "), "{found}");
-    ward.allocate(10, 1, 1);
+    assert_eq!(
+        found.to_string(),
+        "node 10 refuses explicit + poll to master 1: 0x02 Resource unavailable, invalid allocation/release choice"
+    );
+    ward.allocate(10, 1, 3);
     assert!(ward.only(Rule::AllocationRefused).is_over());
+}
+
+/// It grants the explicit connection each time, and refuses the I/O: one refusal, and not one that comes and goes.
+#[test]
+fn a_refusal_lasts_as_long_as_the_master_tries() {
+    let mut ward = Ward::new();
+    for _ in 0..5 {
+        ward.allocate(10, 1, 1);
+        ward.group2(10, 4, &[1, 0x4B, 3, 1, 4, 1]).group2(10, 3, &[1, 0x94, 0x02, 0x02]);
+        ward.group2(10, 6, &[1, 0x4C, 3, 1, 1]).group2(10, 3, &[1, 0xCC]).wait(3_000);
+        assert!(!ward.only(Rule::AllocationRefused).is_over());
+    }
+    let news: Vec<_> = core::iter::from_fn(|| ward.doctor.poll()).map(|news| news.kind).collect();
+    assert_eq!(news, [ChangeKind::Begins]);
+    // The scan list is corrected, and nobody asks for it any more.
+    ward.allocate(10, 1, 3);
+    ward.wait(57_000);
+    assert!(ward.only(Rule::AllocationRefused).is_over());
+}
+
+/// What a master does with a slave before it lets it go: the product code, or what the poll connection produces.
+fn attempt(ward: &mut Ward, class: u8, instance: u8, attribute: u8, value: u8) {
+    ward.allocate(10, 1, 1);
+    ward.group2(10, 4, &[1, 0x0E, 1, 1, 1]).group2(10, 3, &[1, 0x8E, 0x34, 0x12]);
+    ward.group2(10, 4, &[1, 0x0E, class, instance, attribute]).group2(10, 3, &[1, 0x8E, value, 0]);
+    ward.group2(10, 6, &[1, 0x4C, 3, 1, 1]).group2(10, 3, &[1, 0xCC]).wait(3_000);
+}
+
+#[test]
+fn a_master_that_lets_its_slave_go_after_a_look_at_its_identity() {
+    let mut ward = Ward::new();
+    attempt(&mut ward, 1, 1, 3, 7);
+    attempt(&mut ward, 1, 1, 3, 7);
+    // Once or twice could be a tool.
+    ward.is_healthy();
+    attempt(&mut ward, 1, 1, 3, 7);
+    let found = ward.only(Rule::KeyMismatch);
+    assert_eq!(
+        found.to_string(),
+        "master 1 lets node 10 go each time that it has read its product code 7: it expects another device"
+    );
+    assert_eq!((found.severity, found.since), (Severity::Error, Instant::from_millis(8)));
+    assert_eq!(found.scanner_status().map(|status| status.0), Some(73));
+    assert_eq!(found.evidence.frames(), [8, 24]);
+    // The right device is fitted, and taken into service.
+    ward.allocate(10, 1, 3);
+    ward.group2(10, 4, &[1, 0x10, 5, 2, 9, 100, 0]).group2(10, 3, &[1, 0x90, 100, 0]);
+    assert!(ward.only(Rule::KeyMismatch).is_over());
+}
+
+#[test]
+fn a_master_that_lets_its_slave_go_after_a_look_at_its_sizes() {
+    let mut ward = Ward::new();
+    (0..3).for_each(|_| attempt(&mut ward, 5, 2, 7, 1));
+    let found = ward.only(Rule::SizeMismatch);
+    assert_eq!(
+        found.to_string(),
+        "master 1 lets node 10 go each time that it has read that its poll connection produces 1 byte: it expects another size"
+    );
+    assert_eq!(found.scanner_status().map(|status| status.0), Some(77));
+    ward.wait(60_000);
+    assert!(ward.only(Rule::SizeMismatch).is_over());
+}
+
+/// A tool that asks for the product code again and again, one that reads all of the identity, and a key that is known.
+#[test]
+fn whoever_only_asks_expects_nothing() {
+    let mut ward = Ward::new();
+    for _ in 0..5 {
+        ward.allocate(10, 62, 1);
+        ward.group2(10, 4, &[62, 0x0E, 1, 1, 3]).group2(10, 3, &[62, 0x8E, 7, 0]);
+        ward.group2(10, 6, &[62, 0x4C, 3, 1, 1]).group2(10, 3, &[62, 0xCC]).wait(3_000);
+    }
+    ward.is_healthy();
+    (0..5).for_each(|_| attempt(&mut ward, 1, 1, 7, 0));
+    ward.is_healthy();
+    // A device out of the box could take the place of a missing one, but it is not of its kind.
+    for _ in 0..5 {
+        ward.allocate(63, 1, 1);
+        for attribute in [1, 2, 3] {
+            ward.group2(63, 4, &[1, 0x0E, 1, 1, attribute]).group2(63, 3, &[1, 0x8E, 7, 0]);
+        }
+        ward.group2(63, 6, &[1, 0x4C, 3, 1, 1]).group2(63, 3, &[1, 0xCC]).wait(3_000);
+    }
+    ward.is_healthy();
+    let mut ward = Ward::new();
+    let key = ElectronicKey { product_code: Some(8), ..ElectronicKey::default() };
+    ward.doctor.expect(mac(10), ExpectedNode { key, ..ExpectedNode::default() });
+    (0..5).for_each(|_| attempt(&mut ward, 1, 1, 3, 7));
+    let found = ward.only(Rule::KeyMismatch);
+    assert_eq!(found.to_string(), "node 10 is not the device expected: product code 8 expected, 7 found");
 }
 
 /// A master after its restart: "already allocated", Release, Allocate. If it stays so, it is a refusal.

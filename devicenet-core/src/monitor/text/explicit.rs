@@ -118,7 +118,7 @@ pub(super) fn write_fragment(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fm
 }
 
 /// `0x0C Object state conflict, another master owns the connection set`
-pub(super) fn write_status(
+pub(crate) fn write_status(
     f: &mut Formatter<'_>,
     status: GeneralStatus,
     additional: AdditionalCode,

@@ -5,6 +5,7 @@ mod problem;
 mod service;
 mod value;
 
+pub(crate) use explicit::write_status;
 pub use value::ValueText;
 
 use core::fmt::{self, Formatter};

@@ -1,12 +1,15 @@
 //! Findings in words: the one place of their text.
 
-use core::fmt;
-use core::time::Duration;
+mod names;
 
-use super::finding::{Change, ChangeKind, Exchange, Facts, Finding, Foreign, KeyField};
+use core::fmt;
+
+use super::finding::{Change, ChangeKind, Exchange, Facts, Finding};
 use super::rule::Rule;
-use crate::id::MacId;
+use crate::id::{Identifier, MacId, Purpose};
 use crate::message::DeviceState;
+use crate::monitor::write_status;
+use names::{Asker, Controller, Master, Millis, Node};
 
 /// What to check next, as a plant engineer would say it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -49,7 +52,9 @@ impl fmt::Display for Advice {
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.what(f)?;
-        if self.count > 1 && self.rule.subsides() {
+        // What is told after several times is not counted from the first.
+        let is_each_time = matches!(self.facts, Facts::Rejected { .. } | Facts::RejectedSize { .. });
+        if self.count > 1 && self.subsides() && !is_each_time {
             write!(f, ", {} times", self.count)?;
         }
         match self.first_cause {
@@ -126,6 +131,13 @@ impl Finding {
                 }
                 Ok(())
             }
+            (Rule::DuplicateMacId, Facts::Contenders { first, second }) => {
+                f.write_str("duplicate MAC ID")?;
+                if let Some(mac) = self.node {
+                    write!(f, " {mac}")?;
+                }
+                write!(f, ": {first} and {second} both want it, and none has it yet")
+            }
             (Rule::WaitingForRecovery, Facts::Device(device)) => {
                 write!(f, "{device} has a communication fault and waits for recovery")?;
                 self.node.map_or(Ok(()), |mac| write!(f, ", last heard as node {mac}"))
@@ -141,16 +153,34 @@ impl Finding {
                 let (expected, found) = (field.value(expected), field.value(found));
                 write!(f, "{node} is not the device expected: {field} {expected} expected, {found} found")
             }
+            (Rule::KeyMismatch, Facts::Rejected { master, field, found }) => {
+                let found = field.value(found);
+                write!(
+                    f,
+                    "{} lets {node} go each time that it has read its {field} {found}: it expects another device",
+                    Master(master)
+                )
+            }
+            (Rule::SizeMismatch, Facts::RejectedSize { master, exchange, is_produced, found }) => {
+                let verb = if is_produced { "produces" } else { "consumes" };
+                let unit = if found == 1 { "byte" } else { "bytes" };
+                write!(
+                    f,
+                    "{} lets {node} go each time that it has read that its {} {verb} {found} {unit}: it expects another size",
+                    Master(master),
+                    exchange.connection()
+                )
+            }
             (Rule::IdentityChanged, Facts::Identity { field, expected, found }) => {
                 let (before, found) = (field.value(expected), field.value(found));
                 write!(f, "{node} is another device than before: {field} was {before}, is {found}")
             }
-            (Rule::AllocationRefused, Facts::Refusal { master, status, additional }) => {
-                write!(f, "{node} refuses to be allocated")?;
-                if let Some(master) = master {
-                    write!(f, " by master {master}")?;
+            (Rule::AllocationRefused, Facts::Refusal { master, choice, status, additional }) => {
+                match choice {
+                    Some(choice) => write!(f, "{node} refuses {choice} to {}: ", Master(master))?,
+                    None => write!(f, "{node} refuses to be allocated by {}: ", Master(master))?,
                 }
-                write!(f, ": {status}, {additional}")
+                write_status(f, status, additional, true)
             }
             (Rule::TwoMasters, Facts::Masters { owner, other }) => {
                 write!(f, "two masters want {node}: ")?;
@@ -171,11 +201,13 @@ impl Finding {
                 owner.map_or(Ok(()), |owner| write!(f, " instead of master {owner}"))
             }
             (Rule::IdentifierCollision, Facts::Identifier(identifier)) => {
-                write!(
-                    f,
-                    "identifier 0x{identifier:03X} of {node} carries answers that nobody has asked for: a second \
-                           sender"
-                )
+                let purpose = Identifier::new(identifier).map(Identifier::purpose);
+                let what = match purpose {
+                    Some(Purpose::ChangeOfState) => "messages in a rhythm that a single sender does not have",
+                    Some(Purpose::ChangeOfStateAcknowledge) => "acknowledges that nothing was sent for",
+                    _ => "answers that nobody has asked for",
+                };
+                write!(f, "identifier 0x{identifier:03X} of {node} carries {what}: a second sender")
             }
             (Rule::BusOff, Facts::BusOffCount(1)) => write!(f, "{node} tells that it was bus-off once"),
             (Rule::BusOff, Facts::BusOffCount(count)) => {
@@ -227,6 +259,7 @@ impl Rule {
             Self::WaitingForRecovery => "waiting for recovery",
             Self::Fault => "device fault",
             Self::KeyMismatch => "wrong device",
+            Self::SizeMismatch => "wrong I/O size",
             Self::IdentityChanged => "another device",
             Self::AllocationRefused => "allocation refused",
             Self::TwoMasters => "two masters",
@@ -244,112 +277,6 @@ impl Rule {
             Self::FragmentSequence => "I/O fragments missing",
             Self::Restarted => "restart",
             Self::Left => "left the network",
-        }
-    }
-}
-
-/// `node 12`, `a node`.
-struct Node(Option<MacId>);
-
-impl fmt::Display for Node {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Some(mac) => write!(f, "node {mac}"),
-            None => f.write_str("a node"),
-        }
-    }
-}
-
-/// `node 12`, `the interface`.
-struct Controller(Option<MacId>);
-
-impl fmt::Display for Controller {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Some(mac) => write!(f, "node {mac}"),
-            None => f.write_str("the interface"),
-        }
-    }
-}
-
-/// ` of node 1`, or nothing.
-struct Asker(Option<MacId>);
-
-impl fmt::Display for Asker {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.map_or(Ok(()), |mac| write!(f, " of node {mac}"))
-    }
-}
-
-/// `300 ms`, `0.8 ms`.
-struct Millis(Duration);
-
-impl fmt::Display for Millis {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let micros = self.0.as_micros();
-        match micros / 1_000 {
-            0..10 => write!(f, "{}.{} ms", micros / 1_000, micros / 100 % 10),
-            millis => write!(f, "{millis} ms"),
-        }
-    }
-}
-
-impl fmt::Display for Exchange {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Poll => "polls",
-            Self::BitStrobe => "bit-strobes",
-            Self::ChangeOfState => "change-of-state messages",
-            Self::MulticastPoll => "multicast polls",
-            Self::Explicit => "explicit requests",
-        })
-    }
-}
-
-impl fmt::Display for Foreign {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::ExtendedIdentifier => "a 29-bit identifier",
-            Self::RemoteFrame => "a remote request",
-            Self::InvalidIdentifier => "an identifier that must not be used",
-            Self::ReservedIdentifier => "a reserved identifier",
-            Self::CanFd => "the format of CAN FD",
-        })
-    }
-}
-
-impl fmt::Display for KeyField {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Vendor => "vendor",
-            Self::DeviceType => "device type",
-            Self::ProductCode => "product code",
-            Self::Revision => "revision",
-            Self::SerialNumber => "serial number",
-        })
-    }
-}
-
-impl KeyField {
-    fn value(self, number: u32) -> impl fmt::Display {
-        KeyValue { field: self, number }
-    }
-}
-
-struct KeyValue {
-    field: KeyField,
-    number: u32,
-}
-
-impl fmt::Display for KeyValue {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.field {
-            KeyField::Vendor | KeyField::DeviceType | KeyField::ProductCode => write!(f, "{}", self.number),
-            KeyField::SerialNumber => write!(f, "0x{:08X}", self.number),
-            KeyField::Revision => {
-                let [_, _, major, minor] = self.number.to_be_bytes();
-                write!(f, "{major}.{minor}")
-            }
         }
     }
 }
