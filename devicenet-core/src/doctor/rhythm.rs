@@ -78,7 +78,7 @@ impl Rhythm {
         let Some(other) = self.other.filter(|other| other.is_same(message)) else { return 0 };
         // One that sends the same on and on, at its own time, as if nothing had been sent in between.
         let since = message.at.saturating_since(other.at);
-        let tolerance = (rhythm.period / PARTS).max(SHORTEST_TOLERANCE);
+        let tolerance = rhythm.period.checked_div(PARTS).unwrap_or_default().max(SHORTEST_TOLERANCE);
         let is_in_time = since.abs_diff(rhythm.period) <= tolerance;
         // A value that comes and goes by halves of it could be a single one.
         let is_half = gap.saturating_mul(2).abs_diff(rhythm.period) <= tolerance.saturating_mul(4);
