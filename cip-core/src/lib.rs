@@ -55,7 +55,6 @@ extern crate std;
 
 pub mod client;
 pub mod code;
-pub mod codec;
 pub mod connection;
 pub mod data_type;
 #[cfg(feature = "std")]
@@ -68,6 +67,8 @@ pub mod names;
 pub mod object;
 pub mod parameter;
 pub mod scan;
-pub mod text;
 pub mod transfer;
 pub mod value;
+mod wire_types;
+
+pub use link_core::{codec, text};

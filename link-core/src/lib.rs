@@ -18,6 +18,9 @@
 //! | [`link`] | what happens below the frame: bus-off, error-passive, bit rate, mode |
 //! | [`machine`] | the contract |
 //! | [`drive`](mod@drive) | the run loop and [`Port`] |
+//! | [`codec`] | bounded reading and writing of bytes, and the laws of a type with a byte layout |
+//! | [`codes`] | numbers with names |
+//! | [`text`] | formatting without allocation |
 //! | `embedded` | feature `embedded-can`: a [`Port`] on an `embedded_can` driver |
 //!
 //! # A machine, driven by hand
@@ -64,9 +67,11 @@
 //! assert_eq!(beacon.deadline(), None, "it waits for the frame to be sent");
 //! ```
 
-#[cfg(feature = "std")]
+#[cfg(any(test, feature = "std"))]
 extern crate std;
 
+mod code;
+pub mod codec;
 pub mod drive;
 #[cfg(feature = "embedded-can")]
 pub mod embedded;
@@ -78,6 +83,7 @@ pub mod machine;
 #[doc(hidden)]
 pub mod machine_laws;
 mod queue;
+pub mod text;
 pub mod time;
 pub mod timers;
 pub mod wire;

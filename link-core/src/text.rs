@@ -5,7 +5,7 @@ use core::fmt::{self, Write as _};
 /// Bytes as two-digit hexadecimal numbers between single spaces.
 ///
 /// ```
-/// # use cip_core::text::Hex;
+/// # use link_core::text::Hex;
 /// assert_eq!(Hex(&[0x0E, 0x01]).to_string(), "0E 01");
 /// ```
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -39,7 +39,7 @@ impl fmt::Debug for Hex<'_> {
 /// Bytes as lower-case hexadecimal digits without spaces.
 ///
 /// ```
-/// # use cip_core::text::LowerHex;
+/// # use link_core::text::LowerHex;
 /// assert_eq!(LowerHex(&[0x0E, 0x01]).to_string(), "0e01");
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,7 +56,7 @@ impl fmt::Display for LowerHex<'_> {
 /// Characters of ISO 8859-1 in double quotes; what cannot be printed, the quote and the backslash are escaped.
 ///
 /// ```
-/// # use cip_core::text::Quoted;
+/// # use link_core::text::Quoted;
 /// assert_eq!(Quoted(b"GRT1-DRT\0").to_string(), r#""GRT1-DRT\x00""#);
 /// ```
 #[derive(Clone, Copy, PartialEq, Eq)]

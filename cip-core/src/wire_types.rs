@@ -39,7 +39,7 @@ macro_rules! for_each_wire_type {
 
 #[cfg(test)]
 mod tests {
-    use super::super::laws;
+    use crate::codec::laws;
     use proptest::{collection::vec, prelude::*};
 
     macro_rules! check_all {

@@ -5,7 +5,7 @@
 //! that the caller owns and says [`Full`] instead of truncating. Neither can panic.
 //!
 //! ```
-//! use cip_core::codec::{Reader, Writer};
+//! use link_core::codec::{Reader, Writer};
 //!
 //! let mut reader = Reader::new(&[0x34, 0x12, 0x01]);
 //! assert_eq!(reader.u16("product code"), Ok(0x1234));
@@ -21,7 +21,6 @@
 mod error;
 #[doc(hidden)]
 pub mod laws;
-mod list;
 mod reader;
 mod writer;
 
