@@ -3,6 +3,7 @@
 
 mod block;
 mod driver;
+mod routines;
 
 pub use block::{Block, Server, run};
 pub use driver::drive;
