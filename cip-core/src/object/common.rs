@@ -310,7 +310,7 @@ impl Outcome {
             Ok(()) => self.any = true,
             Err(failure) => {
                 out.truncate(at.saturating_add(2));
-                out.patch(at, &[failure.general.0])?;
+                out.patch(at, &[failure.general().0])?;
             }
         }
         Ok(())
