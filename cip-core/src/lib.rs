@@ -15,6 +15,7 @@
 //! | [`parameter`] | the descriptors of the Parameter object |
 //! | [`scan`] | what a master must know of a slave: an entry of its scan list |
 //! | [`names`] | attributes and services of the object classes, with their types |
+//! | [`monitor`] | what the passive decoders of the networks share |
 //! | [`object`] | the objects of a device, and the checks that a request meets |
 //! | [`transfer`] | one explicit connection as a pipe: a request in, its response out |
 //! | [`value`] | attribute values in words |
@@ -63,6 +64,7 @@ pub mod epath;
 pub mod fragment;
 pub mod identity;
 pub mod message;
+pub mod monitor;
 pub mod names;
 pub mod object;
 pub mod parameter;

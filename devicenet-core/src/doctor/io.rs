@@ -2,6 +2,7 @@
 
 use core::time::Duration;
 
+use cip_core::monitor::Flaw;
 use link_core::Instant;
 
 use super::Clinic;
@@ -137,14 +138,18 @@ impl<const N: usize> Clinic<'_, N> {
     fn io_problem(&mut self, reading: &Reading<'_>, mac: MacId, is_excused: bool) {
         let seen = Seen { n: reading.n, at: reading.at };
         let (rule, facts) = match reading.problem {
-            Some(Problem::OutOfSequence { after, found }) if is_excused && after == found => return,
-            Some(Problem::IoLength { expected, found }) => {
+            Some(Problem::Flaw(Flaw::OutOfSequence { after, found })) if is_excused && after == found => {
+                return;
+            }
+            Some(Problem::Flaw(Flaw::IoLength { expected, found })) => {
                 (Rule::WrongLength, Facts::Length { expected, found })
             }
-            Some(Problem::OutOfSequence { after, found }) => {
+            Some(Problem::Flaw(Flaw::OutOfSequence { after, found })) => {
                 (Rule::FragmentSequence, Facts::Fragments { after, found })
             }
-            Some(Problem::UnexpectedIoResponse) if !is_excused => return self.unasked(mac, reading),
+            Some(Problem::Flaw(Flaw::UnexpectedIoResponse)) if !is_excused => {
+                return self.unasked(mac, reading);
+            }
             _ if is_unasked_from_the_start(reading) => return self.unasked(mac, reading),
             _ => return,
         };

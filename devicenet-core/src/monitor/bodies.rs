@@ -1,13 +1,13 @@
 //! Complete explicit messages, from the service byte on.
 
 use cip_core::codec::{ParseError, ParseErrorKind};
+use cip_core::monitor::{Answered, Flaw, Seen};
 
 use super::connection::Flow;
 use super::explicit::Route;
 use super::kind::Kind;
-use super::pairing::Seen;
 use super::problem::Problem;
-use super::reading::{Answered, Fields, Note, Reading};
+use super::reading::{Fields, Note, Reading};
 use super::state::State;
 use super::{requests, responses};
 use crate::message::ExplicitHeader;
@@ -43,8 +43,8 @@ impl Parsed {
         reading.assumed |= self.assumed;
     }
 
-    pub(super) fn flag(&mut self, problem: Problem) {
-        self.problem.get_or_insert(problem);
+    pub(super) fn flag(&mut self, problem: impl Into<Problem>) {
+        self.problem.get_or_insert(problem.into());
     }
 }
 
@@ -69,15 +69,16 @@ pub(super) fn message<const N: usize>(
 pub(super) fn problem_of(error: ParseError, len: usize) -> Problem {
     let narrow = |value: usize| u16::try_from(value).unwrap_or(u16::MAX);
     match error.kind {
-        ParseErrorKind::Short { expected, .. } => {
-            Problem::TooShort { at_least: narrow(error.offset.saturating_add(expected)), found: narrow(len) }
-        }
+        ParseErrorKind::Short { expected, .. } => Problem::Flaw(Flaw::TooShort {
+            at_least: narrow(error.offset.saturating_add(expected)),
+            found: narrow(len),
+        }),
         ParseErrorKind::Trailing { .. } => {
-            Problem::Length { expected: narrow(error.offset), found: narrow(len) }
+            Problem::Flaw(Flaw::Length { expected: narrow(error.offset), found: narrow(len) })
         }
         ParseErrorKind::Value { found } => {
             let found = u16::try_from(found).unwrap_or(u16::MAX);
-            Problem::ReservedValue { field: error.field, found }
+            Problem::Flaw(Flaw::ReservedValue { field: error.field, found })
         }
     }
 }

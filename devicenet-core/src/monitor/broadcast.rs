@@ -4,6 +4,7 @@ use core::time::Duration;
 
 use cip_core::code::ServiceCode;
 use cip_core::codec::{ParseError, Wire};
+use cip_core::monitor::Flaw;
 
 use super::bodies::problem_of;
 use super::kind::Kind;
@@ -42,7 +43,7 @@ pub(super) fn observe<const N: usize>(
         reading.flag(Problem::HeaderNotSender { found: header.mac });
     }
     if header.xid {
-        reading.flag(Problem::ReservedBits { field: "header" });
+        reading.flag(Flaw::ReservedBits { field: "header" });
     }
     let frame = reading.frame;
     // The header is judged above.
@@ -79,7 +80,7 @@ fn heartbeat<const N: usize>(
         consistency: heartbeat.configuration_consistency,
     };
     if heartbeat.flags.reserved_bits() != 0 {
-        reading.flag(Problem::ReservedBits { field: "heartbeat flags" });
+        reading.flag(Flaw::ReservedBits { field: "heartbeat flags" });
     }
     if heartbeat.flags.contains(HeartbeatFlags::EVENT) {
         reading.flag(Problem::HeartbeatEvent);

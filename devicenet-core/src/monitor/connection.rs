@@ -3,10 +3,10 @@
 use core::time::Duration;
 
 use cip_core::code::InstanceId;
+use cip_core::monitor::Seen;
 use link_core::Instant;
 
 use super::connections::{ConnectionState, Predefined};
-use super::pairing::Seen;
 
 /// Which way a message of a connection goes, seen from the server (slave).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

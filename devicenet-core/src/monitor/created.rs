@@ -3,6 +3,7 @@
 use cip_core::code::{InstanceId, ServiceCode};
 use cip_core::codec::Wire;
 use cip_core::message::CreateResponse;
+use cip_core::monitor::{Slots, Span};
 use link_core::Instant;
 
 use super::FragmentationGuess;
@@ -14,8 +15,7 @@ use super::kind::Kind;
 use super::learn::{PRODUCED_ID, connection_id};
 use super::nodes::Node;
 use super::pairing::Transaction;
-use super::reading::{Fields, Message, Reading, Span};
-use super::slots::Slots;
+use super::reading::{Fields, Message, Reading};
 use super::state::{Dynamic, State};
 use crate::id::{Identifier, MacId, MessageGroup, Purpose};
 

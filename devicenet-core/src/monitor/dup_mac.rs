@@ -3,12 +3,12 @@
 use core::time::Duration;
 
 use cip_core::codec::{Reader, Wire};
+use cip_core::monitor::{Flaw, Seen};
 use link_core::Instant;
 
 use super::bodies::problem_of;
 use super::kind::Kind;
 use super::nodes::{AccessState, Identity, Node};
-use super::pairing::Seen;
 use super::problem::Problem;
 use super::reading::{Note, Reading};
 use super::state::State;
@@ -27,7 +27,7 @@ pub(super) fn observe<const N: usize>(state: &mut State<N>, reading: &mut Readin
     };
     if data.len() != LEN {
         let found = u16::try_from(data.len()).unwrap_or_default();
-        reading.flag(Problem::Length { expected: 7, found });
+        reading.flag(Flaw::Length { expected: 7, found });
     }
     // A message of another length claims the MAC ID all the same.
     let check = match DuplicateMacCheck::read(&mut Reader::new(data)) {

@@ -2,15 +2,14 @@
 //! a connection uses them.
 
 use cip_core::fragment::{FragmentByte, FragmentKind};
+use cip_core::monitor::{Flaw, Frag, Slots, Span, Stream};
 
 use super::FragmentationGuess;
 use super::connection::Flow;
 use super::created;
 use super::explicit::{self, Route};
 use super::kind::Kind;
-use super::problem::Problem;
-use super::reading::{Frag, Message, Reading, Span};
-use super::slots::{Slots, Stream};
+use super::reading::{Message, Reading};
 use super::state::{Link, State};
 use super::ucmm;
 use crate::id::{Identifier, MacId, MessageGroup};
@@ -116,13 +115,13 @@ fn unassigned(reading: &mut Reading<'_>, header: Option<ExplicitHeader>) {
     let frame = reading.frame;
     let Some(header) = header else {
         reading.kind = Kind::ExplicitRequest;
-        reading.flag(Problem::TooShort { at_least: 2, found: 0 });
+        reading.flag(Flaw::TooShort { at_least: 2, found: 0 });
         return;
     };
     reading.dst = Some(header.mac).filter(|&mac: &MacId| Some(mac) != reading.src);
     reading.kind = if header.fragmented { Kind::Fragment } else { Kind::ExplicitRequest };
     let Some(&byte) = frame.data().get(1) else {
-        reading.flag(Problem::TooShort { at_least: 2, found: 1 });
+        reading.flag(Flaw::TooShort { at_least: 2, found: 1 });
         return;
     };
     if !header.fragmented {

@@ -4,6 +4,7 @@ use core::time::Duration;
 
 use cip_core::fragment::{AckStatus, FragmentByte, FragmentKind};
 use cip_core::message::BodyFormat;
+use cip_core::monitor::{Flaw, Frag, Piece, Seen, Slots, Stream};
 use link_core::Instant;
 
 use super::bodies::{self, Parsed};
@@ -11,10 +12,9 @@ use super::connection::Flow;
 use super::connections::{ConnectionState, Predefined};
 use super::kind::Kind;
 use super::nodes::Roles;
-use super::pairing::{Seen, Transaction};
+use super::pairing::Transaction;
 use super::problem::Problem;
-use super::reading::{Frag, Message, Note, Reading};
-use super::slots::{Piece, Slots, Stream};
+use super::reading::{Message, Note, Reading};
 use super::state::{Dynamic, Link, State};
 use crate::id::{Identifier, MacId};
 use crate::message::ExplicitHeader;
@@ -103,7 +103,7 @@ impl Channel {
     fn give_up(&mut self, flow: Flow, at: Instant) -> Option<Problem> {
         let flight = self.flight(flow).take().filter(|flight| !flight.acknowledged)?;
         let overdue = at.saturating_since(flight.seen.at) > ACK_TIME;
-        overdue.then_some(Problem::FragmentUnacknowledged { count: flight.count })
+        overdue.then_some(Problem::Flaw(Flaw::FragmentUnacknowledged { count: flight.count }))
     }
 
     fn known(&mut self, flow: Flow) -> &mut bool {
@@ -166,7 +166,7 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
     }
     reading.kind = Kind::Fragment;
     let Some((&byte, piece)) = body.split_first() else {
-        reading.flag(Problem::TooShort { at_least: 3, found: 1 });
+        reading.flag(Flaw::TooShort { at_least: 3, found: 1 });
         return None;
     };
     let byte = FragmentByte::from(byte);
@@ -246,7 +246,7 @@ fn fragment<'s, const N: usize, const B: usize>(
     piece: &[u8],
 ) -> Option<Message<'s>> {
     if piece.is_empty() {
-        reading.flag(Problem::TooShort { at_least: 3, found: 2 });
+        reading.flag(Flaw::TooShort { at_least: 3, found: 2 });
     }
     let (at, seen) = (reading.at, Seen { n: reading.n, at: reading.at });
     let channel = state.channel(route.link);
@@ -256,7 +256,7 @@ fn fragment<'s, const N: usize, const B: usize>(
         let flight = Flight { seen, count: byte.count(), xid: header.xid, acknowledged: false };
         let before = channel.flight(route.flow).replace(flight);
         if let Some(before) = before.filter(|before| !before.acknowledged) {
-            reading.flag(Problem::FragmentUnacknowledged { count: before.count });
+            reading.flag(Flaw::FragmentUnacknowledged { count: before.count });
         }
     }
     if byte.kind == FragmentKind::First {
@@ -278,7 +278,7 @@ fn fragment<'s, const N: usize, const B: usize>(
             None
         }
         Piece::Headless if known => {
-            reading.flag(Problem::NoFirstFragment { found: byte.count() });
+            reading.flag(Flaw::NoFirstFragment { found: byte.count() });
             None
         }
         Piece::Headless => {
@@ -322,13 +322,13 @@ fn acknowledge<const N: usize, const B: usize>(
         reading.flag(if polled {
             Problem::MisplacedPollResponse
         } else {
-            Problem::ReservedValue { field: "acknowledge status", found: found.into() }
+            Problem::Flaw(Flaw::ReservedValue { field: "acknowledge status", found: found.into() })
         });
     }
     let len = reading.frame.data().len();
     if len != ACK_LEN {
         let found = u16::try_from(len).unwrap_or_default();
-        reading.flag(Problem::Length { expected: 3, found });
+        reading.flag(Flaw::Length { expected: 3, found });
     }
     if route.intrudes {
         return;
@@ -337,7 +337,7 @@ fn acknowledge<const N: usize, const B: usize>(
     let known = *channel.known(acknowledged);
     let Some(flight) = channel.flight(acknowledged) else {
         if known {
-            reading.flag(Problem::UnknownAcknowledge { count });
+            reading.flag(Flaw::UnknownAcknowledge { count });
         } else {
             reading.assumed = true;
         }
@@ -347,7 +347,7 @@ fn acknowledge<const N: usize, const B: usize>(
         if count == flight.count.wrapping_sub(1) & COUNT_MASK && flight.count != 0 {
             reading.note = Some(Note::Repeated);
         } else {
-            reading.flag(Problem::UnknownAcknowledge { count });
+            reading.flag(Flaw::UnknownAcknowledge { count });
         }
         return;
     }
@@ -359,16 +359,16 @@ fn acknowledge<const N: usize, const B: usize>(
     let answered = flight.seen.answered(reading.at);
     reading.request = Some(answered);
     if flight.xid != header.xid {
-        reading.flag(Problem::TransactionMismatch);
+        reading.flag(Flaw::TransactionMismatch);
     }
     if status == Some(AckStatus::TooMuchData) {
-        reading.flag(Problem::FragmentRefused);
+        reading.flag(Flaw::FragmentRefused);
         if let Some(stream) = route.opposite {
             slots.discard(stream);
         }
     }
     if answered.latency > ACK_TIME {
-        reading.flag(Problem::LateAcknowledge { count });
+        reading.flag(Flaw::LateAcknowledge { count });
     }
 }
 

@@ -2,16 +2,15 @@
 
 use cip_core::fragment::{FragmentByte, FragmentKind, IO_UNFRAGMENTED_LEN};
 use cip_core::message::AllocationChoice;
+use cip_core::monitor::{Flaw, Frag, Piece, Seen, Slots, Span, Stream};
 
 use super::FragmentationGuess;
 use super::connection::{Connection, Flow, Guess, Side};
 use super::connections::{ConnectionState, Predefined};
 use super::kind::Kind;
 use super::nodes::{Node, Roles};
-use super::pairing::Seen;
 use super::problem::Problem;
-use super::reading::{Fields, Frag, Message, Note, Reading, Span};
-use super::slots::{Piece, Slots, Stream};
+use super::reading::{Fields, Message, Note, Reading};
 use super::state::State;
 use super::volley;
 use crate::id::{Identifier, MacId};
@@ -145,7 +144,7 @@ fn command(reading: &mut Reading<'_>, connection: &mut Connection, answered: boo
         && connection.is_alive()
         && !before_excused
     {
-        reading.flag(Problem::PollUnanswered { n: before.n });
+        reading.flag(Flaw::PollUnanswered { n: before.n });
     }
     if answered {
         connection.waiting = Some(Seen { n: reading.n, at: reading.at });
@@ -157,7 +156,7 @@ fn command(reading: &mut Reading<'_>, connection: &mut Connection, answered: boo
 
 /// A slave may ignore a command of another length than its size, or take it: only the answer tells.
 pub(super) fn has_other_length(reading: &Reading<'_>) -> bool {
-    matches!(reading.problem, Some(Problem::IoLength { .. }))
+    matches!(reading.problem, Some(Problem::Flaw(Flaw::IoLength { .. })))
 }
 
 /// The answer to a command or message of the other side, of which at least one was `heard`.
@@ -172,7 +171,7 @@ fn response(reading: &mut Reading<'_>, connection: &mut Connection, heard: bool,
     } else if reconsidered {
         // Its first fragment has been paired.
     } else if heard {
-        reading.flag(Problem::UnexpectedIoResponse);
+        reading.flag(Flaw::UnexpectedIoResponse);
     } else {
         reading.assumed = true;
     }
@@ -187,7 +186,7 @@ fn produced(reading: &mut Reading<'_>, node: &mut Node, acknowledged: bool, reco
     if let Some(before) = connection.waiting.take()
         && connection.answers
     {
-        reading.flag(Problem::Unacknowledged { n: before.n });
+        reading.flag(Flaw::Unacknowledged { n: before.n });
     }
     if acknowledged {
         connection.waiting = Some(Seen { n: reading.n, at: reading.at });
@@ -272,7 +271,7 @@ pub(super) fn data<'s, const N: usize, const B: usize>(
         }
         Piece::Headless => {
             match byte {
-                Some(byte) if known => reading.flag(Problem::NoFirstFragment { found: byte.count() }),
+                Some(byte) if known => reading.flag(Flaw::NoFirstFragment { found: byte.count() }),
                 Some(_) | None => reading.assumed = true,
             }
             (Progress::Part, None)
@@ -299,6 +298,6 @@ fn continues(guess: Guess, field: &[u8]) -> bool {
 fn check_size(reading: &mut Reading<'_>, size: Option<u16>, len: usize) {
     let found = u16::try_from(len).unwrap_or(u16::MAX);
     if let Some(expected) = size.filter(|&size| found != 0 && found != size) {
-        reading.flag(Problem::IoLength { expected, found });
+        reading.flag(Flaw::IoLength { expected, found });
     }
 }

@@ -1,12 +1,11 @@
 //! Readings as one flat object.
 
-use core::fmt;
-
+use cip_core::monitor::json::{LowerHex, Words, optional};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::connections::{ConnectionName, ConnectionState, Predefined};
 use super::kind::Kind;
-use super::reading::{Answered, Fields, Frag, Message, Reading};
+use super::reading::{Fields, Message, Reading};
 
 /// The fields that the decoder adds to those of the recorded frame (time, number, identifier, data), absent ones left
 /// out:
@@ -45,25 +44,6 @@ impl Serialize for Message<'_> {
         map.serialize_entry("kind", &self.kind)?;
         fields(&mut map, self.kind, &self.fields, self.value())?;
         map.serialize_entry("data", &Words(LowerHex(self.data)))?;
-        map.end()
-    }
-}
-
-impl Serialize for Frag {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("type", self.name())?;
-        map.serialize_entry("count", &self.byte.count())?;
-        optional(&mut map, "status", self.status)?;
-        map.end()
-    }
-}
-
-impl Serialize for Answered {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(2))?;
-        map.serialize_entry("n", &self.n)?;
-        map.serialize_entry("latency", &self.latency.as_secs_f64())?;
         map.end()
     }
 }
@@ -108,33 +88,4 @@ fn fields<M: SerializeMap>(
     optional(map, "port", fields.port)?;
     optional(map, "value", value.map(|value| Words(LowerHex(value))))?;
     optional(map, "value_text", fields.text_of(value.unwrap_or_default()).map(Words))
-}
-
-fn optional<M: SerializeMap, T: Serialize>(
-    map: &mut M,
-    key: &'static str,
-    value: Option<T>,
-) -> Result<(), M::Error> {
-    match value {
-        Some(value) => map.serialize_entry(key, &value),
-        None => Ok(()),
-    }
-}
-
-/// Serialises what `Display` prints.
-struct Words<T>(T);
-
-impl<T: fmt::Display> Serialize for Words<T> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(&self.0)
-    }
-}
-
-/// Bytes as lower-case hexadecimal digits without spaces.
-struct LowerHex<'a>(&'a [u8]);
-
-impl fmt::Display for LowerHex<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
-    }
 }

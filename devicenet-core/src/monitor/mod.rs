@@ -86,7 +86,6 @@ mod reading;
 mod records;
 mod requests;
 mod responses;
-mod slots;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -95,22 +94,23 @@ mod ucmm;
 mod unconnected;
 mod volley;
 
+pub use cip_core::monitor::{Answered, Frag};
 pub use connections::{ConnectionName, ConnectionRecord, ConnectionState, DynamicConnection, Predefined};
 pub use kind::Kind;
 pub use nodes::{AccessState, NAME_CAPACITY, NodeRecord, Roles};
 pub use problem::Problem;
-pub use reading::{Answered, Detail, Fields, Frag, Message, Note, Reading};
+pub use reading::{Detail, Fields, Message, Note, Reading};
 pub(crate) use records::{Records, Rhythm, Told};
 pub use state::Lost;
 pub(crate) use text::write_status;
 pub use text::{ValueText, Words};
 
 use cip_core::code::ServiceCode;
+use cip_core::monitor::{Flaw, Slots};
 use link_core::{Frame, Instant};
 
 use connection::Flow;
 use io::Lane;
-use slots::Slots;
 use state::State;
 
 use crate::id::{Identifier, MacId, Purpose};
@@ -197,7 +197,7 @@ impl<const N: usize, const B: usize> SizedMonitor<N, B> {
             return (reading, state.records());
         };
         if usize::from(frame.dlc()) > Frame::MAX_DATA {
-            reading.flag(Problem::DataLengthCode { dlc: frame.dlc() });
+            reading.flag(Flaw::DataLengthCode { dlc: frame.dlc() });
         }
         let message = dispatch(state, slots, &mut reading, identifier, *config);
         reading.message = message;
@@ -349,7 +349,7 @@ fn explicit_family<'s, const N: usize, const B: usize>(
         };
         reading.kind = kind;
         *(if is_source { &mut reading.src } else { &mut reading.dst }) = Some(mac);
-        reading.flag(Problem::TooShort { at_least: 2, found: 0 });
+        reading.flag(Flaw::TooShort { at_least: 2, found: 0 });
         return None;
     };
     let header = ExplicitHeader::from(byte);

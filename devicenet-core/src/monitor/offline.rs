@@ -2,12 +2,11 @@
 
 use cip_core::code::ServiceCode;
 use cip_core::codec::Wire;
+use cip_core::monitor::{Flaw, Seen};
 
 use super::bodies::problem_of;
 use super::kind::Kind;
 use super::nodes::{AccessState, Roles};
-use super::pairing::Seen;
-use super::problem::Problem;
 use super::reading::{Detail, Reading};
 use super::state::State;
 use crate::id::{MacId, Purpose};
@@ -46,8 +45,8 @@ fn ownership<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, ex
     device(reading, message.device);
     state.add_role(message.client, Roles::TOOL);
     match (expected, message.direction) {
-        (Direction::Request, Direction::Response) => reading.flag(Problem::ResponseBitOnRequest),
-        (Direction::Response, Direction::Request) => reading.flag(Problem::RequestBitOnResponse),
+        (Direction::Request, Direction::Response) => reading.flag(Flaw::ResponseBitOnRequest),
+        (Direction::Response, Direction::Request) => reading.flag(Flaw::RequestBitOnResponse),
         (Direction::Request, Direction::Request) => {
             state.offline.ownership = Some(Seen { n: reading.n, at: reading.at });
         }
@@ -64,7 +63,7 @@ fn request<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>) {
     reading.kind = Kind::OfflineFaultRequest;
     service(reading, 1);
     if data.get(1).is_some_and(|&byte| Direction::of(byte) == Direction::Response) {
-        reading.flag(Problem::ResponseBitOnRequest);
+        reading.flag(Flaw::ResponseBitOnRequest);
         return;
     }
     let nodes = data.first().copied().unwrap_or_default() & 0x7F;

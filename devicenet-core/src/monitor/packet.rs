@@ -6,6 +6,7 @@ use cip_core::codec::Wire;
 use cip_core::message::{
     AttributeSettings, AttributeStatusList, BodyFormat, MultipleServicePacket, Request, Response,
 };
+use cip_core::monitor::Flaw;
 use cip_core::names::value_len;
 use link_core::Instant;
 
@@ -143,14 +144,14 @@ pub(super) fn answered<const N: usize>(
                 problem = problem.or(learn::success(state, link, part, data, at));
             }
             Ok(Response::Success { .. }) => {
-                problem = problem.or(Some(Problem::ServiceMismatch { expected: part.service }));
+                problem = problem.or(Some(Problem::Flaw(Flaw::ServiceMismatch { expected: part.service })));
             }
             Ok(Response::Error { .. }) | Err(_) => {}
         }
     }
     let is_whole = !parts.is_empty() && parts.len() < PARTS;
     if is_whole && packet.services().count() > parts.len() {
-        problem = problem.or(Some(Problem::UnexpectedResponse));
+        problem = problem.or(Some(Problem::Flaw(Flaw::UnexpectedResponse)));
     }
     problem
 }

@@ -1,26 +1,11 @@
 //! Which response belongs to which request.
 
 use cip_core::code::{AttributeId, ClassId, InstanceId, ServiceCode};
-use link_core::Instant;
+use cip_core::monitor::Seen;
 
 use super::connections::ConnectionState;
 use super::learn;
-use super::reading::Answered;
 use crate::id::MacId;
-
-/// A frame of the recording.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) struct Seen {
-    pub(super) n: u64,
-    pub(super) at: Instant,
-}
-
-impl Seen {
-    /// What an answer at `at` says of this frame.
-    pub(super) fn answered(self, at: Instant) -> Answered {
-        Answered { n: self.n, latency: at.saturating_since(self.at) }
-    }
-}
 
 /// A request that was seen and not answered yet, with what the response does not repeat.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -1,6 +1,7 @@
 //! What can be wrong with a frame.
 
-use cip_core::code::{AdditionalCode, GeneralStatus, ServiceCode};
+use cip_core::code::{AdditionalCode, GeneralStatus};
+use cip_core::monitor::Flaw;
 
 use crate::id::MacId;
 
@@ -15,6 +16,8 @@ use crate::id::MacId;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Problem {
+    /// Wrong in any network of CIP on CAN.
+    Flaw(Flaw),
     /// A 29-bit identifier.
     ExtendedIdentifier,
     /// A remote frame.
@@ -23,46 +26,6 @@ pub enum Problem {
     InvalidIdentifier,
     /// Group 4, Message ID 0x00-0x2B.
     ReservedIdentifier,
-    /// A data length code of 9-15.
-    DataLengthCode {
-        /// The code found.
-        dlc: u8,
-    },
-    /// The message has a fixed length.
-    Length {
-        /// Bytes that it should have.
-        expected: u16,
-        /// Bytes that it has.
-        found: u16,
-    },
-    /// The message is too short for its header.
-    TooShort {
-        /// Bytes that it should have at least.
-        at_least: u16,
-        /// Bytes that it has.
-        found: u16,
-    },
-    /// A byte or bits that must be zero are not.
-    ReservedBits {
-        /// Which.
-        field: &'static str,
-    },
-    /// A reserved value.
-    ReservedValue {
-        /// Of which field.
-        field: &'static str,
-        /// The value.
-        found: u16,
-    },
-    /// A service that the identifier does not carry.
-    UnexpectedService {
-        /// The service.
-        service: ServiceCode,
-    },
-    /// The R/R bit says response, the identifier carries requests.
-    ResponseBitOnRequest,
-    /// The R/R bit says request, the identifier carries responses.
-    RequestBitOnResponse,
     /// The MAC ID in the header is the one in the identifier, though the message is neither Heartbeat nor Shutdown.
     HeaderRepeatsIdentifier {
         /// The MAC ID.
@@ -102,70 +65,13 @@ pub enum Problem {
         /// Additional code.
         additional: AdditionalCode,
     },
-    /// A response, and nobody has asked.
-    UnexpectedResponse,
-    /// A response to another service than the one requested.
-    ServiceMismatch {
-        /// The service requested.
-        expected: ServiceCode,
-    },
-    /// A response or acknowledge with another transaction ID than the request or fragment.
-    TransactionMismatch,
     /// A response addressed to a node that has not asked.
     WrongRequester {
         /// The node that has asked.
         expected: MacId,
     },
-    /// A fragment out of sequence: the message is lost.
-    OutOfSequence {
-        /// The fragment before.
-        after: u8,
-        /// The count found.
-        found: u8,
-    },
-    /// A middle or last fragment of a message whose first fragment does not exist.
-    NoFirstFragment {
-        /// The count found.
-        found: u8,
-    },
-    /// A first fragment with a count other than 0.
-    FirstNotZero {
-        /// The count found.
-        found: u8,
-    },
-    /// A fragment on an identifier whose messages are never fragmented.
-    FragmentNotAllowed,
-    /// Fragments of one message with different transaction IDs.
-    TransactionChanged,
-    /// The message exceeds the connection size.
-    TooLong {
-        /// The connection size.
-        limit: u16,
-    },
-    /// The sender of a fragment went on, or repeated it, without an acknowledge.
-    FragmentUnacknowledged {
-        /// The count of the fragment.
-        count: u8,
-    },
-    /// The acknowledge of a fragment that nobody waits for: it was not sent, or its message was abandoned.
-    UnknownAcknowledge {
-        /// The count acknowledged.
-        count: u8,
-    },
-    /// An acknowledge that came after the sender's wait of one second.
-    LateAcknowledge {
-        /// The count acknowledged.
-        count: u8,
-    },
-    /// The receiver has dropped the message: it is too long for it.
-    FragmentRefused,
     /// Bytes that are a poll response by their place in the exchange, on the identifier of explicit responses.
     MisplacedPollResponse,
-    /// The poll command before this one was not answered.
-    PollUnanswered {
-        /// Frame number of that command.
-        n: u64,
-    },
     /// Slaves did not answer the bit-strobe command before this one.
     StrobeUnanswered {
         /// The first of them.
@@ -179,20 +85,6 @@ pub enum Problem {
         mac: MacId,
         /// How many.
         count: u8,
-    },
-    /// The COS or cyclic message before this one was not acknowledged.
-    Unacknowledged {
-        /// Frame number of that message.
-        n: u64,
-    },
-    /// An I/O response or acknowledge without a command.
-    UnexpectedIoResponse,
-    /// I/O data of another length than the connection size.
-    IoLength {
-        /// The connection size.
-        expected: u16,
-        /// Bytes found.
-        found: u16,
     },
     /// The EV bit is set in a heartbeat.
     HeartbeatEvent,
@@ -212,23 +104,22 @@ pub enum Problem {
     },
 }
 
+impl From<Flaw> for Problem {
+    fn from(flaw: Flaw) -> Self {
+        Self::Flaw(flaw)
+    }
+}
+
 impl Problem {
     /// A stable machine-readable name: lower case with underscores.
     #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {
+            Self::Flaw(flaw) => flaw.code(),
             Self::ExtendedIdentifier => "extended_identifier",
             Self::RemoteFrame => "remote_frame",
             Self::InvalidIdentifier => "invalid_identifier",
             Self::ReservedIdentifier => "reserved_identifier",
-            Self::DataLengthCode { .. } => "data_length_code",
-            Self::Length { .. } => "length",
-            Self::TooShort { .. } => "too_short",
-            Self::ReservedBits { .. } => "reserved_bits",
-            Self::ReservedValue { .. } => "reserved_value",
-            Self::UnexpectedService { .. } => "unexpected_service",
-            Self::ResponseBitOnRequest => "response_bit_on_request",
-            Self::RequestBitOnResponse => "request_bit_on_response",
             Self::HeaderRepeatsIdentifier { .. } => "header_repeats_identifier",
             Self::HeaderNotSender { .. } => "header_not_sender",
             Self::DuplicateMacId { .. } => "duplicate_mac_id",
@@ -236,27 +127,10 @@ impl Problem {
             Self::NotOwner { .. } => "not_owner",
             Self::Refused { .. } => "allocation_refused",
             Self::OpenRefused { .. } => "open_refused",
-            Self::UnexpectedResponse => "unexpected_response",
-            Self::ServiceMismatch { .. } => "service_mismatch",
-            Self::TransactionMismatch => "transaction_mismatch",
             Self::WrongRequester { .. } => "wrong_requester",
-            Self::OutOfSequence { .. } => "fragment_out_of_sequence",
-            Self::NoFirstFragment { .. } => "no_first_fragment",
-            Self::FirstNotZero { .. } => "first_fragment_not_zero",
-            Self::FragmentNotAllowed => "fragment_not_allowed",
-            Self::TransactionChanged => "transaction_changed",
-            Self::TooLong { .. } => "too_long",
-            Self::FragmentUnacknowledged { .. } => "fragment_unacknowledged",
-            Self::UnknownAcknowledge { .. } => "unknown_acknowledge",
-            Self::LateAcknowledge { .. } => "late_acknowledge",
-            Self::FragmentRefused => "fragment_refused",
             Self::MisplacedPollResponse => "misplaced_poll_response",
-            Self::PollUnanswered { .. } => "poll_unanswered",
             Self::StrobeUnanswered { .. } => "strobe_unanswered",
             Self::MulticastPollUnanswered { .. } => "multicast_poll_unanswered",
-            Self::Unacknowledged { .. } => "cos_unacknowledged",
-            Self::UnexpectedIoResponse => "unexpected_io_response",
-            Self::IoLength { .. } => "io_length",
             Self::HeartbeatEvent => "heartbeat_event",
             Self::HeartbeatMissing { .. } => "heartbeat_missing",
             Self::WrongConnectionId { .. } => "wrong_connection_id",

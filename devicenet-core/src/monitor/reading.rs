@@ -1,12 +1,10 @@
 //! What the monitor makes of a frame.
 
-use core::time::Duration;
-
 use cip_core::code::{
     AdditionalCode, AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode, VendorId,
 };
-use cip_core::fragment::{FragmentByte, FragmentKind};
 use cip_core::message::{AllocationChoice, BodyFormat};
+use cip_core::monitor::{Answered, Frag, Span};
 use link_core::{Frame, Instant};
 
 use super::connections::{ConnectionState, DynamicConnection};
@@ -178,15 +176,6 @@ pub enum Detail {
     },
 }
 
-/// A fragmentation byte.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Frag {
-    /// Type and count.
-    pub byte: FragmentByte,
-    /// Status of an acknowledge.
-    pub status: Option<u8>,
-}
-
 /// A message put together from its fragments.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Message<'a> {
@@ -196,16 +185,6 @@ pub struct Message<'a> {
     pub fields: Fields<'a>,
     /// The whole of it: an explicit message from the service byte on, or the I/O data.
     pub data: &'a [u8],
-}
-
-/// A frame that another one answers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Answered {
-    /// Its number in the recording.
-    pub n: u64,
-    /// From its end to the end of the answer. Of a fragmented message the last fragment counts.
-    pub latency: Duration,
 }
 
 /// Something to know about a frame that is not wrong.
@@ -223,44 +202,6 @@ pub enum Note {
     RestartedOrAnother,
     /// A fragment that was sent before, or an acknowledge that was.
     Repeated,
-}
-
-/// A piece of a message.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) struct Span {
-    pub(super) start: u16,
-    pub(super) len: u16,
-}
-
-impl Span {
-    /// The last `len` of `total` bytes; `None` if there are none.
-    pub(super) fn tail(total: usize, len: usize) -> Option<Self> {
-        let start = u16::try_from(total.saturating_sub(len)).ok()?;
-        let len = u16::try_from(len).ok().filter(|&len| len != 0)?;
-        Some(Self { start, len })
-    }
-
-    pub(super) fn of(self, data: &[u8]) -> &[u8] {
-        let (start, len) = (usize::from(self.start), usize::from(self.len));
-        data.get(start..).and_then(|rest| rest.get(..len)).unwrap_or_default()
-    }
-}
-
-impl Frag {
-    pub(super) fn new(byte: FragmentByte) -> Self {
-        Self { byte, status: None }
-    }
-
-    /// `first`, `middle`, `last`, `ack`.
-    #[must_use]
-    pub const fn name(&self) -> &'static str {
-        match self.byte.kind {
-            FragmentKind::First => "first",
-            FragmentKind::Middle => "middle",
-            FragmentKind::Last => "last",
-            FragmentKind::Acknowledge => "ack",
-        }
-    }
 }
 
 impl<'a> Reading<'a> {
@@ -294,11 +235,11 @@ impl<'a> Reading<'a> {
     }
 
     /// Keeps the first problem found.
-    pub(super) fn flag(&mut self, problem: Problem) {
-        self.problem.get_or_insert(problem);
+    pub(super) fn flag(&mut self, problem: impl Into<Problem>) {
+        self.problem.get_or_insert(problem.into());
     }
 
-    pub(super) fn flag_if(&mut self, problem: Option<Problem>) {
+    pub(super) fn flag_if(&mut self, problem: Option<impl Into<Problem>>) {
         if let Some(problem) = problem {
             self.flag(problem);
         }
@@ -309,10 +250,6 @@ impl<'a> Message<'a> {
     /// The attribute value, service data or I/O data; `None` if it carries none.
     #[must_use]
     pub fn value(&self) -> Option<&'a [u8]> {
-        let data = self.data;
-        self.fields.value.map(|span| {
-            let (start, len) = (usize::from(span.start), usize::from(span.len));
-            data.get(start..).and_then(|rest| rest.get(..len)).unwrap_or_default()
-        })
+        self.fields.value.map(|span| span.of(self.data))
     }
 }

@@ -3,6 +3,7 @@
 use cip_core::code::{AttributeId, ClassId, InstanceId, ServiceCode};
 use cip_core::codec::Wire;
 use cip_core::message::{AllocateRequest, AllocationChoice, BodyFormat, ReleaseRequest, Request};
+use cip_core::monitor::{Flaw, Seen, Span};
 use link_core::Instant;
 
 use super::bodies::{Parsed, problem_of};
@@ -10,9 +11,8 @@ use super::explicit::{Knowledge, Route};
 use super::kind::Kind;
 use super::learn::{self, CONSUMED_PATH, PRODUCED_PATH};
 use super::packet;
-use super::pairing::{Seen, Transaction};
-use super::problem::Problem;
-use super::reading::{Detail, Fields, Span};
+use super::pairing::Transaction;
+use super::reading::{Detail, Fields};
 use super::state::State;
 use crate::id::MacId;
 use crate::message::ExplicitHeader;
@@ -79,7 +79,7 @@ pub(super) fn request(
     let mut parsed = Parsed::new(kind);
     parsed.fields.format = format;
     let Some((&byte, rest)) = body.split_first() else {
-        parsed.flag(Problem::TooShort { at_least: 2, found: 1 });
+        parsed.flag(Flaw::TooShort { at_least: 2, found: 1 });
         return (parsed, None);
     };
     let (service, is_response) = ServiceCode::split(byte);
@@ -98,7 +98,7 @@ pub(super) fn request(
     };
     if is_response {
         parsed.fields.value = Span::tail(body.len().saturating_add(before), rest.len());
-        parsed.flag(Problem::ResponseBitOnRequest);
+        parsed.flag(Flaw::ResponseBitOnRequest);
         return (parsed, Some(transaction));
     }
     let request = match Request::parse(format, body) {
@@ -147,10 +147,10 @@ fn allocate(data: &[u8], parsed: &mut Parsed, transaction: &mut Transaction) {
             transaction.argument = u16::from_le_bytes([choice.bits(), allocator]);
             transaction.allocator = MacId::new(allocator);
             if !AllocationChoice::all().contains(choice) {
-                parsed.flag(Problem::ReservedBits { field: "allocation choice" });
+                parsed.flag(Flaw::ReservedBits { field: "allocation choice" });
             }
             if transaction.allocator.is_none() {
-                parsed.flag(Problem::ReservedBits { field: "allocator's MAC ID" });
+                parsed.flag(Flaw::ReservedBits { field: "allocator's MAC ID" });
             }
         }
         Err(error) => {
@@ -169,7 +169,7 @@ fn release(data: &[u8], parsed: &mut Parsed, transaction: &mut Transaction) {
             transaction.argument = choice.bits().into();
             // Bit 6 is reserved as well, but products set it and receivers ignore it.
             if !AllocationChoice::all().contains(choice) {
-                parsed.flag(Problem::ReservedBits { field: "release choice" });
+                parsed.flag(Flaw::ReservedBits { field: "release choice" });
             }
         }
         Err(error) => {

@@ -3,6 +3,7 @@
 use cip_core::code::{ClassId, ServiceCode};
 use cip_core::codec::Wire;
 use cip_core::message::{AllocateResponse, AllocationChoice, BodyFormat, Response};
+use cip_core::monitor::{Flaw, Seen, Span};
 
 use super::bodies::{Parsed, problem_of};
 use super::connections::ConnectionState;
@@ -10,9 +11,9 @@ use super::explicit::{Knowledge, Route};
 use super::kind::Kind;
 use super::learn;
 use super::packet;
-use super::pairing::{Seen, Transaction};
+use super::pairing::Transaction;
 use super::problem::Problem;
-use super::reading::{Detail, Span};
+use super::reading::Detail;
 use super::state::State;
 use crate::message::ExplicitHeader;
 
@@ -79,14 +80,14 @@ pub(super) fn read(kind: Kind, body: &[u8], before: usize) -> (Parsed, bool) {
     let mut parsed = Parsed::new(kind);
     let total = body.len().saturating_add(before);
     let Some((&byte, rest)) = body.split_first() else {
-        parsed.flag(Problem::TooShort { at_least: 2, found: 1 });
+        parsed.flag(Flaw::TooShort { at_least: 2, found: 1 });
         return (parsed, false);
     };
     let (service, is_response) = ServiceCode::split(byte);
     parsed.fields.service = Some(service);
     parsed.fields.value = Span::tail(total, rest.len());
     if !is_response {
-        parsed.flag(Problem::RequestBitOnResponse);
+        parsed.flag(Flaw::RequestBitOnResponse);
         return (parsed, false);
     }
     match Response::parse(body) {
@@ -154,11 +155,11 @@ fn unpaired<const N: usize>(
         Ok(request) if request.requester != client => {
             parsed.flag(Problem::WrongRequester { expected: request.requester });
         }
-        Ok(request) if request.xid != header.xid => parsed.flag(Problem::TransactionMismatch),
+        Ok(request) if request.xid != header.xid => parsed.flag(Flaw::TransactionMismatch),
         Ok(request) if request.service != service => {
-            parsed.flag(Problem::ServiceMismatch { expected: request.service });
+            parsed.flag(Flaw::ServiceMismatch { expected: request.service });
         }
-        Ok(_) | Err(true) => parsed.flag(Problem::UnexpectedResponse),
+        Ok(_) | Err(true) => parsed.flag(Flaw::UnexpectedResponse),
         Err(false) => parsed.assumed = true,
     }
     if let Ok(Response::Success { service: ServiceCode::ALLOCATE, data: &[format] }) = Response::parse(body) {
@@ -179,7 +180,7 @@ fn allocated(parsed: &mut Parsed, data: &[u8]) {
             let format = response.code();
             parsed.fields.detail = Detail::Allocated { format };
             if response.body_format().is_none() {
-                parsed.flag(Problem::ReservedValue { field: "body format", found: format.into() });
+                parsed.flag(Flaw::ReservedValue { field: "body format", found: format.into() });
             }
         }
         Err(error) => parsed.flag(problem_of(error, data.len())),

@@ -1,6 +1,7 @@
 //! What the monitor has learned.
 
 use cip_core::code::InstanceId;
+use cip_core::monitor::Seen;
 use link_core::Instant;
 
 use super::connection::{Connection, Flow};
@@ -8,7 +9,6 @@ use super::connections::{ConnectionState, DynamicConnection, Predefined};
 use super::explicit::Channel;
 use super::nodes::{Node, Parent, Roles};
 use super::packet::Packets;
-use super::pairing::Seen;
 use super::reading::{Note, Reading};
 use super::records::Records;
 use crate::id::{Identifier, MacId};

@@ -2,6 +2,7 @@
 
 use cip_core::code::{AdditionalCode, ServiceCode};
 use cip_core::codec::Wire;
+use cip_core::monitor::{Flaw, Seen, Span};
 
 use super::bodies::problem_of;
 use super::connection::Connection;
@@ -9,9 +10,9 @@ use super::explicit::Channel;
 use super::kind::Kind;
 use super::learn;
 use super::nodes::Roles;
-use super::pairing::{Seen, Transaction};
+use super::pairing::Transaction;
 use super::problem::Problem;
-use super::reading::{Detail, Reading, Span};
+use super::reading::{Detail, Reading};
 use super::responses;
 use super::state::{Dynamic, State};
 use crate::id::{Identifier, MacId};
@@ -28,21 +29,21 @@ pub(super) fn request<const N: usize>(
     reading.kind = Kind::UnconnectedRequest;
     address(reading, client, server);
     if header.fragmented {
-        reading.flag(Problem::FragmentNotAllowed);
+        reading.flag(Flaw::FragmentNotAllowed);
         return;
     }
     state.add_role(client, Roles::UCMM_CLIENT);
     let frame = reading.frame;
     let data = frame.data();
     let Some(&byte) = data.get(1) else {
-        reading.flag(Problem::TooShort { at_least: 2, found: 1 });
+        reading.flag(Flaw::TooShort { at_least: 2, found: 1 });
         return;
     };
     let (service, is_response) = ServiceCode::split(byte);
     reading.fields.service = Some(service);
     let mut argument = 0;
     if is_response {
-        reading.flag(Problem::ResponseBitOnRequest);
+        reading.flag(Flaw::ResponseBitOnRequest);
     } else {
         match service {
             OPEN => match OpenRequest::parse(data) {
@@ -63,7 +64,7 @@ pub(super) fn request<const N: usize>(
                 }
                 Err(error) => reading.flag(problem_of(error, data.len())),
             },
-            _ => reading.flag(Problem::UnexpectedService { service }),
+            _ => reading.flag(Flaw::UnexpectedService { service }),
         }
     }
     let transaction = Transaction {
@@ -94,7 +95,7 @@ pub(super) fn response<const N: usize>(
     reading.kind = Kind::UnconnectedResponse;
     address(reading, server, client);
     if header.fragmented {
-        reading.flag(Problem::FragmentNotAllowed);
+        reading.flag(Flaw::FragmentNotAllowed);
         return;
     }
     state.add_role(server, Roles::UCMM_SERVER);
@@ -116,8 +117,8 @@ pub(super) fn response<const N: usize>(
             reading.fields.requested = Some(request.service);
             reading.fields.instance = request.instance;
         }
-        (None, Some(request)) if request.xid != header.xid => reading.flag(Problem::TransactionMismatch),
-        (None, Some(request)) => reading.flag(Problem::ServiceMismatch { expected: request.service }),
+        (None, Some(request)) if request.xid != header.xid => reading.flag(Flaw::TransactionMismatch),
+        (None, Some(request)) => reading.flag(Flaw::ServiceMismatch { expected: request.service }),
         (None, None) => reading.assumed = true,
     }
     if let Some(status) = reading.fields.status {
@@ -135,7 +136,7 @@ pub(super) fn response<const N: usize>(
             reading.fields.detail = Detail::Close;
             if data.len() != CLOSED_LEN {
                 let found = u16::try_from(data.len()).unwrap_or_default();
-                reading.flag(Problem::Length { expected: 2, found });
+                reading.flag(Flaw::Length { expected: 2, found });
             }
             if let Some(instance) = paired.and_then(|request| request.instance) {
                 state.close_dynamic(server, instance, reading.at);
@@ -143,7 +144,7 @@ pub(super) fn response<const N: usize>(
         }
         _ => {
             reading.fields.value = Span::tail(data.len(), data.len().saturating_sub(2));
-            reading.flag(Problem::UnexpectedService { service });
+            reading.flag(Flaw::UnexpectedService { service });
         }
     }
 }
@@ -161,7 +162,7 @@ fn opened<const N: usize>(
     reading.fields.instance = Some(open.connection);
     reading.fields.detail = Detail::Opened { format, destination, source };
     if open.body_format.reserved_bits() != 0 {
-        reading.flag(Problem::ReservedBits { field: "body format" });
+        reading.flag(Flaw::ReservedBits { field: "body format" });
     }
     let asked = request.map(asked);
     // Without the request: only Group 2 has a destination Message ID, and Group 3 is the usual choice.
@@ -185,7 +186,7 @@ fn opened<const N: usize>(
     };
     let body_format = open.body_format.format();
     if body_format.is_none() {
-        reading.flag(Problem::ReservedValue { field: "body format", found: format.into() });
+        reading.flag(Flaw::ReservedValue { field: "body format", found: format.into() });
     }
     let mut connection = learn::opened(reading.at);
     connection.assumed = request.is_none();
@@ -310,20 +311,20 @@ fn address(reading: &mut Reading<'_>, source: MacId, destination: MacId) {
 
 fn check_open(reading: &mut Reading<'_>, format: FormatByte, group: GroupSelect, source: u8) {
     if format.reserved_bits() != 0 {
-        reading.flag(Problem::ReservedBits { field: "body format" });
+        reading.flag(Flaw::ReservedBits { field: "body format" });
     }
     if group.name().is_none() {
-        reading.flag(Problem::ReservedValue { field: "group select", found: group.number().into() });
+        reading.flag(Flaw::ReservedValue { field: "group select", found: group.number().into() });
     }
     if group == GroupSelect::GROUP_3 && source > GROUP_3_LAST {
-        reading.flag(Problem::ReservedValue { field: "source Message ID", found: source.into() });
+        reading.flag(Flaw::ReservedValue { field: "source Message ID", found: source.into() });
     }
 }
 
 /// What is wrong with the Message IDs of an Open response. In Group 2 IDs 6 and 7 are never assigned and the two differ;
 /// in the other groups there is no destination Message ID, and Group 3 has 0-4 for it.
 fn unusable(group: u8, destination: u8, source: u8) -> Option<Problem> {
-    let reserved = |field, found: u8| Some(Problem::ReservedValue { field, found: found.into() });
+    let reserved = |field, found: u8| Some(Problem::Flaw(Flaw::ReservedValue { field, found: found.into() }));
     match group {
         2 if source > GROUP_2_LAST || source == destination => reserved("source Message ID", source),
         2 if destination > GROUP_2_LAST => reserved("destination Message ID", destination),

@@ -2,10 +2,10 @@
 
 use cip_core::code::ServiceCode;
 use cip_core::message::BodyFormat;
+use cip_core::monitor::{Flaw, Seen};
 
 use super::kind::Kind;
 use super::nodes::Roles;
-use super::pairing::Seen;
 use super::problem::Problem;
 use super::reading::Reading;
 use super::requests;
@@ -27,7 +27,7 @@ pub(super) fn observe<const N: usize>(
         reading.flag(Problem::HeaderRepeatsIdentifier { mac: slave });
     }
     if header.fragmented {
-        reading.flag(Problem::FragmentNotAllowed);
+        reading.flag(Flaw::FragmentNotAllowed);
         return;
     }
     state.add_role(header.mac, Roles::MASTER);
@@ -40,7 +40,7 @@ pub(super) fn observe<const N: usize>(
     parsed.apply(reading);
     let Some(transaction) = transaction else { return };
     if !matches!(transaction.service, ServiceCode::ALLOCATE | ServiceCode::RELEASE) {
-        reading.flag(Problem::UnexpectedService { service: transaction.service });
+        reading.flag(Flaw::UnexpectedService { service: transaction.service });
     }
     if !state.node(slave).port.insert(transaction) {
         state.lost.requests = state.lost.requests.saturating_add(1);

@@ -1,6 +1,7 @@
 //! Commands to many slaves, bit-strobe and multicast poll, and their responses.
 
 use cip_core::message::AllocationChoice;
+use cip_core::monitor::{Flaw, Seen, Slots, Span};
 
 use super::FragmentationGuess;
 use super::connection::{Connection, Guess};
@@ -8,10 +9,8 @@ use super::connections::{ConnectionState, Predefined};
 use super::io::{self, Progress, prove};
 use super::kind::Kind;
 use super::nodes::{Node, Roles, Volley};
-use super::pairing::Seen;
 use super::problem::Problem;
-use super::reading::{Fields, Message, Reading, Span};
-use super::slots::Slots;
+use super::reading::{Fields, Message, Reading};
 use super::state::State;
 use crate::id::{Identifier, MacId};
 
@@ -25,7 +24,7 @@ pub(super) fn strobe<const N: usize>(state: &mut State<N>, reading: &mut Reading
     if len != STROBE_LEN && len != 0 {
         let found = u16::try_from(len).unwrap_or_default();
         // Every slave ignores it.
-        reading.flag(Problem::Length { expected: 8, found });
+        reading.flag(Flaw::Length { expected: 8, found });
         return;
     }
     command(state, reading, Predefined::BitStrobe, master);
@@ -168,7 +167,7 @@ fn answer(reading: &mut Reading<'_>, volley: Option<&mut Volley>, slave: MacId) 
             volley.answered |= bit(slave);
             reading.request = Some(volley.seen.answered(reading.at));
         }
-        Some(_) => reading.flag(Problem::UnexpectedIoResponse),
+        Some(_) => reading.flag(Flaw::UnexpectedIoResponse),
         None => reading.assumed = true,
     }
 }

@@ -8,12 +8,13 @@ use core::time::Duration;
 
 use cip_core::code::{DeviceType, VendorId};
 use cip_core::message::AllocationChoice;
+use cip_core::monitor::Seen;
 use link_core::Instant;
 
 use super::connection::{Connection, Side};
 use super::connections::{ConnectionState, Predefined};
 use super::explicit::Channel;
-use super::pairing::{Seen, Waiting};
+use super::pairing::Waiting;
 use crate::id::MacId;
 use crate::message::{DeviceIdentity, PortNumber};
 

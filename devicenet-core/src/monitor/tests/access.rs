@@ -131,7 +131,7 @@ fn a_check_of_another_length_is_a_check_with_a_problem() {
     let mut bus = Bus::new();
     let heard = bus.group2(10, 7, &DEVICE[..5]);
     assert_eq!(heard.kind, Kind::DupMacRequest);
-    assert_eq!(heard.problem, Some(Problem::Length { expected: 7, found: 5 }));
+    assert_eq!(heard.problem, Some(Problem::Flaw(Flaw::Length { expected: 7, found: 5 })));
     assert!(heard.text.ends_with("! 7 bytes expected, 5 found"), "{}", heard.text);
 }
 
@@ -146,7 +146,7 @@ fn a_heartbeat_says_how_the_device_is() {
     let heard = bus.group3(5, 3, &[0x04, 0xCD, 0x01, 0x00, 0x03, 0x00, 0x00, 0x00]);
     assert_eq!(heard.problem, Some(Problem::HeaderNotSender { found: mac(4) }));
     let heard = bus.group3(5, 3, &[0x03, 0xCD, 0x01, 0x00, 0x03, 0x00, 0x00]);
-    assert_eq!(heard.problem, Some(Problem::TooShort { at_least: 8, found: 7 }));
+    assert_eq!(heard.problem, Some(Problem::Flaw(Flaw::TooShort { at_least: 8, found: 7 })));
 }
 
 #[test]

@@ -7,17 +7,17 @@ fn a_response_answers_the_request_with_its_transaction_and_service() {
     let mut bus = Bus::with_slave(10, 0x01);
     let asked = bus.group2(10, 4, &[0x41, 0x0E, 1, 1, 1]).n;
     let heard = bus.group2(10, 3, &[0x01, 0x8E, 0x34, 0x12]);
-    assert_eq!((heard.problem, heard.answers()), (Some(Problem::TransactionMismatch), None));
+    assert_eq!((heard.problem, heard.answers()), (Some(Problem::Flaw(Flaw::TransactionMismatch)), None));
     let heard = bus.group2(10, 3, &[0x41, 0x90]);
     let expected = cip_core::code::ServiceCode::GET_ATTRIBUTE_SINGLE;
-    assert_eq!(heard.problem, Some(Problem::ServiceMismatch { expected }));
+    assert_eq!(heard.problem, Some(Problem::Flaw(Flaw::ServiceMismatch { expected })));
     let heard = bus.group2(10, 3, &[0x42, 0x8E, 0x34, 0x12]);
     assert_eq!(heard.problem, Some(Problem::WrongRequester { expected: mac(1) }));
     let heard = bus.group2(10, 3, &[0x41, 0x8E, 0x34, 0x12]);
     assert_eq!((heard.problem, heard.answers()), (None, Some(asked)));
     assert_eq!(heard.request.unwrap().latency, core::time::Duration::from_millis(4));
     let heard = bus.group2(10, 3, &[0x41, 0x8E, 0x34, 0x12]);
-    assert_eq!(heard.problem, Some(Problem::UnexpectedResponse));
+    assert_eq!(heard.problem, Some(Problem::Flaw(Flaw::UnexpectedResponse)));
     assert_eq!(bus.node(10).last_latency, Some(core::time::Duration::from_millis(4)));
 }
 
@@ -137,7 +137,7 @@ fn fragments_out_of_order_lose_the_message() {
     bus.group2(10, 4, &[0x81, 0x00, 0x10, 4, 0x66, 3, 1, 2]);
     bus.group2(10, 3, &[0x81, 0xC0, 0]);
     let heard = bus.group2(10, 4, &[0x81, 0x42, 1, 2, 3, 4, 5, 6]);
-    assert_eq!(heard.problem, Some(Problem::OutOfSequence { after: 0, found: 2 }));
+    assert_eq!(heard.problem, Some(Problem::Flaw(Flaw::OutOfSequence { after: 0, found: 2 })));
     assert!(heard.text.ends_with("! fragment 2 after 0"), "{}", heard.text);
     let heard = bus.group2(10, 4, &[0x81, 0x83, 1]);
     assert_eq!(heard.message, None);
@@ -148,7 +148,7 @@ fn a_fragment_that_goes_on_without_an_acknowledge() {
     let mut bus = Bus::with_slave(10, 0x01);
     bus.group2(10, 4, &[0x81, 0x00, 0x10, 4, 0x66, 3, 1, 2]);
     let heard = bus.group2(10, 4, &[0x81, 0x81, 3]);
-    assert_eq!(heard.problem, Some(Problem::FragmentUnacknowledged { count: 0 }));
+    assert_eq!(heard.problem, Some(Problem::Flaw(Flaw::FragmentUnacknowledged { count: 0 })));
     assert_eq!(heard.message.as_deref(), Some(&[0x10, 4, 0x66, 3, 1, 2, 3][..]));
 }
 
@@ -224,7 +224,7 @@ fn an_acknowledge_that_never_comes_is_told_by_the_next_message() {
     assert_eq!(bus.wait(500).group2(10, 4, &[0x01, 0x0E, 1, 1, 1]).problem, None, "given up in time");
     bus.group2(10, 4, &[0x81, 0x00, 0x10, 4, 0x66, 3, 1, 2]);
     let heard = bus.wait(1500).group2(10, 4, &[0x01, 0x0E, 1, 1, 1]);
-    assert_eq!(heard.problem, Some(Problem::FragmentUnacknowledged { count: 0 }));
+    assert_eq!(heard.problem, Some(Problem::Flaw(Flaw::FragmentUnacknowledged { count: 0 })));
 }
 
 /// Message IDs that belong to others are not taken from them.

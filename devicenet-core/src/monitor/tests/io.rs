@@ -11,9 +11,9 @@ fn a_poll_is_answered_or_missed() {
     let heard = bus.group1(15, 10, &[1, 2]);
     assert_eq!((heard.text.as_str(), heard.answers()), ("poll 10 -> 1  01 02", Some(command.n)));
     let missed = bus.group2(10, 5, &[3]).n;
-    assert_eq!(bus.group2(10, 5, &[3]).problem, Some(Problem::PollUnanswered { n: missed }));
+    assert_eq!(bus.group2(10, 5, &[3]).problem, Some(Problem::Flaw(Flaw::PollUnanswered { n: missed })));
     bus.group1(15, 10, &[1, 2]);
-    assert_eq!(bus.group1(15, 10, &[1, 2]).problem, Some(Problem::UnexpectedIoResponse));
+    assert_eq!(bus.group1(15, 10, &[1, 2]).problem, Some(Problem::Flaw(Flaw::UnexpectedIoResponse)));
 }
 
 #[test]
@@ -41,13 +41,19 @@ fn a_length_that_is_not_the_size() {
     let mut bus = Bus::with_slave(10, 0x03);
     bus.monitor.set_io_sizes(mac(10), Predefined::Poll, Some(2), Some(3));
     bus.establish(10, 2, 1000);
-    assert_eq!(bus.group2(10, 5, &[1]).problem, Some(Problem::IoLength { expected: 2, found: 1 }));
+    assert_eq!(
+        bus.group2(10, 5, &[1]).problem,
+        Some(Problem::Flaw(Flaw::IoLength { expected: 2, found: 1 }))
+    );
     assert_eq!(
         bus.group2(10, 5, &[]).problem,
         None,
         "idle is valid, and a wrong length need not be answered"
     );
-    assert_eq!(bus.group1(15, 10, &[1, 2, 3, 4]).problem, Some(Problem::IoLength { expected: 3, found: 4 }));
+    assert_eq!(
+        bus.group1(15, 10, &[1, 2, 3, 4]).problem,
+        Some(Problem::Flaw(Flaw::IoLength { expected: 3, found: 4 }))
+    );
 }
 
 /// A slave may ignore it, and then its watchdog runs on; or take it, and then the answer tells.
@@ -77,7 +83,7 @@ fn a_strobe_of_another_length_is_ignored_by_all() {
     bus.wait(300).group2(1, 0, &[0; 7]);
     assert_eq!(bus.group1(14, 5, &[7]).answers(), Some(strobe.n), "which is later than usual");
     bus.group2(1, 0, &[0; 7]);
-    assert_eq!(bus.group1(14, 5, &[7]).problem, Some(Problem::UnexpectedIoResponse));
+    assert_eq!(bus.group1(14, 5, &[7]).problem, Some(Problem::Flaw(Flaw::UnexpectedIoResponse)));
     bus.wait(100).group2(11, 5, &[]);
     assert_eq!(bus.state(5, Predefined::BitStrobe), ConnectionState::TimedOut);
 }
@@ -91,7 +97,7 @@ fn a_multicast_poll_of_another_length_need_not_be_answered() {
         bus.group2(1, 1, &[1, 2]);
         bus.group1(12, 10, &[3]);
         let wrong = bus.wait(300).group2(1, 1, &[1]);
-        assert_eq!(wrong.problem, Some(Problem::IoLength { expected: 2, found: 1 }));
+        assert_eq!(wrong.problem, Some(Problem::Flaw(Flaw::IoLength { expected: 2, found: 1 })));
         if is_answered {
             assert_eq!(bus.group1(12, 10, &[3]).answers(), Some(wrong.n));
         }
@@ -130,7 +136,7 @@ fn every_slave_answers_a_strobe() {
     bus.group1(14, 9, &[8]);
     let heard = bus.group2(1, 0, &[]);
     assert_eq!(heard.problem, Some(Problem::StrobeUnanswered { mac: mac(5), count: 1 }));
-    assert_eq!(bus.group2(1, 0, &[1]).problem, Some(Problem::Length { expected: 8, found: 1 }));
+    assert_eq!(bus.group2(1, 0, &[1]).problem, Some(Problem::Flaw(Flaw::Length { expected: 8, found: 1 })));
     assert_eq!(bus.group2(2, 0, &[]).problem, None, "slaves of another master do not answer");
 }
 
@@ -153,7 +159,7 @@ fn change_of_state_is_acknowledged() {
     let heard = bus.group2(10, 2, &[]);
     assert_eq!((heard.text.as_str(), heard.answers()), ("COS/cyclic ack 10 <- 1", Some(data.n)));
     let data = bus.group1(13, 10, &[2]);
-    assert_eq!(bus.group1(13, 10, &[2]).problem, Some(Problem::Unacknowledged { n: data.n }));
+    assert_eq!(bus.group1(13, 10, &[2]).problem, Some(Problem::Flaw(Flaw::Unacknowledged { n: data.n })));
     // Without the poll bit, instance 2 is the master's direction.
     let data = bus.group2(10, 5, &[4]);
     assert_eq!(
@@ -190,7 +196,10 @@ fn fragments_of_a_known_size_are_put_together() {
     let heard = bus.group2(10, 5, &[0x81, 8, 9, 10]);
     assert_eq!(heard.message.as_deref(), Some(&[1, 2, 3, 4, 5, 6, 7, 8, 9, 10][..]));
     assert_eq!(bus.group1(15, 10, &[]).answers(), Some(heard.n), "the last fragment is the command");
-    assert_eq!(bus.group2(10, 5, &[0x82, 1]).problem, Some(Problem::NoFirstFragment { found: 2 }));
+    assert_eq!(
+        bus.group2(10, 5, &[0x82, 1]).problem,
+        Some(Problem::Flaw(Flaw::NoFirstFragment { found: 2 }))
+    );
     assert_eq!(bus.group2(10, 5, &[]).message.as_deref(), Some(&[][..]), "idle has no fragmentation byte");
     assert_eq!(bus.group2(10, 5, &[0xC0]).problem.map(|problem| problem.code()), Some("reserved_value"));
 }
@@ -299,7 +308,7 @@ fn fragments_beyond_the_connection_size() {
     bus.establish(10, 2, 1000);
     bus.group2(10, 5, &[0x00, 1, 2, 3, 4, 5, 6, 7]);
     let heard = bus.group2(10, 5, &[0x81, 8, 9, 10, 11]);
-    assert_eq!((heard.problem, heard.message), (Some(Problem::TooLong { limit: 10 }), None));
+    assert_eq!((heard.problem, heard.message), (Some(Problem::Flaw(Flaw::TooLong { limit: 10 })), None));
     assert!(heard.text.ends_with("! longer than the connection size of 10 bytes"), "{}", heard.text);
 }
 
@@ -315,7 +324,10 @@ fn fragments_of_a_multicast_poll_are_put_together() {
     let heard = bus.group1(12, 10, &[2]);
     assert_eq!((heard.answers(), heard.problem), (Some(last.n), None), "the last fragment is the command");
     bus.group2(1, 1, &[0x00, 1, 2, 3, 4, 5, 6, 7]);
-    assert_eq!(bus.group2(1, 1, &[0x82, 8]).problem, Some(Problem::OutOfSequence { after: 0, found: 2 }));
+    assert_eq!(
+        bus.group2(1, 1, &[0x82, 8]).problem,
+        Some(Problem::Flaw(Flaw::OutOfSequence { after: 0, found: 2 }))
+    );
     assert_eq!(bus.group2(1, 1, &[]).problem, None, "the one before was answered");
     let heard = bus.group2(1, 1, &[]);
     assert_eq!(heard.problem, Some(Problem::MulticastPollUnanswered { mac: mac(10), count: 1 }));

@@ -93,7 +93,7 @@ fn a_data_length_code_above_eight_is_eight_bytes_with_a_problem() {
     let mut monitor = Box::new(Monitor::new(MonitorConfig::default()));
     let id = link_core::frame::standard_id(0x455);
     let reading = monitor.observe(Instant::ZERO, 1, &Frame::with_dlc(id, 9, [7; 8]).unwrap());
-    assert_eq!(reading.problem, Some(Problem::DataLengthCode { dlc: 9 }));
+    assert_eq!(reading.problem, Some(Problem::Flaw(Flaw::DataLengthCode { dlc: 9 })));
     assert_eq!(reading.value(), Some(&[7; 8][..]));
     assert_eq!(monitor.observe(Instant::ZERO, 2, &Frame::new(id, &[7; 8]).unwrap()).problem, None);
 }

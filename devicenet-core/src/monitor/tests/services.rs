@@ -175,15 +175,23 @@ fn requests_in_a_packet_teach_like_single_ones() {
 fn what_is_wrong_inside_of_a_packet() {
     let mut bus = Bus::with_slave(10, 0x01);
     let short = bus.message(10, 4, &[0x0A, 2, 1, 1, 0, 4, 0, 0x0E, 1]);
-    assert_eq!(short.problem, Some(Problem::TooShort { at_least: 3, found: 2 }), "{}", short.text);
+    assert_eq!(
+        short.problem,
+        Some(Problem::Flaw(Flaw::TooShort { at_least: 3, found: 2 })),
+        "{}",
+        short.text
+    );
     let beyond = bus.message(10, 4, &[0x0A, 2, 1, 1, 0, 9, 0, 0x05, 1, 1]);
-    assert_eq!(beyond.problem, Some(Problem::ReservedValue { field: "offset", found: 9 }));
+    assert_eq!(beyond.problem, Some(Problem::Flaw(Flaw::ReservedValue { field: "offset", found: 9 })));
     bus.message(10, 4, &[0x0A, 2, 1, 1, 0, 4, 0, 0x0E, 1, 1, 1]);
     let other = bus.message(10, 3, &[0x8A, 1, 0, 4, 0, 0x85]);
-    assert_eq!(other.problem, Some(Problem::ServiceMismatch { expected: ServiceCode::GET_ATTRIBUTE_SINGLE }));
+    assert_eq!(
+        other.problem,
+        Some(Problem::Flaw(Flaw::ServiceMismatch { expected: ServiceCode::GET_ATTRIBUTE_SINGLE }))
+    );
     bus.message(10, 4, &[0x0A, 2, 1, 1, 0, 4, 0, 0x05, 1, 1]);
     let more = bus.message(10, 3, &[0x8A, 2, 0, 6, 0, 7, 0, 0x85, 0x85]);
-    assert_eq!(more.problem, Some(Problem::UnexpectedResponse));
+    assert_eq!(more.problem, Some(Problem::Flaw(Flaw::UnexpectedResponse)));
 }
 
 /// Reset of the class resets every connection.

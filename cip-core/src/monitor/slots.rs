@@ -2,30 +2,34 @@
 
 use core::time::Duration;
 
-use cip_core::fragment::{
-    ExplicitOutcome, ExplicitReassembly, FragmentByte, FragmentKind, IoOutcome, IoReassembly,
-};
 use link_core::Instant;
 
-use super::problem::Problem;
+use super::Flaw;
+use crate::fragment::{
+    ExplicitOutcome, ExplicitReassembly, FragmentByte, FragmentKind, IoOutcome, IoReassembly,
+};
 
-/// What a fragment is part of: the identifier, and the MAC ID in the header of an explicit fragment.
+/// What a fragment is part of: the messages of one sender on one connection, one after the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) struct Stream(u32);
+pub struct Stream(u64);
 
 impl Stream {
-    pub(super) fn explicit(identifier: u16, header_mac: u8) -> Self {
-        Self(u32::from(identifier) << 8 | u32::from(header_mac))
+    /// Explicit messages on an identifier, of or to a peer that the identifier does not name.
+    #[must_use]
+    pub fn explicit(identifier: impl Into<u32>, peer: u8) -> Self {
+        Self(u64::from(identifier.into()) << 8 | u64::from(peer))
     }
 
-    pub(super) fn io(identifier: u16) -> Self {
-        Self(u32::from(identifier) << 8)
+    /// The I/O data on an identifier.
+    #[must_use]
+    pub fn io(identifier: impl Into<u32>) -> Self {
+        Self(u64::from(identifier.into()) << 8)
     }
 }
 
 /// What became of a fragment.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Piece<'b> {
+pub enum Piece<'b> {
     /// Kept; more must follow.
     Kept,
     /// The message is whole.
@@ -35,19 +39,19 @@ pub(super) enum Piece<'b> {
     /// It belongs to a message whose beginning was not seen.
     Headless,
     /// The message is lost, by a mistake on the bus.
-    Broken(Problem),
+    Broken(Flaw),
     /// The message is lost, because it exceeds the store.
     Overflow,
 }
 
 /// Up to `N` messages of up to `B` bytes in progress.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub(super) struct Slots<const N: usize, const B: usize> {
+pub struct Slots<const N: usize, const B: usize> {
     /// Kept apart from the buffers, so that a search touches one or two cache lines.
     keys: [Option<Stream>; N],
     slots: [Slot<B>; N],
     /// Messages dropped because every slot was taken.
-    pub(super) evicted: u64,
+    pub evicted: u64,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -64,12 +68,14 @@ enum Machine<const B: usize> {
 }
 
 impl<const N: usize, const B: usize> Slots<N, B> {
-    pub(super) const fn new() -> Self {
+    /// An empty store.
+    #[must_use]
+    pub const fn new() -> Self {
         Self { keys: [const { None }; N], slots: [const { Slot::new() }; N], evicted: 0 }
     }
 
     /// Drops the message in progress of a stream.
-    pub(super) fn discard(&mut self, stream: Stream) {
+    pub fn discard(&mut self, stream: Stream) {
         for key in &mut self.keys {
             if *key == Some(stream) {
                 *key = None;
@@ -78,19 +84,21 @@ impl<const N: usize, const B: usize> Slots<N, B> {
     }
 
     /// True while a message of the stream is being put together.
-    pub(super) fn is_receiving(&self, stream: Stream) -> bool {
+    #[must_use]
+    pub fn is_receiving(&self, stream: Stream) -> bool {
         self.position(stream).and_then(|index| self.slots.get(index)).is_some_and(Slot::is_receiving)
     }
 
-    /// Takes a fragment of an explicit message. The problem beside the piece does not cost the message.
-    pub(super) fn explicit(
+    /// Takes a fragment of an explicit message; `xid` is the transaction ID in its header, false where there is none. The
+    /// flaw beside the piece does not cost the message.
+    pub fn explicit(
         &mut self,
         stream: Stream,
         at: Instant,
         xid: bool,
         byte: FragmentByte,
         data: &[u8],
-    ) -> (Piece<'_>, Option<Problem>) {
+    ) -> (Piece<'_>, Option<Flaw>) {
         let Some(slot) = self.slot(stream, at, byte.kind) else {
             return (Piece::Headless, None);
         };
@@ -100,7 +108,7 @@ impl<const N: usize, const B: usize> Slots<N, B> {
         if byte.kind == FragmentKind::First {
             slot.xid = xid;
         }
-        let changed = (slot.xid != xid && slot.is_receiving()).then_some(Problem::TransactionChanged);
+        let changed = (slot.xid != xid && slot.is_receiving()).then_some(Flaw::TransactionChanged);
         slot.last = at;
         let first_xid = slot.xid;
         let Machine::Explicit(machine) = &mut slot.machine else {
@@ -115,14 +123,14 @@ impl<const N: usize, const B: usize> Slots<N, B> {
                 Piece::Broken(out_of_sequence(expected, found))
             }
             ExplicitOutcome::IgnoredNoFirst => Piece::Headless,
-            ExplicitOutcome::InvalidFirst { count } => Piece::Broken(Problem::FirstNotZero { found: count }),
+            ExplicitOutcome::InvalidFirst { count } => Piece::Broken(Flaw::FirstNotZero { found: count }),
             ExplicitOutcome::Acknowledge => Piece::Headless,
         };
         (piece, changed)
     }
 
     /// Takes a frame of an I/O connection that fragments; `size` is the connection size, if it is known.
-    pub(super) fn io(&mut self, stream: Stream, at: Instant, size: Option<u16>, field: &[u8]) -> Piece<'_> {
+    pub fn io(&mut self, stream: Stream, at: Instant, size: Option<u16>, field: &[u8]) -> Piece<'_> {
         let byte = field.first().copied().map(FragmentByte::from);
         let kind = byte.map_or(FragmentKind::First, |byte| byte.kind);
         let Some(slot) = self.slot(stream, at, kind) else {
@@ -140,15 +148,15 @@ impl<const N: usize, const B: usize> Slots<N, B> {
             IoOutcome::Stored => Piece::Kept,
             IoOutcome::Complete(message) => Piece::Whole(message),
             IoOutcome::TooLong => match size {
-                Some(limit) if usize::from(limit) <= B => Piece::Broken(Problem::TooLong { limit }),
+                Some(limit) if usize::from(limit) <= B => Piece::Broken(Flaw::TooLong { limit }),
                 Some(_) | None => Piece::Overflow,
             },
             IoOutcome::OutOfSequence { expected, found } => Piece::Broken(out_of_sequence(expected, found)),
             IoOutcome::IgnoredNoFirst => Piece::Headless,
-            IoOutcome::InvalidFirst { count } => Piece::Broken(Problem::FirstNotZero { found: count }),
+            IoOutcome::InvalidFirst { count } => Piece::Broken(Flaw::FirstNotZero { found: count }),
             IoOutcome::UnexpectedAcknowledge => {
                 let found = byte.map_or(0, u8::from).into();
-                Piece::Broken(Problem::ReservedValue { field: "fragmentation byte", found })
+                Piece::Broken(Flaw::ReservedValue { field: "fragmentation byte", found })
             }
         }
     }
@@ -190,6 +198,12 @@ impl<const N: usize, const B: usize> Slots<N, B> {
     }
 }
 
+impl<const N: usize, const B: usize> Default for Slots<N, B> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<const B: usize> Slot<B> {
     const fn new() -> Self {
         Self { last: Instant::ZERO, xid: false, machine: Machine::Io(IoReassembly::new(0)) }
@@ -210,8 +224,8 @@ impl<const B: usize> Slot<B> {
     }
 }
 
-fn out_of_sequence(expected: u8, found: u8) -> Problem {
-    Problem::OutOfSequence { after: expected.wrapping_sub(1) & 0x3F, found }
+fn out_of_sequence(expected: u8, found: u8) -> Flaw {
+    Flaw::OutOfSequence { after: expected.wrapping_sub(1) & 0x3F, found }
 }
 
 /// A message whose next fragment takes longer is given up. A sender gives up after two acknowledge times of one second.

@@ -1,0 +1,28 @@
+//! What the passive decoders of the networks share: everything that knows neither identifiers nor addresses.
+//!
+//! A decoder of a network finds out which identifier carries what, from whom and to whom. The rest is the same wherever CIP
+//! runs on CAN, and is here:
+//!
+//! | Type | What |
+//! |---|---|
+//! | [`Flaw`] | what can be wrong with a message |
+//! | [`Frag`] | the fragmentation byte of a frame |
+//! | [`Seen`], [`Answered`] | a frame of the recording, and what its answer says of it |
+//! | [`Slots`] | the messages that are being put together from fragments |
+//! | [`Span`] | where in a message its value stands |
+//!
+//! Storage is fixed, and what a frame costs is bounded.
+
+mod flaw;
+mod frag;
+#[cfg(feature = "serde")]
+pub mod json;
+mod seen;
+mod slots;
+mod span;
+
+pub use flaw::Flaw;
+pub use frag::Frag;
+pub use seen::{Answered, Seen};
+pub use slots::{Piece, Slots, Stream};
+pub use span::Span;
