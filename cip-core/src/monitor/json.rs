@@ -4,7 +4,7 @@ use core::fmt;
 
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use super::{Answered, Frag};
+use super::{Answered, ConnectionState, Frag};
 
 impl Serialize for Frag {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -22,6 +22,12 @@ impl Serialize for Answered {
         map.serialize_entry("n", &self.n)?;
         map.serialize_entry("latency", &self.latency.as_secs_f64())?;
         map.end()
+    }
+}
+
+impl Serialize for ConnectionState {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
     }
 }
 

@@ -13,6 +13,9 @@
 //!
 //! Storage is fixed, and what a frame costs is bounded.
 
+pub mod attribute;
+mod connection;
+mod data;
 mod flaw;
 mod frag;
 #[cfg(feature = "serde")]
@@ -20,9 +23,13 @@ pub mod json;
 mod seen;
 mod slots;
 mod span;
+mod state;
 
+pub use connection::{Connection, Flow, Guess, Side};
+pub use data::{FragmentationGuess, Part, Progress};
 pub use flaw::Flaw;
 pub use frag::Frag;
 pub use seen::{Answered, Seen};
 pub use slots::{Piece, Slots, Stream};
 pub use span::Span;
+pub use state::ConnectionState;

@@ -1,9 +1,8 @@
 //! Complete explicit messages, from the service byte on.
 
 use cip_core::codec::{ParseError, ParseErrorKind};
-use cip_core::monitor::{Answered, Flaw, Seen};
+use cip_core::monitor::{Answered, Flaw, Flow, Seen};
 
-use super::connection::Flow;
 use super::explicit::Route;
 use super::kind::Kind;
 use super::problem::Problem;

@@ -3,16 +3,16 @@
 use cip_core::code::{InstanceId, ServiceCode};
 use cip_core::codec::Wire;
 use cip_core::message::CreateResponse;
-use cip_core::monitor::{Slots, Span};
+use cip_core::monitor::attribute::PRODUCED_ID;
+use cip_core::monitor::{Connection, ConnectionState, Flow, Slots, Span};
 use link_core::Instant;
 
 use super::FragmentationGuess;
-use super::connection::{Connection, Flow};
-use super::connections::{ConnectionState, Predefined};
+use super::connections::Predefined;
 use super::explicit::Channel;
 use super::io::{self, prove};
 use super::kind::Kind;
-use super::learn::{PRODUCED_ID, connection_id};
+use super::learn::connection_id;
 use super::nodes::Node;
 use super::pairing::Transaction;
 use super::reading::{Fields, Message, Reading};

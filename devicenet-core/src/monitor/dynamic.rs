@@ -2,10 +2,9 @@
 //! a connection uses them.
 
 use cip_core::fragment::{FragmentByte, FragmentKind};
-use cip_core::monitor::{Flaw, Frag, Slots, Span, Stream};
+use cip_core::monitor::{Flaw, Flow, Frag, Slots, Span, Stream};
 
 use super::FragmentationGuess;
-use super::connection::Flow;
 use super::created;
 use super::explicit::{self, Route};
 use super::kind::Kind;

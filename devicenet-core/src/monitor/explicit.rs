@@ -4,12 +4,11 @@ use core::time::Duration;
 
 use cip_core::fragment::{AckStatus, FragmentByte, FragmentKind};
 use cip_core::message::BodyFormat;
-use cip_core::monitor::{Flaw, Frag, Piece, Seen, Slots, Stream};
+use cip_core::monitor::{ConnectionState, Flaw, Flow, Frag, Piece, Seen, Slots, Stream};
 use link_core::Instant;
 
 use super::bodies::{self, Parsed};
-use super::connection::Flow;
-use super::connections::{ConnectionState, Predefined};
+use super::connections::Predefined;
 use super::kind::Kind;
 use super::nodes::Roles;
 use super::pairing::Transaction;

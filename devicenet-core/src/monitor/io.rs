@@ -1,12 +1,12 @@
 //! I/O between a slave and its master: poll, COS/cyclic, and the responses to bit-strobe and multicast poll.
 
-use cip_core::fragment::{FragmentByte, FragmentKind, IO_UNFRAGMENTED_LEN};
 use cip_core::message::AllocationChoice;
-use cip_core::monitor::{Flaw, Frag, Piece, Seen, Slots, Span, Stream};
+use cip_core::monitor::{
+    Connection, ConnectionState, Flaw, Flow, Guess, Progress, Seen, Side, Slots, Span, Stream,
+};
 
 use super::FragmentationGuess;
-use super::connection::{Connection, Flow, Guess, Side};
-use super::connections::{ConnectionState, Predefined};
+use super::connections::Predefined;
 use super::kind::Kind;
 use super::nodes::{Node, Roles};
 use super::problem::Problem;
@@ -14,19 +14,6 @@ use super::reading::{Fields, Message, Note, Reading};
 use super::state::State;
 use super::volley;
 use crate::id::{Identifier, MacId};
-
-/// How far a frame takes its message.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Progress {
-    /// The message is complete.
-    Complete,
-    /// It is not, or is lost.
-    Part,
-    /// It is not, and its first fragment was taken for a message of its own.
-    Begun,
-    /// It is complete, and its first fragment was taken for a message of its own.
-    Reconsidered,
-}
 
 /// One direction of the I/O between a slave and its master.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -210,7 +197,7 @@ pub(super) fn prove(reading: &mut Reading<'_>, connection: &mut Connection) {
     connection.infer(ConnectionState::Established, reading.at);
 }
 
-/// The data of a frame: whole, or a fragment if the connection size is above eight bytes or the frames look like it.
+/// The data of a frame, and the message that it completes.
 pub(super) fn data<'s, const N: usize, const B: usize>(
     slots: &'s mut Slots<N, B>,
     reading: &mut Reading<'_>,
@@ -218,86 +205,14 @@ pub(super) fn data<'s, const N: usize, const B: usize>(
     identifier: Identifier,
     guess: FragmentationGuess,
 ) -> (Progress, Option<&'s [u8]>) {
-    let frame = reading.frame;
-    let field = frame.data();
     let stream = Stream::io(identifier.raw());
-    let size = side.size;
-    if let Some(size) = size {
-        side.guess = Guess::Plain;
-        if usize::from(size) <= IO_UNFRAGMENTED_LEN {
-            check_size(reading, Some(size), field.len());
-            reading.fields.value = Span::tail(field.len(), field.len());
-            return (Progress::Complete, None);
-        }
-    } else if side.guess != Guess::Fragmented && !(continues(side.guess, field) && slots.is_receiving(stream))
-    {
-        let before = core::mem::replace(&mut side.guess, Guess::Plain);
-        if let ([0, _, _, _, _, _, _, _], FragmentationGuess::On) = (field, guess) {
-            side.guess = Guess::Candidate;
-            slots.io(stream, reading.at, None, field);
-        } else if before == Guess::Candidate {
-            // Only a candidate is kept: the search is for nothing in all other frames, which are nearly all.
-            slots.discard(stream);
-        }
-        reading.fields.value = Span::tail(field.len(), field.len());
-        return (Progress::Complete, None);
+    let part = side.frame(slots, reading.at, stream, reading.frame.data(), guess);
+    reading.fields.value = part.value;
+    reading.frag = part.frag;
+    reading.assumed |= part.assumed;
+    reading.flag_if(part.flaw);
+    if part.overflows {
+        reading.note = Some(Note::NotStored);
     }
-    let guessed = size.is_none();
-    let confirmed = guessed && side.guess == Guess::Candidate;
-    reading.assumed |= guessed;
-    let byte = field.first().copied().map(FragmentByte::from);
-    let known = side.known;
-    side.known |= byte.is_none_or(|byte| byte.kind != FragmentKind::Middle);
-    let piece = slots.io(stream, reading.at, size, field);
-    if guessed && matches!(piece, Piece::Broken(_)) {
-        // It was not fragmented after all, or has changed.
-        side.guess = Guess::Plain;
-        reading.fields.value = Span::tail(field.len(), field.len());
-        return (Progress::Complete, None);
-    }
-    if guessed {
-        side.guess = Guess::Fragmented;
-    }
-    reading.frag = byte.map(Frag::new);
-    match piece {
-        Piece::Whole(message) => {
-            check_size(reading, size, message.len());
-            let progress = if confirmed { Progress::Reconsidered } else { Progress::Complete };
-            (progress, Some(message))
-        }
-        Piece::Broken(problem) => {
-            reading.flag(problem);
-            (Progress::Part, None)
-        }
-        Piece::Headless => {
-            match byte {
-                Some(byte) if known => reading.flag(Flaw::NoFirstFragment { found: byte.count() }),
-                Some(_) | None => reading.assumed = true,
-            }
-            (Progress::Part, None)
-        }
-        Piece::Overflow => {
-            reading.note = Some(Note::NotStored);
-            (Progress::Part, None)
-        }
-        Piece::Kept | Piece::Repeated if confirmed => (Progress::Begun, None),
-        Piece::Kept | Piece::Repeated => (Progress::Part, None),
-    }
-}
-
-/// True if the frame is the second fragment after a frame that could be the first, if that is still kept.
-fn continues(guess: Guess, field: &[u8]) -> bool {
-    let second = field.first().copied().map(FragmentByte::from).is_some_and(|byte| {
-        let full = byte.kind == FragmentKind::Last || field.len() == IO_UNFRAGMENTED_LEN;
-        matches!(byte.kind, FragmentKind::Middle | FragmentKind::Last) && byte.count() == 1 && full
-    });
-    guess == Guess::Candidate && second
-}
-
-/// An empty message is idle or "no data", whatever the size.
-fn check_size(reading: &mut Reading<'_>, size: Option<u16>, len: usize) {
-    let found = u16::try_from(len).unwrap_or(u16::MAX);
-    if let Some(expected) = size.filter(|&size| found != 0 && found != size) {
-        reading.flag(Flaw::IoLength { expected, found });
-    }
+    (part.progress, part.message)
 }

@@ -3,7 +3,7 @@
 use cip_core::monitor::json::{LowerHex, Words, optional};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use super::connections::{ConnectionName, ConnectionState, Predefined};
+use super::connections::{ConnectionName, Predefined};
 use super::kind::Kind;
 use super::reading::{Fields, Message, Reading};
 
@@ -45,12 +45,6 @@ impl Serialize for Message<'_> {
         fields(&mut map, self.kind, &self.fields, self.value())?;
         map.serialize_entry("data", &Words(LowerHex(self.data)))?;
         map.end()
-    }
-}
-
-impl Serialize for ConnectionState {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
     }
 }
 

@@ -66,7 +66,6 @@
 
 mod bodies;
 mod broadcast;
-mod connection;
 mod connections;
 mod created;
 mod dup_mac;
@@ -94,8 +93,8 @@ mod ucmm;
 mod unconnected;
 mod volley;
 
-pub use cip_core::monitor::{Answered, Frag};
-pub use connections::{ConnectionName, ConnectionRecord, ConnectionState, DynamicConnection, Predefined};
+pub use cip_core::monitor::{Answered, ConnectionState, Frag, FragmentationGuess};
+pub use connections::{ConnectionName, ConnectionRecord, DynamicConnection, Predefined};
 pub use kind::Kind;
 pub use nodes::{AccessState, NAME_CAPACITY, NodeRecord, Roles};
 pub use problem::Problem;
@@ -106,10 +105,9 @@ pub(crate) use text::write_status;
 pub use text::{ValueText, Words};
 
 use cip_core::code::ServiceCode;
-use cip_core::monitor::{Flaw, Slots};
+use cip_core::monitor::{Flaw, Flow, Slots};
 use link_core::{Frame, Instant};
 
-use connection::Flow;
 use io::Lane;
 use state::State;
 
@@ -128,16 +126,6 @@ pub struct MonitorConfig {
     /// begins with 0 is followed by its continuation on the same identifier. On by default; everything decoded by it is
     /// marked assumed.
     pub fragmentation: FragmentationGuess,
-}
-
-/// Whether fragmented I/O is guessed. See [`MonitorConfig::fragmentation`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum FragmentationGuess {
-    /// It is.
-    #[default]
-    On,
-    /// I/O data of unknown size are shown as they are.
-    Off,
 }
 
 /// The passive decoder. `N` is the number of messages that can be in progress at a time and also the number of

@@ -1,10 +1,9 @@
 //! Which response belongs to which request.
 
 use cip_core::code::{AttributeId, ClassId, InstanceId, ServiceCode};
-use cip_core::monitor::Seen;
+use cip_core::monitor::attribute::EXPECTED_PACKET_RATE;
+use cip_core::monitor::{ConnectionState, Seen};
 
-use super::connections::ConnectionState;
-use super::learn;
 use crate::id::MacId;
 
 /// A request that was seen and not answered yet, with what the response does not repeat.
@@ -41,7 +40,7 @@ impl Transaction {
         is_its
             && match (state, self.service) {
                 (ConnectionState::Configuring, ServiceCode::SET_ATTRIBUTE_SINGLE) => {
-                    self.attribute == Some(AttributeId(learn::EXPECTED_PACKET_RATE))
+                    self.attribute == Some(AttributeId(EXPECTED_PACKET_RATE))
                 }
                 (ConnectionState::Configuring, ServiceCode::APPLY_ATTRIBUTES)
                 | (ConnectionState::TimedOut, ServiceCode::RESET) => true,

@@ -4,10 +4,10 @@ use cip_core::code::{
     AdditionalCode, AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode, VendorId,
 };
 use cip_core::message::{AllocationChoice, BodyFormat};
-use cip_core::monitor::{Answered, Frag, Span};
+use cip_core::monitor::{Answered, ConnectionState, Frag, Span};
 use link_core::{Frame, Instant};
 
-use super::connections::{ConnectionState, DynamicConnection};
+use super::connections::DynamicConnection;
 use super::kind::Kind;
 use super::packet::Parts;
 use super::problem::Problem;

@@ -4,10 +4,10 @@ use core::time::Duration;
 
 use cip_core::code::{DeviceType, VendorId};
 use cip_core::message::AllocationChoice;
+use cip_core::monitor::{Connection, ConnectionState};
 use link_core::Instant;
 
-use super::connection::Connection;
-use super::connections::{ConnectionState, Predefined};
+use super::connections::Predefined;
 use super::nodes::{AccessState, Node};
 use crate::id::MacId;
 

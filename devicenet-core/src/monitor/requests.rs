@@ -3,13 +3,13 @@
 use cip_core::code::{AttributeId, ClassId, InstanceId, ServiceCode};
 use cip_core::codec::Wire;
 use cip_core::message::{AllocateRequest, AllocationChoice, BodyFormat, ReleaseRequest, Request};
+use cip_core::monitor::attribute::{CONSUMED_PATH, PRODUCED_PATH, instance_of};
 use cip_core::monitor::{Flaw, Seen, Span};
 use link_core::Instant;
 
 use super::bodies::{Parsed, problem_of};
 use super::explicit::{Knowledge, Route};
 use super::kind::Kind;
-use super::learn::{self, CONSUMED_PATH, PRODUCED_PATH};
 use super::packet;
 use super::pairing::Transaction;
 use super::reading::{Detail, Fields};
@@ -210,7 +210,7 @@ fn likely_format(body: &[u8]) -> Option<BodyFormat> {
 /// it names (0: none).
 pub(super) fn argument(class: Option<ClassId>, attribute: AttributeId, value: &[u8]) -> u16 {
     if class == Some(ClassId::CONNECTION) && matches!(attribute.0, PRODUCED_PATH | CONSUMED_PATH) {
-        return learn::instance_of(value).unwrap_or(InstanceId::CLASS).0;
+        return instance_of(value).unwrap_or(InstanceId::CLASS).0;
     }
     le16(value)
 }

@@ -3,10 +3,10 @@
 use cip_core::code::{ClassId, ServiceCode};
 use cip_core::codec::Wire;
 use cip_core::message::{AllocateResponse, AllocationChoice, BodyFormat, Response};
-use cip_core::monitor::{Flaw, Seen, Span};
+use cip_core::monitor::attribute::EXPECTED_PACKET_RATE;
+use cip_core::monitor::{ConnectionState, Flaw, Seen, Span};
 
 use super::bodies::{Parsed, problem_of};
-use super::connections::ConnectionState;
 use super::explicit::{Knowledge, Route};
 use super::kind::Kind;
 use super::learn;
@@ -130,7 +130,7 @@ fn fill(parsed: &mut Parsed, transaction: &Transaction, body: &[u8]) {
     }
     let Ok(Response::Success { service, data }) = Response::parse(body) else { return };
     let of_rate = transaction.class == Some(ClassId::CONNECTION)
-        && transaction.attribute.is_some_and(|attribute| attribute.0 == learn::EXPECTED_PACKET_RATE)
+        && transaction.attribute.is_some_and(|attribute| attribute.0 == EXPECTED_PACKET_RATE)
         && service == ServiceCode::SET_ATTRIBUTE_SINGLE;
     if of_set && service == ServiceCode::ALLOCATE {
         allocated(parsed, data);

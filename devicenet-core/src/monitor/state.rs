@@ -1,11 +1,10 @@
 //! What the monitor has learned.
 
 use cip_core::code::InstanceId;
-use cip_core::monitor::Seen;
+use cip_core::monitor::{Connection, ConnectionState, Flow, Seen};
 use link_core::Instant;
 
-use super::connection::{Connection, Flow};
-use super::connections::{ConnectionState, DynamicConnection, Predefined};
+use super::connections::{DynamicConnection, Predefined};
 use super::explicit::Channel;
 use super::nodes::{Node, Parent, Roles};
 use super::packet::Packets;
@@ -311,14 +310,6 @@ impl Dynamic {
         self.connection.end(at);
         self.requests = None;
         self.responses = None;
-    }
-}
-
-impl Connection {
-    /// Counts a frame of the connection.
-    pub(super) fn count(&mut self, bytes: usize) {
-        self.frames = self.frames.saturating_add(1);
-        self.bytes = self.bytes.saturating_add(u64::try_from(bytes).unwrap_or_default());
     }
 }
 

@@ -2,10 +2,9 @@
 
 use cip_core::code::{AdditionalCode, ServiceCode};
 use cip_core::codec::Wire;
-use cip_core::monitor::{Flaw, Seen, Span};
+use cip_core::monitor::{Connection, Flaw, Seen, Span};
 
 use super::bodies::problem_of;
-use super::connection::Connection;
 use super::explicit::Channel;
 use super::kind::Kind;
 use super::learn;

@@ -1,12 +1,11 @@
 //! Commands to many slaves, bit-strobe and multicast poll, and their responses.
 
 use cip_core::message::AllocationChoice;
-use cip_core::monitor::{Flaw, Seen, Slots, Span};
+use cip_core::monitor::{Connection, ConnectionState, Flaw, Guess, Progress, Seen, Slots, Span};
 
 use super::FragmentationGuess;
-use super::connection::{Connection, Guess};
-use super::connections::{ConnectionState, Predefined};
-use super::io::{self, Progress, prove};
+use super::connections::Predefined;
+use super::io::{self, prove};
 use super::kind::Kind;
 use super::nodes::{Node, Roles, Volley};
 use super::problem::Problem;

@@ -2,10 +2,10 @@
 
 use cip_core::code::{AttributeId, InstanceId, ServiceCode};
 use cip_core::message::{AllocationChoice, BodyFormat};
+use cip_core::monitor::{Connection, ConnectionState};
 use link_core::Instant;
 
-use super::super::connection::Connection;
-use super::super::connections::{ConnectionState, Predefined};
+use super::super::connections::Predefined;
 use super::super::explicit::{Channel, Knowledge};
 use super::super::nodes::{Allocation, Node, Parent, Roles};
 use super::super::pairing::Transaction;
@@ -74,7 +74,7 @@ fn allocated(
         node.group = None;
     }
     if choice.contains(AllocationChoice::EXPLICIT) {
-        node.connection(Predefined::Explicit).allocate(Predefined::Explicit, at);
+        node.connection(Predefined::Explicit).open(at);
         node.explicit = Channel::told(format);
     } else if node.explicit.knowledge == Knowledge::None {
         node.explicit.format = format;
@@ -86,18 +86,18 @@ fn allocated(
     let poll = node.connection(Predefined::Poll);
     let exists = poll.is_alive() || poll.state == ConnectionState::Configuring;
     if (changes || choice.contains(AllocationChoice::POLL)) && !(shares && exists) {
-        poll.allocate(Predefined::Poll, at);
+        poll.allocate(at);
     }
     for (bit, which) in [
         (AllocationChoice::BIT_STROBE, Predefined::BitStrobe),
         (AllocationChoice::MULTICAST_POLL, Predefined::MulticastPoll),
     ] {
         if choice.contains(bit) {
-            node.connection(which).allocate(which, at);
+            node.connection(which).allocate(at);
         }
     }
     if changes {
-        node.connection(Predefined::CosCyclic).allocate(Predefined::CosCyclic, at);
+        node.connection(Predefined::CosCyclic).allocate(at);
     }
     let explicit = node.peek(Predefined::Explicit).state;
     let is_own = !matches!(explicit, ConnectionState::NonExistent | ConnectionState::Unknown);

@@ -1,11 +1,11 @@
 //! The Connection object.
 
 use cip_core::code::{InstanceId, ServiceCode};
-use cip_core::epath::Epath;
+use cip_core::monitor::attribute::{CONSUMED_ID, PRODUCED_ID};
+use cip_core::monitor::{Connection, ConnectionState};
 use link_core::Instant;
 
-use super::super::connection::{Connection, EXPLICIT_EPR};
-use super::super::connections::{ConnectionState, Predefined};
+use super::super::connections::Predefined;
 use super::super::created;
 use super::super::pairing::Transaction;
 use super::super::problem::Problem;
@@ -46,11 +46,11 @@ pub(super) fn learn<const N: usize>(
     match request.service {
         ServiceCode::GET_ATTRIBUTE_SINGLE => {
             let attribute = request.attribute?.0;
-            got(held, attribute, data, at);
+            held.was_read(attribute, data, at);
             return wrong_identifier(predefined?, server, owner, attribute, data);
         }
         ServiceCode::SET_ATTRIBUTE_SINGLE => {
-            set(held, request.attribute?.0, request.argument, data, at, predefined.is_some());
+            held.was_set(request.attribute?.0, request.argument, data, at, predefined.is_some());
         }
         ServiceCode::SET_ATTRIBUTES_ALL => held.forget(),
         ServiceCode::APPLY_ATTRIBUTES => held.enter(ConnectionState::Established, at),
@@ -80,70 +80,6 @@ pub(in crate::monitor) fn connection_id(request: &Transaction, data: &[u8]) -> O
     Some((attribute, raw))
 }
 
-fn got(held: &mut Connection, attribute: u16, data: &[u8], at: Instant) {
-    match (attribute, data) {
-        (STATE, &[value]) => {
-            if let Some(state) = ConnectionState::from_attribute(value)
-                && (state != held.state || held.assumed)
-            {
-                let active = held.active;
-                held.enter(state, at);
-                if state == ConnectionState::Established && active != Instant::ZERO {
-                    held.touch(at);
-                }
-            }
-        }
-        (PRODUCED_SIZE, &[low, high]) => held.produced.size = Some(u16::from_le_bytes([low, high])),
-        (CONSUMED_SIZE, &[low, high]) => held.consumed.size = Some(u16::from_le_bytes([low, high])),
-        (EXPECTED_PACKET_RATE, &[low, high]) => held.epr = Some(u16::from_le_bytes([low, high])),
-        (WATCHDOG_ACTION, &[action]) => held.watchdog_action = Some(action),
-        (PRODUCED_PATH, path) => held.produced.path = instance_of(path),
-        (CONSUMED_PATH, path) => held.consumed.path = instance_of(path),
-        (INHIBIT_TIME, &[low, high]) => held.inhibit = Some(u16::from_le_bytes([low, high])),
-        (TIMEOUT_MULTIPLIER, &[multiplier]) => held.multiplier = multiplier,
-        _ => {}
-    }
-}
-
-/// `applies`: the expected packet rate establishes a connection of the predefined set; others wait for Apply_Attributes.
-fn set(held: &mut Connection, attribute: u16, argument: u16, data: &[u8], at: Instant, applies: bool) {
-    let [low, _] = argument.to_le_bytes();
-    let path = Some(InstanceId(argument)).filter(|instance| !instance.is_class());
-    match attribute {
-        EXPECTED_PACKET_RATE => {
-            // A response without data means that the value sent is used.
-            let used = match *data {
-                [low, high] => u16::from_le_bytes([low, high]),
-                _ => argument,
-            };
-            held.epr = Some(used);
-            match held.state {
-                // A new rate does not bring a connection back that has timed out.
-                ConnectionState::TimedOut if !held.assumed => {}
-                // The ten seconds are for the first time only.
-                ConnectionState::Established => held.touch(at),
-                _ if applies => held.enter(ConnectionState::Established, at),
-                _ => {}
-            }
-        }
-        PRODUCED_SIZE => held.produced.size = Some(argument),
-        CONSUMED_SIZE => held.consumed.size = Some(argument),
-        WATCHDOG_ACTION => held.watchdog_action = Some(low),
-        INHIBIT_TIME => held.inhibit = Some(argument),
-        TIMEOUT_MULTIPLIER => held.multiplier = low,
-        // Another assembly: the sizes follow it and are to be learned again.
-        PRODUCED_PATH => {
-            held.produced.size = None;
-            held.produced.path = path;
-        }
-        CONSUMED_PATH => {
-            held.consumed.size = None;
-            held.consumed.path = path;
-        }
-        _ => {}
-    }
-}
-
 /// Attributes 4 and 5 of a predefined connection must name the identifiers of the set.
 fn wrong_identifier(
     which: Predefined,
@@ -171,27 +107,9 @@ fn wrong_identifier(
     (found != expected && found != 0xFFFF).then_some(Problem::WrongConnectionId { expected, found })
 }
 
-/// The instance that a connection path names.
-pub(in crate::monitor) fn instance_of(path: &[u8]) -> Option<InstanceId> {
-    Epath::packed(path).logical().ok()?.instance
-}
-
 /// A connection that UCMM has opened.
 pub(in crate::monitor) fn opened(at: Instant) -> Connection {
     let mut connection = Connection::NEW;
-    connection.allocate(Predefined::Explicit, at);
-    connection.epr = Some(EXPLICIT_EPR);
+    connection.open(at);
     connection
 }
-
-const STATE: u16 = 1;
-pub(in crate::monitor) const PRODUCED_ID: u16 = 4;
-pub(in crate::monitor) const CONSUMED_ID: u16 = 5;
-const PRODUCED_SIZE: u16 = 7;
-const CONSUMED_SIZE: u16 = 8;
-pub(in crate::monitor) const EXPECTED_PACKET_RATE: u16 = 9;
-const WATCHDOG_ACTION: u16 = 12;
-pub(in crate::monitor) const PRODUCED_PATH: u16 = 14;
-pub(in crate::monitor) const CONSUMED_PATH: u16 = 16;
-const INHIBIT_TIME: u16 = 17;
-const TIMEOUT_MULTIPLIER: u16 = 18;

@@ -14,9 +14,7 @@ use super::pairing::Transaction;
 use super::problem::Problem;
 use super::state::{Link, State};
 
-pub(super) use connection::{
-    CONSUMED_PATH, EXPECTED_PACKET_RATE, PRODUCED_ID, PRODUCED_PATH, connection_id, instance_of, opened,
-};
+pub(super) use connection::{connection_id, opened};
 
 /// Learns from the response to `request`, which came by `link`. What the response reveals to be wrong is returned.
 pub(super) fn success<const N: usize>(

@@ -8,11 +8,10 @@ use core::time::Duration;
 
 use cip_core::code::{DeviceType, VendorId};
 use cip_core::message::AllocationChoice;
-use cip_core::monitor::Seen;
+use cip_core::monitor::{Connection, ConnectionState, Seen, Side};
 use link_core::Instant;
 
-use super::connection::{Connection, Side};
-use super::connections::{ConnectionState, Predefined};
+use super::connections::Predefined;
 use super::explicit::Channel;
 use super::pairing::Waiting;
 use crate::id::MacId;

@@ -2,9 +2,8 @@
 
 use cip_core::code::InstanceId;
 use cip_core::message::AllocationChoice;
+use cip_core::monitor::{Connection, ConnectionState};
 
-use super::super::connection::Connection;
-use super::super::connections::ConnectionState;
 use super::Node;
 use crate::id::MacId;
 

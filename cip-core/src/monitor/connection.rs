@@ -2,15 +2,14 @@
 
 use core::time::Duration;
 
-use cip_core::code::InstanceId;
-use cip_core::monitor::Seen;
 use link_core::Instant;
 
-use super::connections::{ConnectionState, Predefined};
+use super::{ConnectionState, Seen};
+use crate::code::InstanceId;
 
 /// Which way a message of a connection goes, seen from the server (slave).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) enum Flow {
+pub enum Flow {
     /// From the client to the server.
     Consumed,
     /// From the server to the client.
@@ -18,7 +17,9 @@ pub(super) enum Flow {
 }
 
 impl Flow {
-    pub(super) const fn opposite(self) -> Self {
+    /// The other way.
+    #[must_use]
+    pub const fn opposite(self) -> Self {
         match self {
             Self::Consumed => Self::Produced,
             Self::Produced => Self::Consumed,
@@ -28,7 +29,7 @@ impl Flow {
 
 /// Whether an I/O direction whose size is unknown is taken to be fragmented.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) enum Guess {
+pub enum Guess {
     /// No reason to think so.
     Plain,
     /// The last frame could be a first fragment: first byte 0 and eight bytes.
@@ -39,52 +40,64 @@ pub(super) enum Guess {
 
 /// One direction of an I/O connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) struct Side {
-    pub(super) size: Option<u16>,
-    pub(super) guess: Guess,
+pub struct Side {
+    /// The connection size in bytes.
+    pub size: Option<u16>,
+    /// Whether it is taken to be fragmented, as long as the size is unknown.
+    pub guess: Guess,
     /// The instance that the connection path names, as a rule an assembly.
-    pub(super) path: Option<InstanceId>,
+    pub path: Option<InstanceId>,
     /// A frame of this direction was seen.
-    pub(super) heard: bool,
+    pub heard: bool,
     /// Where a message begins is known: a fragment that does not belong to one is wrong.
-    pub(super) known: bool,
+    pub known: bool,
 }
 
 /// The record of a connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) struct Connection {
-    pub(super) state: ConnectionState,
+pub struct Connection {
+    /// The state.
+    pub state: ConnectionState,
     /// The state is inferred, or rests on a clock that a missing frame would have stopped.
-    pub(super) assumed: bool,
-    pub(super) states_seen: u8,
-    pub(super) epr: Option<u16>,
-    pub(super) watchdog_action: Option<u8>,
+    pub assumed: bool,
+    /// The states it has been in, by [`ConnectionState::bit`].
+    pub states_seen: u8,
+    /// The expected packet rate that the server uses, in milliseconds.
+    pub epr: Option<u16>,
+    /// Attribute 12.
+    pub watchdog_action: Option<u8>,
     /// Attribute 18: the watchdog is EPR x 4 x 2^n.
-    pub(super) multiplier: u8,
-    pub(super) inhibit: Option<u16>,
-    pub(super) consumed: Side,
-    pub(super) produced: Side,
+    pub multiplier: u8,
+    /// Attribute 17, in milliseconds.
+    pub inhibit: Option<u16>,
+    /// What the server consumes.
+    pub consumed: Side,
+    /// What the server produces.
+    pub produced: Side,
     /// What last restarted the watchdog.
-    pub(super) active: Instant,
+    pub active: Instant,
     /// Nothing was consumed since the connection was established: the watchdog has at least ten seconds.
-    pub(super) fresh: bool,
+    pub fresh: bool,
     /// The command or message that waits for its response or acknowledge.
-    pub(super) waiting: Option<Seen>,
+    pub waiting: Option<Seen>,
     /// That command has a length which the slave may ignore.
-    pub(super) excused: bool,
+    pub excused: bool,
     /// At least one command was answered.
-    pub(super) answers: bool,
-    pub(super) frames: u64,
-    pub(super) bytes: u64,
+    pub answers: bool,
+    /// Frames in both directions.
+    pub frames: u64,
+    /// Data bytes in both directions.
+    pub bytes: u64,
 }
 
 impl Side {
-    pub(super) const NEW: Self =
-        Self { size: None, guess: Guess::Plain, path: None, heard: false, known: false };
+    /// A direction of which nothing is known.
+    pub const NEW: Self = Self { size: None, guess: Guess::Plain, path: None, heard: false, known: false };
 }
 
 impl Connection {
-    pub(super) const NEW: Self = Self {
+    /// A connection of which nothing is known.
+    pub const NEW: Self = Self {
         state: ConnectionState::Unknown,
         assumed: true,
         states_seen: 0,
@@ -103,7 +116,8 @@ impl Connection {
         bytes: 0,
     };
 
-    pub(super) fn side(&mut self, flow: Flow) -> &mut Side {
+    /// One of its directions.
+    pub fn side(&mut self, flow: Flow) -> &mut Side {
         match flow {
             Flow::Consumed => &mut self.consumed,
             Flow::Produced => &mut self.produced,
@@ -111,7 +125,7 @@ impl Connection {
     }
 
     /// Enters a state that a message has told.
-    pub(super) fn enter(&mut self, state: ConnectionState, at: Instant) {
+    pub fn enter(&mut self, state: ConnectionState, at: Instant) {
         if state == ConnectionState::Established && self.state != ConnectionState::Established {
             self.fresh = true;
             if !self.assumed {
@@ -124,30 +138,30 @@ impl Connection {
     }
 
     /// Enters a state that is only inferred.
-    pub(super) fn infer(&mut self, state: ConnectionState, at: Instant) {
+    pub fn infer(&mut self, state: ConnectionState, at: Instant) {
         self.set(state, true);
         self.active = at;
     }
 
-    /// A successful allocation: the defaults of the predefined set. Sizes and paths of the device stay.
-    pub(super) fn allocate(&mut self, connection: Predefined, at: Instant) {
-        self.waiting = None;
-        self.answers = false;
-        self.multiplier = 0;
-        if connection == Predefined::Explicit {
-            self.epr = Some(EXPLICIT_EPR);
-            self.watchdog_action = Some(ACTION_AUTO_DELETE);
-            self.enter(ConnectionState::Established, at);
-            self.fresh = false;
-        } else {
-            self.epr = Some(0);
-            self.watchdog_action = Some(ACTION_TIMED_OUT);
-            self.enter(ConnectionState::Configuring, at);
-        }
+    /// The server has made it for explicit messages: it is established at once.
+    pub fn open(&mut self, at: Instant) {
+        self.remake();
+        self.epr = Some(EXPLICIT_EPR);
+        self.watchdog_action = Some(ACTION_AUTO_DELETE);
+        self.enter(ConnectionState::Established, at);
+        self.fresh = false;
+    }
+
+    /// The server has made it for I/O, with the defaults of a predefined connection. Sizes and paths of the device stay.
+    pub fn allocate(&mut self, at: Instant) {
+        self.remake();
+        self.epr = Some(0);
+        self.watchdog_action = Some(ACTION_TIMED_OUT);
+        self.enter(ConnectionState::Configuring, at);
     }
 
     /// All attributes were set at once. No layout is known of that: what they are is to be learned again.
-    pub(super) fn forget(&mut self) {
+    pub fn forget(&mut self) {
         self.epr = None;
         self.watchdog_action = None;
         self.multiplier = 0;
@@ -159,51 +173,53 @@ impl Connection {
     }
 
     /// Its watchdog was started anew, with its whole time but not with the ten seconds of a new connection: Reset.
-    pub(super) fn restart(&mut self, at: Instant) {
+    pub fn restart(&mut self, at: Instant) {
         self.enter(ConnectionState::Established, at);
         self.fresh = false;
     }
 
     /// Every connection was reset: it has restarted if it is one that can.
-    pub(super) fn reset(&mut self, at: Instant) {
+    pub fn reset(&mut self, at: Instant) {
         if matches!(self.state, ConnectionState::Established | ConnectionState::TimedOut) {
             self.restart(at);
         }
     }
 
     /// The connection is gone.
-    pub(super) fn end(&mut self, at: Instant) {
+    pub fn end(&mut self, at: Instant) {
         self.waiting = None;
         self.enter(ConnectionState::NonExistent, at);
     }
 
     /// The connection must be gone, though no message has told. A slave that takes part in it shows that it is not.
-    pub(super) fn lapse(&mut self) {
+    pub fn lapse(&mut self) {
         self.waiting = None;
         self.set(ConnectionState::NonExistent, true);
     }
 
     /// A message that restarts the watchdog was seen.
-    pub(super) fn touch(&mut self, at: Instant) {
+    pub fn touch(&mut self, at: Instant) {
         self.active = at;
         self.fresh = false;
     }
 
     /// How long its peers wait for each other once it is in use; `None` without a watchdog.
-    pub(super) fn time_out(&self) -> Option<Duration> {
+    #[must_use]
+    pub fn time_out(&self) -> Option<Duration> {
         let epr = self.epr.filter(|&epr| epr != 0)?;
         let factor = 4_u32.checked_shl(u32::from(self.multiplier.min(7))).unwrap_or(4);
         Some(Duration::from_millis(u64::from(epr)).saturating_mul(factor))
     }
 
     /// The time of the watchdog as it runs now; `None` without a watchdog.
-    pub(super) fn watchdog(&self) -> Option<Duration> {
+    #[must_use]
+    pub fn watchdog(&self) -> Option<Duration> {
         let time = self.time_out()?;
         Some(if self.fresh { time.max(PRE_CONSUMPTION) } else { time })
     }
 
     /// Lets the watchdog expire if it must have by `now`. `io_alive` says whether I/O of the same set is established.
-    pub(super) fn settle(&mut self, now: Instant, explicit: bool, io_alive: bool) {
+    pub fn settle(&mut self, now: Instant, explicit: bool, io_alive: bool) {
         if self.state == ConnectionState::DeferredDelete && !io_alive {
             self.set(ConnectionState::NonExistent, true);
         }
@@ -226,8 +242,21 @@ impl Connection {
     }
 
     /// True if a command would be answered, as far as the recording tells.
-    pub(super) fn is_alive(&self) -> bool {
+    #[must_use]
+    pub fn is_alive(&self) -> bool {
         self.state == ConnectionState::Established || (self.state == ConnectionState::Unknown && self.answers)
+    }
+
+    /// Counts a frame of the connection.
+    pub fn count(&mut self, bytes: usize) {
+        self.frames = self.frames.saturating_add(1);
+        self.bytes = self.bytes.saturating_add(u64::try_from(bytes).unwrap_or_default());
+    }
+
+    fn remake(&mut self) {
+        self.waiting = None;
+        self.answers = false;
+        self.multiplier = 0;
     }
 
     fn set(&mut self, state: ConnectionState, assumed: bool) {
@@ -238,10 +267,10 @@ impl Connection {
 }
 
 /// The expected packet rate of a new explicit connection, in milliseconds.
-pub(super) const EXPLICIT_EPR: u16 = 2500;
+const EXPLICIT_EPR: u16 = 2500;
 /// A consumer waits at least this long for its first message.
 const PRE_CONSUMPTION: Duration = Duration::from_secs(10);
 const ACTION_TIMED_OUT: u8 = 0;
-pub(super) const ACTION_AUTO_DELETE: u8 = 1;
+const ACTION_AUTO_DELETE: u8 = 1;
 const ACTION_AUTO_RESET: u8 = 2;
 const ACTION_DEFERRED_DELETE: u8 = 3;
