@@ -17,6 +17,7 @@ pub mod attribute;
 mod connection;
 mod data;
 mod flaw;
+mod flight;
 mod frag;
 #[cfg(feature = "serde")]
 pub mod json;
@@ -28,6 +29,7 @@ mod state;
 pub use connection::{Connection, Flow, Guess, Side};
 pub use data::{FragmentationGuess, Part, Progress};
 pub use flaw::Flaw;
+pub use flight::{Acknowledged, Flights};
 pub use frag::Frag;
 pub use seen::{Answered, Seen};
 pub use slots::{Piece, Slots, Stream};

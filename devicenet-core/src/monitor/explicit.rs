@@ -1,11 +1,10 @@
 //! Explicit messages on a connection: header, fragments, acknowledges.
 
-use core::time::Duration;
-
 use cip_core::fragment::{AckStatus, FragmentByte, FragmentKind};
 use cip_core::message::BodyFormat;
-use cip_core::monitor::{ConnectionState, Flaw, Flow, Frag, Piece, Seen, Slots, Stream};
-use link_core::Instant;
+use cip_core::monitor::{
+    Acknowledged, ConnectionState, Flaw, Flights, Flow, Frag, Piece, Seen, Slots, Stream,
+};
 
 use super::bodies::{self, Parsed};
 use super::connections::Predefined;
@@ -25,15 +24,10 @@ pub(super) struct Channel {
     pub(super) knowledge: Knowledge,
     /// The request that waits for its response.
     pub(super) pending: Option<Transaction>,
-    /// The fragment of the client that was sent last.
-    consumed: Option<Flight>,
-    /// The fragment of the server that was sent last.
-    produced: Option<Flight>,
+    /// The fragments that want an acknowledge.
+    flights: Flights,
     /// A complete request was seen: a response without one is unexpected from then on.
     pub(super) asked: bool,
-    /// Where a message of the client begins is known: what does not belong to one is wrong.
-    consumed_known: bool,
-    produced_known: bool,
 }
 
 /// How the body format is known.
@@ -45,15 +39,6 @@ pub(super) enum Knowledge {
     Likely,
     /// The server has told it.
     Told,
-}
-
-/// A fragment that wants an acknowledge.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-struct Flight {
-    seen: Seen,
-    count: u8,
-    xid: bool,
-    acknowledged: bool,
 }
 
 /// The connection, the direction and the streams of an explicit frame.
@@ -74,11 +59,8 @@ impl Channel {
         format: BodyFormat::Class8Instance8,
         knowledge: Knowledge::None,
         pending: None,
-        consumed: None,
-        produced: None,
+        flights: Flights::NEW,
         asked: false,
-        consumed_known: false,
-        produced_known: false,
     };
 
     /// A connection that the server has just made.
@@ -89,27 +71,6 @@ impl Channel {
     /// A connection that was asked for.
     pub(super) const fn likely(format: BodyFormat) -> Self {
         Self { format, knowledge: Knowledge::Likely, ..Self::NEW }
-    }
-
-    fn flight(&mut self, flow: Flow) -> &mut Option<Flight> {
-        match flow {
-            Flow::Consumed => &mut self.consumed,
-            Flow::Produced => &mut self.produced,
-        }
-    }
-
-    /// Forgets the fragment that was sent last; a problem if its acknowledge is overdue.
-    fn give_up(&mut self, flow: Flow, at: Instant) -> Option<Problem> {
-        let flight = self.flight(flow).take().filter(|flight| !flight.acknowledged)?;
-        let overdue = at.saturating_since(flight.seen.at) > ACK_TIME;
-        overdue.then_some(Problem::Flaw(Flaw::FragmentUnacknowledged { count: flight.count }))
-    }
-
-    fn known(&mut self, flow: Flow) -> &mut bool {
-        match flow {
-            Flow::Consumed => &mut self.consumed_known,
-            Flow::Produced => &mut self.produced_known,
-        }
     }
 }
 
@@ -151,16 +112,14 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
         let unacknowledged = match intrudes {
             true => None,
             false => {
-                let consumed = channel.give_up(Flow::Consumed, reading.at);
-                consumed.or(channel.give_up(Flow::Produced, reading.at))
+                let consumed = channel.flights.give_up(Flow::Consumed, reading.at);
+                consumed.or(channel.flights.give_up(Flow::Produced, reading.at))
             }
         };
         let seen = Seen { n: reading.n, at: reading.at };
         bodies::message(state, route, seen, header, body, 1).apply(reading);
         reading.flag_if(unacknowledged);
-        let channel = state.channel(route.link);
-        channel.consumed_known = true;
-        channel.produced_known = true;
+        state.channel(route.link).flights.know();
         return None;
     }
     reading.kind = Kind::Fragment;
@@ -248,21 +207,16 @@ fn fragment<'s, const N: usize, const B: usize>(
         reading.flag(Flaw::TooShort { at_least: 3, found: 2 });
     }
     let (at, seen) = (reading.at, Seen { n: reading.n, at: reading.at });
-    let channel = state.channel(route.link);
-    let known = *channel.known(route.flow);
-    *channel.known(route.flow) |= byte.kind != FragmentKind::Middle;
+    let flights = &mut state.channel(route.link).flights;
+    let known = flights.is_known(route.flow);
+    flights.learn(route.flow, byte.kind);
     if !route.intrudes {
-        let flight = Flight { seen, count: byte.count(), xid: header.xid, acknowledged: false };
-        let before = channel.flight(route.flow).replace(flight);
-        if let Some(before) = before.filter(|before| !before.acknowledged) {
-            reading.flag(Flaw::FragmentUnacknowledged { count: before.count });
-        }
+        reading.flag_if(flights.send(route.flow, seen, byte, header.xid));
     }
     if byte.kind == FragmentKind::First {
         // A new message: what the other side was sending is given up.
         if !route.intrudes {
-            let unacknowledged = channel.give_up(route.flow.opposite(), at);
-            reading.flag_if(unacknowledged);
+            reading.flag_if(flights.give_up(route.flow.opposite(), at));
         }
         if let Some(opposite) = route.opposite {
             slots.discard(opposite);
@@ -332,46 +286,30 @@ fn acknowledge<const N: usize, const B: usize>(
     if route.intrudes {
         return;
     }
-    let channel = state.channel(route.link);
-    let known = *channel.known(acknowledged);
-    let Some(flight) = channel.flight(acknowledged) else {
-        if known {
-            reading.flag(Flaw::UnknownAcknowledge { count });
-        } else {
-            reading.assumed = true;
-        }
-        return;
-    };
-    if flight.count != count {
-        if count == flight.count.wrapping_sub(1) & COUNT_MASK && flight.count != 0 {
+    let flights = &mut state.channel(route.link).flights;
+    let (answered, flaw) = match flights.acknowledge(acknowledged, reading.at, count, header.xid) {
+        Acknowledged::Fragment(answered, flaw) => (answered, flaw),
+        Acknowledged::Repeated => {
             reading.note = Some(Note::Repeated);
-        } else {
-            reading.flag(Flaw::UnknownAcknowledge { count });
+            return;
         }
-        return;
-    }
-    if flight.acknowledged {
-        reading.note = Some(Note::Repeated);
-        return;
-    }
-    flight.acknowledged = true;
-    let answered = flight.seen.answered(reading.at);
+        Acknowledged::Assumed => {
+            reading.assumed = true;
+            return;
+        }
+        Acknowledged::Unknown(flaw) => {
+            reading.flag(flaw);
+            return;
+        }
+    };
     reading.request = Some(answered);
-    if flight.xid != header.xid {
-        reading.flag(Flaw::TransactionMismatch);
-    }
     if status == Some(AckStatus::TooMuchData) {
         reading.flag(Flaw::FragmentRefused);
         if let Some(stream) = route.opposite {
             slots.discard(stream);
         }
     }
-    if answered.latency > ACK_TIME {
-        reading.flag(Flaw::LateAcknowledge { count });
-    }
+    reading.flag_if(flaw);
 }
 
 const ACK_LEN: usize = 3;
-const COUNT_MASK: u8 = 0x3F;
-/// A sender repeats a fragment that was not acknowledged within this time.
-const ACK_TIME: Duration = Duration::from_secs(1);

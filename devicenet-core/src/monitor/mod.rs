@@ -114,7 +114,7 @@ use state::State;
 use crate::id::{Identifier, MacId, Purpose};
 use crate::message::ExplicitHeader;
 
-/// A monitor for a whole network: 32 messages in progress of up to 512 bytes, 32 connections opened by UCMM. About 102
+/// A monitor for a whole network: 32 messages in progress of up to 512 bytes, 32 connections opened by UCMM. About 104
 /// kilobytes.
 pub type Monitor = SizedMonitor<32, 512>;
 
