@@ -55,13 +55,3 @@ impl<T: fmt::Display> Serialize for Words<T> {
         serializer.collect_str(&self.0)
     }
 }
-
-/// Bytes as lower-case hexadecimal digits without spaces.
-#[derive(Debug, Clone, Copy)]
-pub struct LowerHex<'a>(pub &'a [u8]);
-
-impl fmt::Display for LowerHex<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
-    }
-}

@@ -16,18 +16,23 @@
 pub mod attribute;
 mod connection;
 mod data;
+mod explicit;
 mod flaw;
 mod flight;
 mod frag;
 #[cfg(feature = "serde")]
 pub mod json;
+pub mod packet;
 mod seen;
 mod slots;
 mod span;
 mod state;
+pub mod text;
+mod vocabulary;
 
 pub use connection::{Connection, Flow, Guess, Side};
 pub use data::{FragmentationGuess, Part, Progress};
+pub use explicit::{Asked, Explicit, PacketRate, ReadRequest, ReadResponse, likely_format};
 pub use flaw::Flaw;
 pub use flight::{Acknowledged, Flights};
 pub use frag::Frag;
@@ -35,3 +40,4 @@ pub use seen::{Answered, Seen};
 pub use slots::{Piece, Slots, Stream};
 pub use span::Span;
 pub use state::ConnectionState;
+pub use vocabulary::Vocabulary;

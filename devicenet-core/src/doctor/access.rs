@@ -173,11 +173,13 @@ impl<const N: usize> Clinic<'_, N> {
     fn told(&mut self, reading: &Reading<'_>, mac: MacId, seen: Seen) {
         let message = reading.message.as_ref();
         let fields = message.map_or(&reading.fields, |message| &message.fields);
-        if fields.service != Some(ServiceCode::GET_ATTRIBUTE_SINGLE) || fields.status.is_some() {
+        if fields.explicit.service != Some(ServiceCode::GET_ATTRIBUTE_SINGLE)
+            || fields.explicit.status.is_some()
+        {
             return;
         }
         let value = message.map_or(reading.value(), |message| message.value()).unwrap_or_default();
-        match (fields.class, fields.attribute, value) {
+        match (fields.explicit.class, fields.explicit.attribute, value) {
             (Some(ClassId::IDENTITY), Some(STATUS), &[low, high]) => {
                 let status = u16::from_le_bytes([low, high]);
                 if status & FAULTS == 0 {

@@ -47,7 +47,8 @@ impl<const N: usize> Clinic<'_, N> {
         let Some(rhythm) = self.records.rhythm(mac) else { return };
         let seen = Seen { n: reading.n, at: reading.at };
         // What is not acknowledged is sent again.
-        let is_again = is_excused || matches!(reading.problem, Some(Problem::Unacknowledged { .. }));
+        let is_again =
+            is_excused || matches!(reading.problem, Some(Problem::Flaw(Flaw::Unacknowledged { .. })));
         let data = reading.value().unwrap_or_default();
         if let Some(first) = self.patient(mac).rhythm.message(seen, data, &rhythm, is_again) {
             self.second_sender(mac, reading, first);

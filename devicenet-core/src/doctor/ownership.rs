@@ -26,7 +26,7 @@ impl<const N: usize> Clinic<'_, N> {
             _ => {
                 let message = reading.message.as_ref();
                 let fields = message.map_or(&reading.fields, |message| &message.fields);
-                reading.kind != Kind::ExplicitRequest && fields.class == Some(ClassId::IDENTITY)
+                reading.kind != Kind::ExplicitRequest && fields.explicit.class == Some(ClassId::IDENTITY)
             }
         };
         if !is_told {
@@ -68,7 +68,7 @@ impl<const N: usize> Clinic<'_, N> {
                 self.event(Rule::TwoMasters, Severity::Warning, reading.dst, facts, seen);
             }
             (Some(Problem::Refused { status, additional }), _, Some(slave))
-                if reading.fields.requested == Some(ServiceCode::ALLOCATE) =>
+                if reading.fields.explicit.requested == Some(ServiceCode::ALLOCATE) =>
             {
                 let facts =
                     Facts::Refusal { master: reading.dst, choice: reading.fields.choice, status, additional };
@@ -197,8 +197,8 @@ impl<const N: usize> Clinic<'_, N> {
 
 fn is_release(reading: &Reading<'_>) -> bool {
     matches!(reading.kind, Kind::ExplicitResponse | Kind::UnconnectedResponse)
-        && reading.fields.service == Some(ServiceCode::RELEASE)
-        && reading.fields.class == Some(ClassId::DEVICENET)
+        && reading.fields.explicit.service == Some(ServiceCode::RELEASE)
+        && reading.fields.explicit.class == Some(ClassId::DEVICENET)
 }
 
 /// What is known now, and what was known before where now nothing is.

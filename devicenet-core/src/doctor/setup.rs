@@ -45,15 +45,15 @@ enum Told {
 
 impl Told {
     fn of(fields: &Fields<'_>, value: &[u8]) -> Option<Self> {
-        if fields.service != Some(ServiceCode::GET_ATTRIBUTE_SINGLE) {
+        if fields.explicit.service != Some(ServiceCode::GET_ATTRIBUTE_SINGLE) {
             return None;
         }
         let &[low, high] = value else { return None };
         let found = u16::from_le_bytes([low, high]);
-        let AttributeId(attribute) = fields.attribute?;
-        if fields.class == Some(ClassId::CONNECTION) {
-            let which =
-                Predefined::from_instance(fields.instance?).filter(|which| *which != Predefined::Explicit)?;
+        let AttributeId(attribute) = fields.explicit.attribute?;
+        if fields.explicit.class == Some(ClassId::CONNECTION) {
+            let which = Predefined::from_instance(fields.explicit.instance?)
+                .filter(|which| *which != Predefined::Explicit)?;
             let is_produced = match attribute {
                 PRODUCED_SIZE => true,
                 CONSUMED_SIZE => false,
@@ -61,7 +61,8 @@ impl Told {
             };
             return Some(Self::Size { which, is_produced, found });
         }
-        let is_identity = fields.class == Some(ClassId::IDENTITY) && fields.instance == Some(InstanceId(1));
+        let is_identity = fields.explicit.class == Some(ClassId::IDENTITY)
+            && fields.explicit.instance == Some(InstanceId(1));
         let (field, found) = match attribute {
             1 => (KeyField::Vendor, found),
             2 => (KeyField::DeviceType, found),
@@ -96,13 +97,13 @@ impl<const N: usize> Clinic<'_, N> {
         let Some(mut setup) = self.patient(slave).setup.filter(|setup| setup.client == reading.dst) else {
             return;
         };
-        let is_release =
-            fields.service == Some(ServiceCode::RELEASE) && fields.class == Some(ClassId::DEVICENET);
+        let is_release = fields.explicit.service == Some(ServiceCode::RELEASE)
+            && fields.explicit.class == Some(ClassId::DEVICENET);
         if is_release || matches!(fields.detail, Detail::Close) {
             self.patient(slave).setup = None;
             return self.let_go(slave, setup, seen);
         }
-        if let Detail::PacketRate { .. } = fields.detail {
+        if fields.explicit.rate.is_some() {
             // It is taken into service.
             let patient = self.patient(slave);
             (patient.setup, patient.rejected) = (None, None);

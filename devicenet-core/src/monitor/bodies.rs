@@ -1,7 +1,6 @@
 //! Complete explicit messages, from the service byte on.
 
-use cip_core::codec::{ParseError, ParseErrorKind};
-use cip_core::monitor::{Answered, Flaw, Flow, Seen};
+use cip_core::monitor::{Answered, Flow, Seen};
 
 use super::explicit::Route;
 use super::kind::Kind;
@@ -60,24 +59,5 @@ pub(super) fn message<const N: usize>(
     match route.flow {
         Flow::Consumed => requests::connected(state, route, seen, header, body, before),
         Flow::Produced => responses::connected(state, route, seen, header, body, before),
-    }
-}
-
-/// A parse error as a problem; its offsets count from the service byte or service data, which is where the reader
-/// looks for what is missing.
-pub(super) fn problem_of(error: ParseError, len: usize) -> Problem {
-    let narrow = |value: usize| u16::try_from(value).unwrap_or(u16::MAX);
-    match error.kind {
-        ParseErrorKind::Short { expected, .. } => Problem::Flaw(Flaw::TooShort {
-            at_least: narrow(error.offset.saturating_add(expected)),
-            found: narrow(len),
-        }),
-        ParseErrorKind::Trailing { .. } => {
-            Problem::Flaw(Flaw::Length { expected: narrow(error.offset), found: narrow(len) })
-        }
-        ParseErrorKind::Value { found } => {
-            let found = u16::try_from(found).unwrap_or(u16::MAX);
-            Problem::Flaw(Flaw::ReservedValue { field: error.field, found })
-        }
     }
 }

@@ -6,7 +6,6 @@ use cip_core::code::ServiceCode;
 use cip_core::codec::{ParseError, Wire};
 use cip_core::monitor::Flaw;
 
-use super::bodies::problem_of;
 use super::kind::Kind;
 use super::problem::Problem;
 use super::reading::{Detail, Reading};
@@ -61,7 +60,7 @@ pub(super) fn observe<const N: usize>(
         _ => shutdown(state, reading, sender, data),
     };
     if let Err(error) = result {
-        reading.flag(problem_of(error, len));
+        reading.flag(Flaw::of_parse(error, len));
     }
 }
 
@@ -71,9 +70,9 @@ fn heartbeat<const N: usize>(
     sender: MacId,
     data: &[u8],
 ) -> Result<(), ParseError> {
-    reading.fields.service = Some(HEARTBEAT);
+    reading.fields.explicit.service = Some(HEARTBEAT);
     let heartbeat = Heartbeat::parse(data)?;
-    reading.fields.instance = Some(heartbeat.instance);
+    reading.fields.explicit.instance = Some(heartbeat.instance);
     reading.fields.detail = Detail::Heartbeat {
         state: heartbeat.state.0,
         flags: heartbeat.flags.bits(),
@@ -103,14 +102,14 @@ fn shutdown<const N: usize>(
     sender: MacId,
     data: &[u8],
 ) -> Result<(), ParseError> {
-    reading.fields.service = Some(SHUTDOWN);
+    reading.fields.explicit.service = Some(SHUTDOWN);
     state.drop_connections(sender, reading.at);
     let node = state.node(sender);
     node.heartbeat = None;
     node.goes_off_line(reading.at);
     let shutdown = Shutdown::parse(data)?;
-    reading.fields.class = Some(shutdown.class);
-    reading.fields.instance = Some(shutdown.instance);
+    reading.fields.explicit.class = Some(shutdown.class);
+    reading.fields.explicit.instance = Some(shutdown.instance);
     reading.fields.detail = Detail::Shutdown { code: shutdown.code.0 };
     Ok(())
 }

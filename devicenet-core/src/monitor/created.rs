@@ -4,7 +4,7 @@ use cip_core::code::{InstanceId, ServiceCode};
 use cip_core::codec::Wire;
 use cip_core::message::CreateResponse;
 use cip_core::monitor::attribute::PRODUCED_ID;
-use cip_core::monitor::{Connection, ConnectionState, Flow, Slots, Span};
+use cip_core::monitor::{Connection, ConnectionState, Flow, Slots};
 use link_core::Instant;
 
 use super::FragmentationGuess;
@@ -28,7 +28,7 @@ pub(super) fn learn<const N: usize>(
     data: &[u8],
     at: Instant,
 ) {
-    if request.service == ServiceCode::CREATE && instance.is_class() {
+    if request.asked.service == ServiceCode::CREATE && instance.is_class() {
         if let Ok(CreateResponse { instance, .. }) = CreateResponse::parse(data) {
             let mut connection = Connection::NEW;
             connection.enter(ConnectionState::Configuring, at);
@@ -37,7 +37,7 @@ pub(super) fn learn<const N: usize>(
         return;
     }
     let Some((attribute, raw)) = connection_id(request, data) else { return };
-    let is_set = request.service == ServiceCode::SET_ATTRIBUTE_SINGLE;
+    let is_set = request.asked.service == ServiceCode::SET_ATTRIBUTE_SINGLE;
     if is_set && state.dynamic(server, instance).is_none() {
         // The connections of UCMM and of the predefined set do not let their identifiers be set.
         let connection = Connection { active: at, ..Connection::NEW };
@@ -154,7 +154,7 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
     reading.dynamic = Some(held.told());
     let (_, message) = io::data(slots, reading, held.connection.side(flow), identifier, guess);
     message.map(|data| {
-        let fields = Fields { value: Span::tail(data.len(), data.len()), ..Fields::default() };
+        let fields = Fields::of_data(data);
         Message { kind: Kind::Io, fields, data }
     })
 }

@@ -6,7 +6,6 @@ use cip_core::codec::{Reader, Wire};
 use cip_core::monitor::{Flaw, Seen};
 use link_core::Instant;
 
-use super::bodies::problem_of;
 use super::kind::Kind;
 use super::nodes::{AccessState, Identity, Node};
 use super::problem::Problem;
@@ -33,7 +32,7 @@ pub(super) fn observe<const N: usize>(state: &mut State<N>, reading: &mut Readin
     let check = match DuplicateMacCheck::read(&mut Reader::new(data)) {
         Ok(check) => check,
         Err(error) => {
-            reading.flag(problem_of(error, data.len()));
+            reading.flag(Flaw::of_parse(error, data.len()));
             return;
         }
     };

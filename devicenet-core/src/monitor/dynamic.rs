@@ -37,7 +37,7 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
     if identifier.group() == MessageGroup::Group1 {
         // Group 1 is for I/O; without the configuration the data stay as they are.
         reading.kind = Kind::Io;
-        reading.fields.value = Span::tail(frame.data().len(), frame.data().len());
+        reading.fields.explicit.value = Span::tail(frame.data().len(), frame.data().len());
         return None;
     }
     unassigned(reading, header);

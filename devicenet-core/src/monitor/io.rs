@@ -2,7 +2,7 @@
 
 use cip_core::message::AllocationChoice;
 use cip_core::monitor::{
-    Connection, ConnectionState, Flaw, Flow, Guess, Progress, Seen, Side, Slots, Span, Stream,
+    Connection, ConnectionState, Flaw, Flow, Guess, Progress, Seen, Side, Slots, Stream,
 };
 
 use super::FragmentationGuess;
@@ -89,7 +89,7 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
         }
     }
     message.map(|data| {
-        let fields = Fields { value: Span::tail(data.len(), data.len()), ..Fields::default() };
+        let fields = Fields::of_data(data);
         Message { kind: reading.kind, fields, data }
     })
 }
@@ -207,7 +207,7 @@ pub(super) fn data<'s, const N: usize, const B: usize>(
 ) -> (Progress, Option<&'s [u8]>) {
     let stream = Stream::io(identifier.raw());
     let part = side.frame(slots, reading.at, stream, reading.frame.data(), guess);
-    reading.fields.value = part.value;
+    reading.fields.explicit.value = part.value;
     reading.frag = part.frag;
     reading.assumed |= part.assumed;
     reading.flag_if(part.flaw);

@@ -1,6 +1,8 @@
 //! Readings as one flat object.
 
-use cip_core::monitor::json::{LowerHex, Words, optional};
+use cip_core::monitor::Vocabulary;
+use cip_core::monitor::json::{Words, optional};
+use cip_core::text::LowerHex;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::connections::{ConnectionName, Predefined};
@@ -66,16 +68,20 @@ fn fields<M: SerializeMap>(
     fields: &Fields<'_>,
     value: Option<&[u8]>,
 ) -> Result<(), M::Error> {
-    optional(map, "service", fields.service)?;
+    optional(map, "service", fields.explicit.service)?;
     optional(map, "service_name", fields.service_name(kind))?;
-    optional(map, "requested", fields.requested.filter(|&requested| fields.service != Some(requested)))?;
-    optional(map, "class", fields.class)?;
-    optional(map, "instance", fields.instance)?;
-    optional(map, "attribute", fields.attribute)?;
-    optional(map, "attribute_name", fields.attribute_name())?;
-    optional(map, "status", fields.status)?;
-    optional(map, "additional", fields.additional)?;
-    optional(map, "status_name", fields.status.and_then(|status| status.name()))?;
+    optional(
+        map,
+        "requested",
+        fields.explicit.requested.filter(|&requested| fields.explicit.service != Some(requested)),
+    )?;
+    optional(map, "class", fields.explicit.class)?;
+    optional(map, "instance", fields.explicit.instance)?;
+    optional(map, "attribute", fields.explicit.attribute)?;
+    optional(map, "attribute_name", fields.explicit.attribute_name(&Vocabulary::DEVICENET))?;
+    optional(map, "status", fields.explicit.status)?;
+    optional(map, "additional", fields.explicit.additional)?;
+    optional(map, "status_name", fields.explicit.status.and_then(|status| status.name()))?;
     optional(map, "choice", fields.choice.map(|choice| choice.bits()))?;
     optional(map, "vendor", fields.vendor)?;
     optional(map, "serial", fields.serial)?;

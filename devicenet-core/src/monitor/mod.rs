@@ -78,7 +78,6 @@ mod kind;
 mod learn;
 mod nodes;
 mod offline;
-mod packet;
 mod pairing;
 mod problem;
 mod reading;
@@ -101,7 +100,6 @@ pub use problem::Problem;
 pub use reading::{Detail, Fields, Message, Note, Reading};
 pub(crate) use records::{Records, Rhythm, Told};
 pub use state::Lost;
-pub(crate) use text::write_status;
 pub use text::{ValueText, Words};
 
 use cip_core::code::ServiceCode;
@@ -114,7 +112,7 @@ use state::State;
 use crate::id::{Identifier, MacId, Purpose};
 use crate::message::ExplicitHeader;
 
-/// A monitor for a whole network: 32 messages in progress of up to 512 bytes, 32 connections opened by UCMM. About 104
+/// A monitor for a whole network: 32 messages in progress of up to 512 bytes, 32 connections opened by UCMM. About 102
 /// kilobytes.
 pub type Monitor = SizedMonitor<32, 512>;
 
@@ -196,8 +194,8 @@ impl<const N: usize, const B: usize> SizedMonitor<N, B> {
             let fields =
                 [Some(&mut reading.fields), reading.message.as_mut().map(|message| &mut message.fields)];
             for fields in fields.into_iter().flatten() {
-                if fields.requested == Some(ServiceCode::MULTIPLE_SERVICE_PACKET) {
-                    fields.parts = parts;
+                if fields.explicit.requested == Some(ServiceCode::MULTIPLE_SERVICE_PACKET) {
+                    fields.explicit.parts = parts;
                 }
             }
         }

@@ -4,7 +4,6 @@ use cip_core::code::ServiceCode;
 use cip_core::codec::Wire;
 use cip_core::monitor::{Flaw, Seen};
 
-use super::bodies::problem_of;
 use super::kind::Kind;
 use super::nodes::{AccessState, Roles};
 use super::reading::{Detail, Reading};
@@ -36,7 +35,7 @@ fn ownership<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, ex
     let message = match OfflineOwnership::parse(data) {
         Ok(message) => message,
         Err(error) => {
-            reading.flag(problem_of(error, data.len()));
+            reading.flag(Flaw::of_parse(error, data.len()));
             return;
         }
     };
@@ -90,7 +89,7 @@ fn request<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>) {
             device(reading, change.device);
             reading.dst = last_known(state, change.device);
         }
-        Err(error) => reading.flag(problem_of(error, data.len())),
+        Err(error) => reading.flag(Flaw::of_parse(error, data.len())),
     }
 }
 
@@ -116,7 +115,7 @@ fn response<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>) {
             state.offline.identify
         }
         Err(error) => {
-            reading.flag(problem_of(error, data.len()));
+            reading.flag(Flaw::of_parse(error, data.len()));
             return;
         }
     };
@@ -159,5 +158,5 @@ fn device(reading: &mut Reading<'_>, device: DeviceIdentity) {
 
 fn service(reading: &mut Reading<'_>, offset: usize) {
     let frame = reading.frame;
-    reading.fields.service = frame.data().get(offset).map(|&byte| ServiceCode::split(byte).0);
+    reading.fields.explicit.service = frame.data().get(offset).map(|&byte| ServiceCode::split(byte).0);
 }

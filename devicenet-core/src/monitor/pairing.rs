@@ -2,7 +2,7 @@
 
 use cip_core::code::{AttributeId, ClassId, InstanceId, ServiceCode};
 use cip_core::monitor::attribute::EXPECTED_PACKET_RATE;
-use cip_core::monitor::{ConnectionState, Seen};
+use cip_core::monitor::{Asked, ConnectionState, Seen};
 
 use crate::id::MacId;
 
@@ -12,14 +12,7 @@ pub(super) struct Transaction {
     pub(super) seen: Seen,
     pub(super) requester: MacId,
     pub(super) xid: bool,
-    pub(super) service: ServiceCode,
-    pub(super) class: Option<ClassId>,
-    pub(super) instance: Option<InstanceId>,
-    pub(super) attribute: Option<AttributeId>,
-    /// The choice of an allocation or release, or the first two bytes of a value set.
-    pub(super) argument: u16,
-    /// The second byte of an allocation: the allocator.
-    pub(super) allocator: Option<MacId>,
+    pub(super) asked: Asked,
     /// The request was read in a body format that is only assumed.
     pub(super) assumed: bool,
 }
@@ -29,18 +22,24 @@ impl Transaction {
     pub(super) fn is_answered_by(&self, to: MacId, xid: bool, service: ServiceCode) -> bool {
         self.requester == to
             && self.xid == xid
-            && (service == self.service || service == ServiceCode::ERROR_RESPONSE)
+            && (service == self.asked.service || service == ServiceCode::ERROR_RESPONSE)
     }
 }
 
 impl Transaction {
+    /// The second byte of an allocation.
+    pub(super) fn allocator(&self) -> Option<MacId> {
+        let [_, allocator] = self.asked.argument.to_le_bytes();
+        MacId::new(allocator)
+    }
+
     /// True if a connection of the predefined set that is in this state is established when the server has done what is asked.
     pub(super) fn establishes(&self, instance: InstanceId, state: ConnectionState) -> bool {
-        let is_its = self.class == Some(ClassId::CONNECTION) && self.instance == Some(instance);
+        let is_its = self.asked.class == Some(ClassId::CONNECTION) && self.asked.instance == Some(instance);
         is_its
-            && match (state, self.service) {
+            && match (state, self.asked.service) {
                 (ConnectionState::Configuring, ServiceCode::SET_ATTRIBUTE_SINGLE) => {
-                    self.attribute == Some(AttributeId(EXPECTED_PACKET_RATE))
+                    self.asked.attribute == Some(AttributeId(EXPECTED_PACKET_RATE))
                 }
                 (ConnectionState::Configuring, ServiceCode::APPLY_ATTRIBUTES)
                 | (ConnectionState::TimedOut, ServiceCode::RESET) => true,

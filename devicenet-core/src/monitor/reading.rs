@@ -1,15 +1,12 @@
 //! What the monitor makes of a frame.
 
-use cip_core::code::{
-    AdditionalCode, AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode, VendorId,
-};
-use cip_core::message::{AllocationChoice, BodyFormat};
-use cip_core::monitor::{Answered, ConnectionState, Frag, Span};
+use cip_core::code::VendorId;
+use cip_core::message::AllocationChoice;
+use cip_core::monitor::{Answered, ConnectionState, Explicit, Frag, Span};
 use link_core::{Frame, Instant};
 
 use super::connections::DynamicConnection;
 use super::kind::Kind;
-use super::packet::Parts;
 use super::problem::Problem;
 use crate::id::{Identifier, MacId};
 
@@ -56,23 +53,11 @@ pub struct Reading<'a> {
 }
 
 /// What a complete message says. A field that the message does not have, and that the request it answers does not
-/// give either, is `None`.
+/// give either, is `None`. The data of I/O stand where an explicit message has its value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Fields<'a> {
-    /// The service code without the response bit: [`ServiceCode::ERROR_RESPONSE`] in an error response.
-    pub service: Option<ServiceCode>,
-    /// In a response, the service of the request that it answers.
-    pub requested: Option<ServiceCode>,
-    /// The class; in a response that of the request.
-    pub class: Option<ClassId>,
-    /// The instance; in a response that of the request.
-    pub instance: Option<InstanceId>,
-    /// The attribute; in a response that of the request.
-    pub attribute: Option<AttributeId>,
-    /// General status of an error response.
-    pub status: Option<GeneralStatus>,
-    /// Additional code of an error response.
-    pub additional: Option<AdditionalCode>,
+    /// What it says as an explicit message.
+    pub explicit: Explicit<'a>,
     /// Allocation or release choice; in a response that of the request.
     pub choice: Option<AllocationChoice>,
     /// Vendor of a duplicate MAC ID or offline message.
@@ -83,12 +68,6 @@ pub struct Fields<'a> {
     pub port: Option<u8>,
     /// The service is one of UCMM.
     pub(super) is_ucmm: bool,
-    /// Where the attribute value, service data or I/O data stand.
-    pub(super) value: Option<Span>,
-    /// The body format of a request.
-    pub(super) format: BodyFormat,
-    /// Of a response to Multiple_Service_Packet: the requests that it answers.
-    pub(super) parts: Option<&'a Parts>,
     /// What only some messages have.
     pub detail: Detail,
 }
@@ -99,13 +78,6 @@ pub enum Detail {
     /// Nothing.
     #[default]
     None,
-    /// Response to Set_Attribute_Single of the expected packet rate.
-    PacketRate {
-        /// The value asked for, in milliseconds; `None` if the request was not seen.
-        requested: Option<u16>,
-        /// The value used.
-        used: u16,
-    },
     /// Allocate request.
     Allocate {
         /// The master.
@@ -204,6 +176,14 @@ pub enum Note {
     Repeated,
 }
 
+impl Fields<'_> {
+    /// Of a message that is all data.
+    pub(super) fn of_data(data: &[u8]) -> Self {
+        let value = Span::tail(data.len(), data.len());
+        Self { explicit: Explicit { value, ..Explicit::default() }, ..Self::default() }
+    }
+}
+
 impl<'a> Reading<'a> {
     pub(super) fn new(at: Instant, n: u64, frame: &Frame, identifier: Option<Identifier>) -> Self {
         let group = identifier.and_then(|id| id.group().number());
@@ -231,7 +211,7 @@ impl<'a> Reading<'a> {
     /// ask [`Message::value`].
     #[must_use]
     pub fn value(&self) -> Option<&[u8]> {
-        self.fields.value.map(|span| span.of(self.frame.data()))
+        self.fields.explicit.value.map(|span| span.of(self.frame.data()))
     }
 
     /// Keeps the first problem found.
@@ -250,6 +230,6 @@ impl<'a> Message<'a> {
     /// The attribute value, service data or I/O data; `None` if it carries none.
     #[must_use]
     pub fn value(&self) -> Option<&'a [u8]> {
-        self.fields.value.map(|span| span.of(self.data))
+        self.fields.explicit.value.map(|span| span.of(self.data))
     }
 }

@@ -3,14 +3,13 @@
 use cip_core::code::{ClassId, ServiceCode};
 use cip_core::codec::Wire;
 use cip_core::message::{AllocateResponse, AllocationChoice, BodyFormat, Response};
-use cip_core::monitor::attribute::EXPECTED_PACKET_RATE;
-use cip_core::monitor::{ConnectionState, Flaw, Seen, Span};
+use cip_core::monitor::packet::has_parts;
+use cip_core::monitor::{ConnectionState, Explicit, Flaw, Seen};
 
-use super::bodies::{Parsed, problem_of};
+use super::bodies::Parsed;
 use super::explicit::{Knowledge, Route};
 use super::kind::Kind;
 use super::learn;
-use super::packet;
 use super::pairing::Transaction;
 use super::problem::Problem;
 use super::reading::Detail;
@@ -31,7 +30,7 @@ pub(super) fn connected<const N: usize>(
     if !is_response {
         return parsed;
     }
-    let service = parsed.fields.service.unwrap_or(ServiceCode::ERROR_RESPONSE);
+    let service = parsed.fields.explicit.service.unwrap_or(ServiceCode::ERROR_RESPONSE);
     let channel = state.channel(route.link);
     let (pending, asked) = (channel.pending, channel.asked);
     let connected = pending.filter(|request| request.is_answered_by(client, header.xid, service));
@@ -66,8 +65,8 @@ pub(super) fn connected<const N: usize>(
     parsed.assumed = transaction.assumed;
     fill(&mut parsed, &transaction, body);
     if let Ok(Response::Success { data, .. }) = Response::parse(body) {
-        let learned = match packet::has_parts(transaction.service) {
-            true => packet::answered(state, route.link, &transaction, data, seen.at),
+        let learned = match has_parts(transaction.asked.service) {
+            true => learn::parts(state, route.link, &transaction, data, seen.at),
             false => learn::success(state, route.link, &transaction, data, seen.at),
         };
         parsed.problem = parsed.problem.or(learned.filter(|_| !transaction.assumed));
@@ -77,66 +76,31 @@ pub(super) fn connected<const N: usize>(
 
 /// Reads the service byte and what follows it of a response; false is a message that is none.
 pub(super) fn read(kind: Kind, body: &[u8], before: usize) -> (Parsed, bool) {
+    let read = Explicit::response(body, before);
     let mut parsed = Parsed::new(kind);
-    let total = body.len().saturating_add(before);
-    let Some((&byte, rest)) = body.split_first() else {
-        parsed.flag(Flaw::TooShort { at_least: 2, found: 1 });
-        return (parsed, false);
-    };
-    let (service, is_response) = ServiceCode::split(byte);
-    parsed.fields.service = Some(service);
-    parsed.fields.value = Span::tail(total, rest.len());
-    if !is_response {
-        parsed.flag(Flaw::RequestBitOnResponse);
-        return (parsed, false);
-    }
-    match Response::parse(body) {
-        Ok(Response::Success { .. }) => {}
-        Ok(Response::Error { status, additional }) => {
-            parsed.fields.value = None;
-            parsed.fields.status = Some(status);
-            parsed.fields.additional = Some(additional);
-        }
-        Err(error) => parsed.flag(problem_of(error, body.len())),
-    }
-    (parsed, true)
-}
-
-/// Reads a response inside of another, to `request` if that is known.
-pub(super) fn part(request: Option<&Transaction>, body: &[u8]) -> Parsed {
-    let (mut parsed, _) = read(Kind::ExplicitResponse, body, 0);
-    if let Some(request) = request {
-        fill(&mut parsed, request, body);
-    }
-    parsed
+    parsed.fields.explicit = read.explicit;
+    parsed.problem = read.flaw.map(Into::into);
+    (parsed, read.is_response)
 }
 
 /// Gives a response what only its request has said.
 fn fill(parsed: &mut Parsed, transaction: &Transaction, body: &[u8]) {
+    let asked = &transaction.asked;
     let fields = &mut parsed.fields;
-    fields.requested = Some(transaction.service);
-    fields.class = transaction.class;
-    fields.instance = transaction.instance;
-    fields.attribute = transaction.attribute;
-    let of_set = transaction.class == Some(ClassId::DEVICENET)
-        && matches!(transaction.service, ServiceCode::ALLOCATE | ServiceCode::RELEASE);
-    if of_set {
-        let [choice, _] = transaction.argument.to_le_bytes();
-        fields.choice = Some(AllocationChoice::from_bits_retain(choice));
-        if let (Some(status), Some(additional)) = (fields.status, fields.additional) {
-            parsed.flag(Problem::Refused { status, additional });
-            return;
-        }
+    fields.explicit.answers(asked, body);
+    let of_set = asked.class == Some(ClassId::DEVICENET)
+        && matches!(asked.service, ServiceCode::ALLOCATE | ServiceCode::RELEASE);
+    if !of_set {
+        return;
     }
-    let Ok(Response::Success { service, data }) = Response::parse(body) else { return };
-    let of_rate = transaction.class == Some(ClassId::CONNECTION)
-        && transaction.attribute.is_some_and(|attribute| attribute.0 == EXPECTED_PACKET_RATE)
-        && service == ServiceCode::SET_ATTRIBUTE_SINGLE;
-    if of_set && service == ServiceCode::ALLOCATE {
+    let [choice, _] = asked.argument.to_le_bytes();
+    fields.choice = Some(AllocationChoice::from_bits_retain(choice));
+    if let (Some(status), Some(additional)) = (fields.explicit.status, fields.explicit.additional) {
+        parsed.flag(Problem::Refused { status, additional });
+        return;
+    }
+    if let Ok(Response::Success { service: ServiceCode::ALLOCATE, data }) = Response::parse(body) {
         allocated(parsed, data);
-    } else if of_rate && let &[low, high] = data {
-        let used = u16::from_le_bytes([low, high]);
-        parsed.fields.detail = Detail::PacketRate { requested: Some(transaction.argument), used };
     }
 }
 
@@ -150,14 +114,14 @@ fn unpaired<const N: usize>(
     body: &[u8],
 ) {
     let client = route.client;
-    let service = parsed.fields.service.unwrap_or(ServiceCode::ERROR_RESPONSE);
+    let service = parsed.fields.explicit.service.unwrap_or(ServiceCode::ERROR_RESPONSE);
     match pending {
         Ok(request) if request.requester != client => {
             parsed.flag(Problem::WrongRequester { expected: request.requester });
         }
         Ok(request) if request.xid != header.xid => parsed.flag(Flaw::TransactionMismatch),
-        Ok(request) if request.service != service => {
-            parsed.flag(Flaw::ServiceMismatch { expected: request.service });
+        Ok(request) if request.asked.service != service => {
+            parsed.flag(Flaw::ServiceMismatch { expected: request.asked.service });
         }
         Ok(_) | Err(true) => parsed.flag(Flaw::UnexpectedResponse),
         Err(false) => parsed.assumed = true,
@@ -183,6 +147,6 @@ fn allocated(parsed: &mut Parsed, data: &[u8]) {
                 parsed.flag(Flaw::ReservedValue { field: "body format", found: format.into() });
             }
         }
-        Err(error) => parsed.flag(problem_of(error, data.len())),
+        Err(error) => parsed.flag(Flaw::of_parse(error, data.len())),
     }
 }

@@ -1,13 +1,13 @@
 //! What the monitor has learned.
 
 use cip_core::code::InstanceId;
+use cip_core::monitor::packet::Packets;
 use cip_core::monitor::{Connection, ConnectionState, Flow, Seen};
 use link_core::Instant;
 
 use super::connections::{DynamicConnection, Predefined};
 use super::explicit::Channel;
 use super::nodes::{Node, Parent, Roles};
-use super::packet::Packets;
 use super::reading::{Note, Reading};
 use super::records::Records;
 use crate::id::{Identifier, MacId};
@@ -267,8 +267,8 @@ impl<const N: usize> State<N> {
         }
         let Some(source) = reading.src else { return };
         let bytes = u64::try_from(reading.frame.data().len()).unwrap_or_default();
-        let refused = reading.fields.status.is_some()
-            || reading.message.is_some_and(|message| message.fields.status.is_some());
+        let refused = reading.fields.explicit.status.is_some()
+            || reading.message.is_some_and(|message| message.fields.explicit.status.is_some());
         let node = self.node(source);
         node.first_seen.get_or_insert(reading.at);
         node.last_seen = reading.at;

@@ -2,9 +2,8 @@
 
 use cip_core::code::{AdditionalCode, ServiceCode};
 use cip_core::codec::Wire;
-use cip_core::monitor::{Connection, Flaw, Seen, Span};
+use cip_core::monitor::{Asked, Connection, Flaw, Seen, Span};
 
-use super::bodies::problem_of;
 use super::explicit::Channel;
 use super::kind::Kind;
 use super::learn;
@@ -39,7 +38,7 @@ pub(super) fn request<const N: usize>(
         return;
     };
     let (service, is_response) = ServiceCode::split(byte);
-    reading.fields.service = Some(service);
+    reading.fields.explicit.service = Some(service);
     let mut argument = 0;
     if is_response {
         reading.flag(Flaw::ResponseBitOnRequest);
@@ -53,15 +52,15 @@ pub(super) fn request<const N: usize>(
                     reading.fields.detail = Detail::Open { format: format & 0x0F, group, source };
                     check_open(reading, open.body_format, open.group, source);
                 }
-                Err(error) => reading.flag(problem_of(error, data.len())),
+                Err(error) => reading.flag(Flaw::of_parse(error, data.len())),
             },
             CLOSE => match CloseRequest::parse(data) {
                 Ok(close) => {
                     argument = close.connection.0;
-                    reading.fields.instance = Some(close.connection);
+                    reading.fields.explicit.instance = Some(close.connection);
                     reading.fields.detail = Detail::Close;
                 }
-                Err(error) => reading.flag(problem_of(error, data.len())),
+                Err(error) => reading.flag(Flaw::of_parse(error, data.len())),
             },
             _ => reading.flag(Flaw::UnexpectedService { service }),
         }
@@ -70,12 +69,7 @@ pub(super) fn request<const N: usize>(
         seen: Seen { n: reading.n, at: reading.at },
         requester: client,
         xid: header.xid,
-        service,
-        class: None,
-        instance: reading.fields.instance,
-        attribute: None,
-        argument,
-        allocator: None,
+        asked: Asked { instance: reading.fields.explicit.instance, argument, ..Asked::service(service) },
         assumed: false,
     };
     if !state.node(server).ucmm.insert(transaction) {
@@ -106,30 +100,30 @@ pub(super) fn response<const N: usize>(
     if !is_response {
         return;
     }
-    let service = reading.fields.service.unwrap_or(ServiceCode::ERROR_RESPONSE);
+    let service = reading.fields.explicit.service.unwrap_or(ServiceCode::ERROR_RESPONSE);
     let waiting = &mut state.node(server).ucmm;
     let paired = waiting.find(client, header.xid, service).copied();
     match (paired, waiting.of(client)) {
         (Some(request), _) => {
             waiting.remove(request.seen.n);
             reading.request = Some(request.seen.answered(reading.at));
-            reading.fields.requested = Some(request.service);
-            reading.fields.instance = request.instance;
+            reading.fields.explicit.requested = Some(request.asked.service);
+            reading.fields.explicit.instance = request.asked.instance;
         }
         (None, Some(request)) if request.xid != header.xid => reading.flag(Flaw::TransactionMismatch),
-        (None, Some(request)) => reading.flag(Flaw::ServiceMismatch { expected: request.service }),
+        (None, Some(request)) => reading.flag(Flaw::ServiceMismatch { expected: request.asked.service }),
         (None, None) => reading.assumed = true,
     }
-    if let Some(status) = reading.fields.status {
-        let additional = reading.fields.additional.unwrap_or(AdditionalCode::NONE);
+    if let Some(status) = reading.fields.explicit.status {
+        let additional = reading.fields.explicit.additional.unwrap_or(AdditionalCode::NONE);
         reading.flag(Problem::OpenRefused { status, additional });
         return;
     }
-    reading.fields.value = None;
+    reading.fields.explicit.value = None;
     match service {
         OPEN => match OpenResponse::parse(data) {
             Ok(open) => opened(state, reading, &open, paired, server, client),
-            Err(error) => reading.flag(problem_of(error, data.len())),
+            Err(error) => reading.flag(Flaw::of_parse(error, data.len())),
         },
         CLOSE => {
             reading.fields.detail = Detail::Close;
@@ -137,12 +131,12 @@ pub(super) fn response<const N: usize>(
                 let found = u16::try_from(data.len()).unwrap_or_default();
                 reading.flag(Flaw::Length { expected: 2, found });
             }
-            if let Some(instance) = paired.and_then(|request| request.instance) {
+            if let Some(instance) = paired.and_then(|request| request.asked.instance) {
                 state.close_dynamic(server, instance, reading.at);
             }
         }
         _ => {
-            reading.fields.value = Span::tail(data.len(), data.len().saturating_sub(2));
+            reading.fields.explicit.value = Span::tail(data.len(), data.len().saturating_sub(2));
             reading.flag(Flaw::UnexpectedService { service });
         }
     }
@@ -158,7 +152,7 @@ fn opened<const N: usize>(
 ) {
     let (destination, source) = (open.destination_message.number(), open.source_message.number());
     let format = open.body_format.0 & 0x0F;
-    reading.fields.instance = Some(open.connection);
+    reading.fields.explicit.instance = Some(open.connection);
     reading.fields.detail = Detail::Opened { format, destination, source };
     if open.body_format.reserved_bits() != 0 {
         reading.flag(Flaw::ReservedBits { field: "body format" });
@@ -221,13 +215,14 @@ pub(super) fn adopt<const N: usize>(
     }
     // From the client: it has asked for this very identifier.
     if let Some(request) =
-        state.node(header).ucmm.of(source).filter(|request| request.service == OPEN).copied()
+        state.node(header).ucmm.of(source).filter(|request| request.asked.service == OPEN).copied()
         && self_chosen(request, source) == Some(identifier)
     {
         return state.insert_dynamic(missed(request, source, header, Some(identifier), None, at));
     }
     // From the server: it answers on an identifier of its own.
-    let request = state.node(source).ucmm.of(header).filter(|request| request.service == OPEN).copied()?;
+    let request =
+        state.node(source).ucmm.of(header).filter(|request| request.asked.service == OPEN).copied()?;
     let requests = self_chosen(request, header)?;
     (requests.group() == identifier.group())
         .then(|| missed(request, header, source, Some(requests), Some(identifier), at))
@@ -291,7 +286,7 @@ fn missed(
     responses: Option<Identifier>,
     at: link_core::Instant,
 ) -> Dynamic {
-    let [format, _] = request.argument.to_le_bytes();
+    let [format, _] = request.asked.argument.to_le_bytes();
     let mut connection = learn::opened(at);
     connection.assumed = true;
     let group = group_of(asked(request).0).unwrap_or(3);
@@ -335,7 +330,7 @@ fn unusable(group: u8, destination: u8, source: u8) -> Option<Problem> {
 
 /// Group Select and source Message ID of an Open request.
 fn asked(request: Transaction) -> (u8, u8) {
-    let [_, byte] = request.argument.to_le_bytes();
+    let [_, byte] = request.asked.argument.to_le_bytes();
     (byte >> 4, byte & 0x0F)
 }
 

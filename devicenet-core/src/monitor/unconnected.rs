@@ -39,8 +39,8 @@ pub(super) fn observe<const N: usize>(
     let (parsed, transaction) = requests::request(reading.kind, format, seen, header.mac, header, body, 1);
     parsed.apply(reading);
     let Some(transaction) = transaction else { return };
-    if !matches!(transaction.service, ServiceCode::ALLOCATE | ServiceCode::RELEASE) {
-        reading.flag(Flaw::UnexpectedService { service: transaction.service });
+    if !matches!(transaction.asked.service, ServiceCode::ALLOCATE | ServiceCode::RELEASE) {
+        reading.flag(Flaw::UnexpectedService { service: transaction.asked.service });
     }
     if !state.node(slave).port.insert(transaction) {
         state.lost.requests = state.lost.requests.saturating_add(1);

@@ -16,7 +16,7 @@ use crate::id::{Identifier, MacId};
 /// Reads a bit-strobe command of `master`.
 pub(super) fn strobe<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, master: MacId) {
     let len = reading.frame.data().len();
-    reading.fields.value = Span::tail(len, len);
+    reading.fields.explicit.value = Span::tail(len, len);
     reading.kind = Kind::BitStrobeCommand;
     reading.src = Some(master);
     state.add_role(master, Roles::MASTER);
@@ -63,7 +63,7 @@ pub(super) fn poll<'s, const N: usize, const B: usize>(
     }
     command(state, reading, Predefined::MulticastPoll, group);
     data.map(|data| {
-        let fields = Fields { value: Span::tail(data.len(), data.len()), ..Fields::default() };
+        let fields = Fields::of_data(data);
         Message { kind: reading.kind, fields, data }
     })
 }

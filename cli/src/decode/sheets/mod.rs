@@ -130,7 +130,7 @@ impl Sheets {
     /// The node whose identity a frame may have told.
     pub(super) fn identified(&self, reading: &Reading<'_>) -> Option<MacId> {
         let fields = reading.message.as_ref().map_or(&reading.fields, |message| &message.fields);
-        reading.src.filter(|_| !self.files.is_empty() && fields.class == Some(ClassId::IDENTITY))
+        reading.src.filter(|_| !self.files.is_empty() && fields.explicit.class == Some(ClassId::IDENTITY))
     }
 
     /// Gives a node the file of its identity.
@@ -220,10 +220,10 @@ impl fmt::Display for Note<'_> {
 /// Which way values go in a message, if there can be any.
 fn flow_of(kind: Kind, fields: &Fields) -> Option<Flow> {
     match kind {
-        Kind::ExplicitRequest if fields.service == Some(ServiceCode::SET_ATTRIBUTE_SINGLE) => {
+        Kind::ExplicitRequest if fields.explicit.service == Some(ServiceCode::SET_ATTRIBUTE_SINGLE) => {
             Some(Flow::Order)
         }
-        Kind::ExplicitResponse if fields.service == Some(ServiceCode::GET_ATTRIBUTE_SINGLE) => {
+        Kind::ExplicitResponse if fields.explicit.service == Some(ServiceCode::GET_ATTRIBUTE_SINGLE) => {
             Some(Flow::Answer)
         }
         Kind::DupMacRequest => Some(Flow::Answer),

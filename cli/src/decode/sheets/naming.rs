@@ -52,7 +52,8 @@ pub(super) fn attribute(
     fields: &Fields,
     value: &[u8],
 ) -> Vec<Named> {
-    let (Some(class), Some(instance), Some(attribute)) = (fields.class, fields.instance, fields.attribute)
+    let (Some(class), Some(instance), Some(attribute)) =
+        (fields.explicit.class, fields.explicit.instance, fields.explicit.attribute)
     else {
         return Vec::new();
     };
@@ -207,8 +208,9 @@ mod tests {
         for instance in 1..=u16::MAX {
             for path in [PRODUCED_PATH, CONSUMED_PATH] {
                 let mut fields = Fields::default();
-                (fields.class, fields.instance) = (Some(ClassId::CONNECTION), Some(InstanceId(instance)));
-                fields.attribute = Some(path);
+                (fields.explicit.class, fields.explicit.instance) =
+                    (Some(ClassId::CONNECTION), Some(InstanceId(instance)));
+                fields.explicit.attribute = Some(path);
                 attribute(&eds, &HashMap::new(), &mut node, &fields, &[0x20, 0x04]);
             }
         }

@@ -4,11 +4,14 @@ mod names;
 
 use core::fmt;
 
+use cip_core::code::ClassId;
+use cip_core::monitor::text::write_status;
+use cip_core::names::additional_code_name;
+
 use super::finding::{Change, ChangeKind, Exchange, Facts, Finding};
 use super::rule::Rule;
 use crate::id::{Identifier, MacId, Purpose};
 use crate::message::DeviceState;
-use crate::monitor::write_status;
 use names::{Asker, Controller, Master, Millis, Node};
 
 /// What to check next, as a plant engineer would say it.
@@ -180,7 +183,7 @@ impl Finding {
                     Some(choice) => write!(f, "{node} refuses {choice} to {}: ", Master(master))?,
                     None => write!(f, "{node} refuses to be allocated by {}: ", Master(master))?,
                 }
-                write_status(f, status, additional, true)
+                write_status(f, status, additional, additional_code_name(ClassId::DEVICENET, additional))
             }
             (Rule::TwoMasters, Facts::Masters { owner, other }) => {
                 write!(f, "two masters want {node}: ")?;

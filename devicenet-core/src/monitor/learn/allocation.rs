@@ -19,16 +19,16 @@ pub(super) fn learn<const N: usize>(
     data: &[u8],
     at: Instant,
 ) {
-    if request.instance.is_none_or(InstanceId::is_class) {
+    if request.asked.instance.is_none_or(InstanceId::is_class) {
         return;
     }
     let server = link.server;
-    let [choice, _] = request.argument.to_le_bytes();
+    let [choice, _] = request.asked.argument.to_le_bytes();
     let choice = AllocationChoice::from_bits_retain(choice);
-    match request.service {
+    match request.asked.service {
         ServiceCode::ALLOCATE => {
             let format = data.first().and_then(|&code| BodyFormat::from_code(code)).unwrap_or_default();
-            let master = request.allocator.unwrap_or(request.requester);
+            let master = request.allocator().unwrap_or(request.requester);
             state.settle(server, at);
             let parent = state.held(link).map(|held| Parent { client: held.client, instance: held.instance });
             allocated(state.node(server), choice, master, format, at, parent);
@@ -39,14 +39,14 @@ pub(super) fn learn<const N: usize>(
             state.settle(server, at);
             released(state.node(server), choice, at);
         }
-        ServiceCode::GET_ATTRIBUTE_SINGLE if request.attribute == Some(ALLOCATION_INFORMATION) => {
+        ServiceCode::GET_ATTRIBUTE_SINGLE if request.asked.attribute == Some(ALLOCATION_INFORMATION) => {
             if let &[choice, master] = data {
                 let choice = AllocationChoice::from_bits_retain(choice);
                 state.node(server).allocation = Some(Allocation { choice, master: MacId::new(master) });
             }
         }
         // The node goes on under its new MAC ID.
-        ServiceCode::SET_ATTRIBUTE_SINGLE if request.attribute == Some(MAC_ID) => {
+        ServiceCode::SET_ATTRIBUTE_SINGLE if request.asked.attribute == Some(MAC_ID) => {
             state.drop_connections(server, at);
         }
         _ => {}

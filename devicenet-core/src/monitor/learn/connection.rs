@@ -22,7 +22,7 @@ pub(super) fn learn<const N: usize>(
 ) -> Option<Problem> {
     let owner = state.node(server).owner();
     let predefined = Predefined::from_instance(instance);
-    if request.service == ServiceCode::DELETE {
+    if request.asked.service == ServiceCode::DELETE {
         match predefined {
             Some(which) => state.node(server).connection(which).end(at),
             None if instance.is_class() => state.drop_connections(server, at),
@@ -38,19 +38,19 @@ pub(super) fn learn<const N: usize>(
     if predefined.is_none() {
         created::learn(state, server, instance, request, data, at);
     }
-    if request.service == ServiceCode::RESET && instance.is_class() {
+    if request.asked.service == ServiceCode::RESET && instance.is_class() {
         state.reset_connections(server, at);
         return None;
     }
     let held = state.instance(server, instance)?;
-    match request.service {
+    match request.asked.service {
         ServiceCode::GET_ATTRIBUTE_SINGLE => {
-            let attribute = request.attribute?.0;
+            let attribute = request.asked.attribute?.0;
             held.was_read(attribute, data, at);
             return wrong_identifier(predefined?, server, owner, attribute, data);
         }
         ServiceCode::SET_ATTRIBUTE_SINGLE => {
-            held.was_set(request.attribute?.0, request.argument, data, at, predefined.is_some());
+            held.was_set(request.asked.attribute?.0, request.asked.argument, data, at, predefined.is_some());
         }
         ServiceCode::SET_ATTRIBUTES_ALL => held.forget(),
         ServiceCode::APPLY_ATTRIBUTES => held.enter(ConnectionState::Established, at),
@@ -69,12 +69,12 @@ fn group_of(request: &Transaction, data: &[u8]) -> Option<MacId> {
 
 /// Attribute 4 or 5 of the Connection object: what was read, or what was set.
 pub(in crate::monitor) fn connection_id(request: &Transaction, data: &[u8]) -> Option<(u16, u16)> {
-    let attribute = request.attribute?.0;
-    let raw = match (attribute, request.service, data) {
+    let attribute = request.asked.attribute?.0;
+    let raw = match (attribute, request.asked.service, data) {
         (PRODUCED_ID | CONSUMED_ID, ServiceCode::GET_ATTRIBUTE_SINGLE, &[low, high]) => {
             u16::from_le_bytes([low, high])
         }
-        (PRODUCED_ID | CONSUMED_ID, ServiceCode::SET_ATTRIBUTE_SINGLE, _) => request.argument,
+        (PRODUCED_ID | CONSUMED_ID, ServiceCode::SET_ATTRIBUTE_SINGLE, _) => request.asked.argument,
         _ => return None,
     };
     Some((attribute, raw))

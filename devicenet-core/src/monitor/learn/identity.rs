@@ -18,7 +18,7 @@ pub(super) fn learn<const N: usize>(
     data: &[u8],
     at: Instant,
 ) {
-    if request.service == ServiceCode::RESET {
+    if request.asked.service == ServiceCode::RESET {
         state.drop_connections(server, at);
         return;
     }
@@ -26,21 +26,23 @@ pub(super) fn learn<const N: usize>(
     if instance.is_class() {
         return;
     }
-    if request.service == ServiceCode::SET_ATTRIBUTE_SINGLE && request.attribute == Some(AttributeId(10)) {
-        let [interval, _] = request.argument.to_le_bytes();
+    if request.asked.service == ServiceCode::SET_ATTRIBUTE_SINGLE
+        && request.asked.attribute == Some(AttributeId(10))
+    {
+        let [interval, _] = request.asked.argument.to_le_bytes();
         node.heartbeat_interval = Some(interval);
     }
-    if request.service == ServiceCode::GET_ATTRIBUTES_ALL
+    if request.asked.service == ServiceCode::GET_ATTRIBUTES_ALL
         && let Ok(all) = IdentityAttributes::parse(data)
     {
         identity_of(node, &all);
         return;
     }
-    if request.service != ServiceCode::GET_ATTRIBUTE_SINGLE {
+    if request.asked.service != ServiceCode::GET_ATTRIBUTE_SINGLE {
         return;
     }
     let held = &mut node.identity;
-    match (request.attribute.unwrap_or(AttributeId(0)).0, data) {
+    match (request.asked.attribute.unwrap_or(AttributeId(0)).0, data) {
         (1, &[low, high]) => held.vendor = Some(VendorId(u16::from_le_bytes([low, high]))),
         (2, &[low, high]) => held.device_type = Some(DeviceType(u16::from_le_bytes([low, high]))),
         (3, &[low, high]) => held.product = Some(u16::from_le_bytes([low, high])),

@@ -5,9 +5,7 @@ mod connection;
 mod identity;
 
 use cip_core::code::{ClassId, ServiceCode};
-use cip_core::codec::Wire;
-use cip_core::message::AttributeReplies;
-use cip_core::names::value_len;
+use cip_core::monitor::{Vocabulary, packet};
 use link_core::Instant;
 
 use super::pairing::Transaction;
@@ -24,8 +22,8 @@ pub(super) fn success<const N: usize>(
     data: &[u8],
     at: Instant,
 ) -> Option<Problem> {
-    let (class, instance) = (request.class?, request.instance?);
-    if request.service == ServiceCode::GET_ATTRIBUTE_LIST {
+    let (class, instance) = (request.asked.class?, request.asked.instance?);
+    if request.asked.service == ServiceCode::GET_ATTRIBUTE_LIST {
         return several(state, link, request, data, at);
     }
     let server = link.server;
@@ -38,6 +36,23 @@ pub(super) fn success<const N: usize>(
     None
 }
 
+/// Learns from the response to a request with parts as from the responses to each.
+pub(super) fn parts<const N: usize>(
+    state: &mut State<N>,
+    link: Link,
+    request: &Transaction,
+    data: &[u8],
+    at: Instant,
+) -> Option<Problem> {
+    let parts = state.packets.answer(request.seen.n);
+    let mut problem = None;
+    let flaw = packet::answered(&parts, &request.asked, data, |&asked, data| {
+        let part = Transaction { asked, ..*request };
+        problem = problem.or(success(state, link, &part, data, at));
+    });
+    problem.or(flaw.map(Into::into))
+}
+
 /// Learns from the response to Get_Attribute_List as from as many single ones.
 fn several<const N: usize>(
     state: &mut State<N>,
@@ -46,14 +61,10 @@ fn several<const N: usize>(
     data: &[u8],
     at: Instant,
 ) -> Option<Problem> {
-    let (class, instance) = (request.class?, request.instance?);
-    let len = |attribute, data: &[u8]| value_len(class, instance, attribute, data);
     let mut problem = None;
-    for reply in AttributeReplies::parse(data).ok()?.iter(len).flatten() {
-        let Ok(value) = reply.value else { continue };
-        let service = ServiceCode::GET_ATTRIBUTE_SINGLE;
-        let single = Transaction { service, attribute: Some(reply.attribute), ..*request };
+    packet::replies(&request.asked, data, &Vocabulary::DEVICENET, |&asked, value| {
+        let single = Transaction { asked, ..*request };
         problem = problem.or(success(state, link, &single, value, at));
-    }
+    });
     problem
 }

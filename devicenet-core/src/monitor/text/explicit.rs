@@ -2,12 +2,13 @@
 
 use core::fmt::{self, Formatter};
 
-use cip_core::code::{AdditionalCode, ClassId, GeneralStatus, ServiceCode};
+use cip_core::code::ClassId;
 use cip_core::fragment::FragmentKind;
-use cip_core::names::{additional_code_name, short_service_name, write_object};
-use cip_core::text::{Hex, write_hex8, write_prefixed_hex};
+use cip_core::monitor::text::write_bytes;
+use cip_core::monitor::{Explicit, Vocabulary};
+use cip_core::text::write_prefixed_hex;
 
-use super::{write_bytes, write_ends};
+use super::write_ends;
 use crate::monitor::kind::Kind;
 use crate::monitor::reading::{Detail, Fields, Reading};
 use crate::monitor::ucmm;
@@ -20,77 +21,37 @@ pub(super) fn write_message(
     value: &[u8],
 ) -> fmt::Result {
     let is_response = matches!(kind, Kind::ExplicitResponse | Kind::UnconnectedResponse);
-    let Some(service) = fields.service else {
+    let explicit = &fields.explicit;
+    let Some(service) = explicit.service else {
         return f.write_str(if is_response { "response" } else { "request" });
     };
-    write_service(f, fields, fields.requested.unwrap_or(service))?;
+    match explicit.requested.unwrap_or(service) {
+        ucmm::OPEN if fields.is_ucmm => f.write_str("Open")?,
+        ucmm::CLOSE if fields.is_ucmm => f.write_str("Close")?,
+        // Without the request, the form of the response has told its class.
+        service if matches!(fields.detail, Detail::Allocated { .. }) => {
+            let class = Some(ClassId::DEVICENET);
+            Explicit { class, ..*explicit }.write_service(f, &Vocabulary::DEVICENET, service)?;
+        }
+        service => explicit.write_service(f, &Vocabulary::DEVICENET, service)?,
+    }
+    let text = fields.text_of(value);
     if is_response {
-        return write_response(f, fields, value);
+        return explicit.write_answer(f, &Vocabulary::DEVICENET, text, value);
     }
     if !matches!(fields.detail, Detail::Allocate { .. }) && fields.choice.is_none() {
-        write_target(f, fields)?;
+        explicit.write_target(f, &Vocabulary::DEVICENET)?;
     }
     if let Some(choice) = fields.choice {
         f.write_str(" ")?;
         fmt::Display::fmt(&choice, f)?;
     }
-    match fields.text_of(value) {
+    match text {
         Some(text) => {
             f.write_str(if fields.choice.is_some() { ", " } else { " " })?;
             fmt::Display::fmt(&text, f)
         }
-        None => {
-            if let Some(attribute) = fields.attribute {
-                f.write_str(" ")?;
-                match fields.attribute_name() {
-                    Some(name) => f.write_str(name)?,
-                    None => fmt::Display::fmt(&attribute, f)?,
-                }
-            }
-            write_bytes(f, value)
-        }
-    }
-}
-
-/// `: ok`, `: Vendor 12`, `: error 0x16 Object does not exist`
-fn write_response(f: &mut Formatter<'_>, fields: &Fields<'_>, value: &[u8]) -> fmt::Result {
-    f.write_str(": ")?;
-    if let Some(status) = fields.status {
-        f.write_str("error ")?;
-        let of_devicenet = fields.class == Some(ClassId::DEVICENET);
-        return write_status(f, status, fields.additional.unwrap_or(AdditionalCode::NONE), of_devicenet);
-    }
-    match fields.text_of(value) {
-        Some(text) => fmt::Display::fmt(&text, f),
-        None if value.is_empty() => f.write_str("ok"),
-        None => fmt::Display::fmt(&Hex(value), f),
-    }
-}
-
-/// The short words of the services that everybody knows by them, else the name, else the number.
-fn write_service(f: &mut Formatter<'_>, fields: &Fields<'_>, service: ServiceCode) -> fmt::Result {
-    let of_set =
-        fields.class == Some(ClassId::DEVICENET) || matches!(fields.detail, Detail::Allocated { .. });
-    let name = match service {
-        ServiceCode::ERROR_RESPONSE => Some("response"),
-        service if of_set => short_service_name(ClassId::DEVICENET, service),
-        ucmm::OPEN if fields.is_ucmm => Some("Open"),
-        ucmm::CLOSE if fields.is_ucmm => Some("Close"),
-        service => fields.name_of(service),
-    };
-    match name {
-        Some(name) => f.write_str(name),
-        None => fmt::Display::fmt(&service, f),
-    }
-}
-
-/// ` Identity 1`, ` Connection class`
-fn write_target(f: &mut Formatter<'_>, fields: &Fields<'_>) -> fmt::Result {
-    let Some(class) = fields.class else { return Ok(()) };
-    f.write_str(" ")?;
-    match fields.instance {
-        Some(instance) => write_object(f, class, instance),
-        None => fmt::Display::fmt(&class, f),
+        None => explicit.write_raw(f, &Vocabulary::DEVICENET, value),
     }
 }
 
@@ -114,31 +75,5 @@ pub(super) fn write_fragment(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fm
             write_message(f, message.kind, &message.fields, message.value().unwrap_or_default())
         }
         None => write_bytes(f, reading.frame.data().get(2..).unwrap_or_default()),
-    }
-}
-
-/// `0x0C Object state conflict, another master owns the connection set`
-pub(crate) fn write_status(
-    f: &mut Formatter<'_>,
-    status: GeneralStatus,
-    additional: AdditionalCode,
-    of_devicenet: bool,
-) -> fmt::Result {
-    f.write_str("0x")?;
-    write_hex8(f, status.0)?;
-    if let Some(name) = status.name() {
-        f.write_str(" ")?;
-        f.write_str(name)?;
-    }
-    if additional == AdditionalCode::NONE {
-        return Ok(());
-    }
-    f.write_str(", ")?;
-    match additional_code_name(ClassId::DEVICENET, additional).filter(|_| of_devicenet) {
-        Some(name) => f.write_str(name),
-        None => {
-            f.write_str("additional ")?;
-            write_prefixed_hex(f, additional.0.into())
-        }
     }
 }

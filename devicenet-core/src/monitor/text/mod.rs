@@ -2,15 +2,14 @@
 
 mod explicit;
 mod problem;
-mod service;
 mod value;
 
-pub(crate) use explicit::write_status;
 pub use value::ValueText;
 
 use core::fmt::{self, Formatter};
 
-use cip_core::text::{Hex, write_decimal, write_hex8};
+use cip_core::monitor::text::write_bytes;
+use cip_core::text::{write_decimal, write_hex8};
 
 use super::kind::Kind;
 use super::reading::{Detail, Fields, Note, Reading};
@@ -216,13 +215,4 @@ fn write_offline(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fmt::Result {
 fn write_raw(f: &mut Formatter<'_>, name: &str, reading: &Reading<'_>) -> fmt::Result {
     f.write_str(name)?;
     write_bytes(f, reading.frame.data())
-}
-
-/// Two spaces and the bytes, if there are any.
-fn write_bytes(f: &mut Formatter<'_>, data: &[u8]) -> fmt::Result {
-    if data.is_empty() {
-        return Ok(());
-    }
-    f.write_str("  ")?;
-    fmt::Display::fmt(&Hex(data), f)
 }

@@ -2,9 +2,11 @@
 
 use core::fmt;
 
+use cip_core::code::ClassId;
+use cip_core::monitor::text::write_status;
+use cip_core::names::additional_code_name;
 use cip_core::text::{write_decimal, write_prefixed_hex};
 
-use super::explicit::write_status;
 use crate::monitor::problem::Problem;
 
 impl fmt::Display for Problem {
@@ -30,11 +32,11 @@ impl fmt::Display for Problem {
             }
             Self::Refused { status, additional } => {
                 f.write_str("refused: ")?;
-                write_status(f, status, additional, true)
+                write_status(f, status, additional, additional_code_name(ClassId::DEVICENET, additional))
             }
             Self::OpenRefused { status, additional } => {
                 f.write_str("refused: ")?;
-                write_status(f, status, additional, false)
+                write_status(f, status, additional, None)
             }
             Self::WrongRequester { expected } => {
                 number(f, "the request came from MAC ID ", u8::from(expected).into())

@@ -2,13 +2,12 @@
 
 use core::fmt::{self, Formatter};
 
-use cip_core::code::{AttributeId, ClassId, InstanceId, ServiceCode};
+use cip_core::code::{ClassId, ServiceCode};
 use cip_core::message::BodyFormat;
-use cip_core::names::{attribute_name, service_name};
-use cip_core::text::{Hex, write_decimal, write_hex16, write_prefixed_hex};
-use cip_core::value::AttributeValue;
+use cip_core::monitor::Vocabulary;
+use cip_core::names::service_name;
+use cip_core::text::{write_decimal, write_hex16, write_prefixed_hex};
 
-use super::service::ServiceText;
 use super::write_mac;
 use crate::id::MacId;
 use crate::message::{DeviceState, GroupSelect, HeartbeatFlags, ShutdownCode};
@@ -27,25 +26,13 @@ impl Fields<'_> {
     /// What `value`, the value of these fields, means.
     pub(in crate::monitor) fn text_of<'a>(&'a self, value: &'a [u8]) -> Option<ValueText<'a>> {
         let has_detail = self.detail != Detail::None && self.detail != Detail::WhoAnswer;
-        let has_meaning = has_detail
-            || match self.requested.or(self.service) {
-                Some(ServiceCode::GET_ATTRIBUTE_SINGLE | ServiceCode::SET_ATTRIBUTE_SINGLE) => {
-                    !value.is_empty() && self.attribute_known() && self.status.is_none()
-                }
-                _ => ServiceText::of(self, value).is_some(),
-            };
+        let has_meaning = has_detail || self.explicit.text_of(&Vocabulary::DEVICENET, value).is_some();
         has_meaning.then_some(ValueText { fields: self, value })
-    }
-
-    /// The name of the attribute.
-    #[must_use]
-    pub fn attribute_name(&self) -> Option<&'static str> {
-        attribute_name(self.class?, self.instance?, self.attribute?)
     }
 
     /// The name of the service, which depends on where it stands.
     pub(in crate::monitor) fn service_name(&self, kind: Kind) -> Option<&'static str> {
-        let service = self.service?;
+        let service = self.explicit.service?;
         Some(match (kind, service) {
             (_, ServiceCode::ERROR_RESPONSE) => return service.name(),
             (Kind::OfflineFaultRequest | Kind::OfflineFaultResponse, ServiceCode(0x4B)) => "Who",
@@ -61,21 +48,12 @@ impl Fields<'_> {
                 ucmm::CLOSE => "Close_Connection",
                 _ => return service.name(),
             },
-            _ => return self.name_of(service),
+            // Without the request, the form of the response has told its class.
+            _ if matches!(self.detail, Detail::Allocated { .. }) => {
+                return service_name(ClassId::DEVICENET, service);
+            }
+            _ => return self.explicit.service_name(&Vocabulary::DEVICENET),
         })
-    }
-
-    pub(super) fn name_of(&self, service: ServiceCode) -> Option<&'static str> {
-        match (self.class, self.detail) {
-            (Some(class), _) => service_name(class, service),
-            // Without the request, the form of the response has told it.
-            (None, Detail::Allocated { .. }) => service_name(ClassId::DEVICENET, service),
-            (None, _) => service.name(),
-        }
-    }
-
-    fn attribute_known(&self) -> bool {
-        self.class.is_some() && self.instance.is_some() && self.attribute.is_some()
     }
 }
 
@@ -85,53 +63,16 @@ impl fmt::Display for ValueText<'_> {
         if fields.detail != Detail::None {
             return write_detail(f, fields);
         }
-        if let Some(text) = ServiceText::of(fields, self.value) {
-            return text.write(f, fields);
+        match fields.explicit.text_of(&Vocabulary::DEVICENET, self.value) {
+            Some(text) => fmt::Display::fmt(&text, f),
+            None => Ok(()),
         }
-        match (fields.class, fields.instance, fields.attribute) {
-            (Some(class), Some(instance), Some(attribute)) => {
-                write_attribute(f, class, instance, attribute, self.value)
-            }
-            _ => fmt::Display::fmt(&Hex(self.value), f),
-        }
-    }
-}
-
-/// The name of an attribute and its value.
-pub(super) fn write_attribute(
-    f: &mut Formatter<'_>,
-    class: ClassId,
-    instance: InstanceId,
-    attribute: AttributeId,
-    data: &[u8],
-) -> fmt::Result {
-    let value = AttributeValue { class, instance, attribute, data };
-    match short_name(class, instance, attribute) {
-        Some(name) => {
-            f.write_str(name)?;
-            f.write_str(" ")?;
-            fmt::Display::fmt(&value, f)
-        }
-        None => write!(f, "{value:#}"),
     }
 }
 
 pub(super) fn write_detail(f: &mut Formatter<'_>, fields: &Fields<'_>) -> fmt::Result {
     match fields.detail {
         Detail::None | Detail::WhoAnswer => Ok(()),
-        Detail::PacketRate { requested, used } => {
-            f.write_str("EPR ")?;
-            write_decimal(f, used.into())?;
-            f.write_str(" ms")?;
-            match requested.filter(|&requested| requested != used) {
-                Some(requested) => {
-                    f.write_str(" (")?;
-                    write_decimal(f, requested.into())?;
-                    f.write_str(" ms requested)")
-                }
-                None => Ok(()),
-            }
-        }
         Detail::Allocate { allocator } => {
             f.write_str("master ")?;
             write_decimal(f, allocator.into())
@@ -151,7 +92,7 @@ pub(super) fn write_detail(f: &mut Formatter<'_>, fields: &Fields<'_>) -> fmt::R
             write_format(f, format)
         }
         Detail::Opened { format, destination, source } => {
-            if let Some(instance) = fields.instance {
+            if let Some(instance) = fields.explicit.instance {
                 f.write_str("instance ")?;
                 write_decimal(f, instance.0.into())?;
                 f.write_str(", ")?;
@@ -165,7 +106,7 @@ pub(super) fn write_detail(f: &mut Formatter<'_>, fields: &Fields<'_>) -> fmt::R
             f.write_str(", ")?;
             write_format(f, format)
         }
-        Detail::Close => match (fields.instance, fields.requested) {
+        Detail::Close => match (fields.explicit.instance, fields.explicit.requested) {
             (Some(instance), _) => {
                 f.write_str("instance ")?;
                 write_decimal(f, instance.0.into())
@@ -174,10 +115,10 @@ pub(super) fn write_detail(f: &mut Formatter<'_>, fields: &Fields<'_>) -> fmt::R
         },
         Detail::Heartbeat { state, flags, consistency } => write_heartbeat(f, state, flags, consistency),
         Detail::Shutdown { code } => {
-            if let Some(class) = fields.class {
+            if let Some(class) = fields.explicit.class {
                 fmt::Display::fmt(&class, f)?;
             }
-            if let Some(instance) = fields.instance {
+            if let Some(instance) = fields.explicit.instance {
                 f.write_str(" ")?;
                 write_decimal(f, instance.0.into())?;
             }
@@ -236,16 +177,6 @@ fn write_format(f: &mut Formatter<'_>, code: u8) -> fmt::Result {
     match BodyFormat::from_code(code) {
         Some(format) => fmt::Display::fmt(&format, f),
         None => write_decimal(f, code.into()),
-    }
-}
-
-/// Names that are shorter than those of the specification.
-fn short_name(class: ClassId, instance: InstanceId, attribute: AttributeId) -> Option<&'static str> {
-    match (class, attribute.0) {
-        _ if instance.is_class() => None,
-        (ClassId::CONNECTION, 9) => Some("EPR"),
-        (ClassId::IDENTITY, 1) => Some("Vendor"),
-        _ => None,
     }
 }
 

@@ -2,21 +2,16 @@
 
 use core::fmt::{self, Formatter};
 
-use cip_core::code::{AdditionalCode, AttributeId, ClassId, InstanceId, ServiceCode};
-use cip_core::codec::Wire;
-use cip_core::message::{
+use super::value::write_attribute;
+use super::{write_bytes, write_status};
+use crate::code::{AdditionalCode, AttributeId, ClassId, InstanceId, ServiceCode};
+use crate::codec::Wire;
+use crate::message::{
     AttributeReplies, AttributeReply, AttributeSettings, AttributeStatusList, CreateResponse,
     FindNextRequest, InstanceList, MemberId, MultipleServicePacket, ResetRequest, UintList,
 };
-use cip_core::names::{attribute_name, value_len};
-use cip_core::text::{Hex, write_decimal, write_prefixed_hex};
-
-use super::explicit::{write_message, write_status};
-use super::value::write_attribute;
-use super::write_bytes;
-use crate::monitor::kind::Kind;
-use crate::monitor::reading::Fields;
-use crate::monitor::{requests, responses};
+use crate::monitor::{Explicit, Vocabulary};
+use crate::text::{Hex, write_decimal, write_prefixed_hex};
 
 /// Service data with a known layout.
 #[derive(Debug, Clone, Copy)]
@@ -49,7 +44,7 @@ pub(super) enum ServiceText<'a> {
 
 impl<'a> ServiceText<'a> {
     /// The layout of `data`; `None` if there is none, or the data do not have it.
-    pub(super) fn of(fields: &Fields<'_>, data: &'a [u8]) -> Option<Self> {
+    pub(super) fn of(fields: &Explicit<'_>, vocabulary: &Vocabulary, data: &'a [u8]) -> Option<Self> {
         let is_response = fields.requested.is_some();
         let service = fields.requested.or(fields.service)?;
         let is_addressed = fields.class.is_some() && fields.instance.is_some();
@@ -60,11 +55,17 @@ impl<'a> ServiceText<'a> {
             (ServiceCode::GET_ATTRIBUTE_LIST, false) => UintList::parse(data).ok().map(Self::Names),
             (ServiceCode::GET_ATTRIBUTE_LIST, true) => {
                 let replies = AttributeReplies::parse(data).ok()?;
-                replies.iter(lengths(fields)).all(|reply| reply.is_ok()).then_some(Self::Replies(replies))
+                replies
+                    .iter(lengths(fields, vocabulary))
+                    .all(|reply| reply.is_ok())
+                    .then_some(Self::Replies(replies))
             }
             (ServiceCode::SET_ATTRIBUTE_LIST, false) => {
                 let settings = AttributeSettings::parse(data).ok()?;
-                settings.iter(lengths(fields)).all(|entry| entry.is_ok()).then_some(Self::Settings(settings))
+                settings
+                    .iter(lengths(fields, vocabulary))
+                    .all(|entry| entry.is_ok())
+                    .then_some(Self::Settings(settings))
             }
             (ServiceCode::SET_ATTRIBUTE_LIST, true) => {
                 AttributeStatusList::parse(data).ok().map(Self::Statuses)
@@ -97,36 +98,45 @@ impl<'a> ServiceText<'a> {
         }
     }
 
-    pub(super) fn write(&self, f: &mut Formatter<'_>, fields: &Fields<'_>) -> fmt::Result {
+    pub(super) fn write(
+        &self,
+        f: &mut Formatter<'_>,
+        fields: &Explicit<'_>,
+        vocabulary: &Vocabulary,
+    ) -> fmt::Result {
         let Some((class, instance)) = fields.class.zip(fields.instance) else { return Ok(()) };
         match self {
             Self::Names(list) => separated(f, ", ", list.attributes(), |f, attribute| {
-                write_name(f, class, instance, attribute)
+                write_name(f, vocabulary, class, instance, attribute)
             }),
-            Self::Settings(settings) => {
-                separated(f, ", ", settings.iter(lengths(fields)).flatten(), |f, (attribute, value)| {
-                    write_attribute(f, class, instance, attribute, value)
-                })
-            }
-            Self::Replies(replies) => {
-                separated(f, ", ", replies.iter(lengths(fields)).flatten(), |f, reply| match reply {
+            Self::Settings(settings) => separated(
+                f,
+                ", ",
+                settings.iter(lengths(fields, vocabulary)).flatten(),
+                |f, (attribute, value)| write_attribute(f, vocabulary, class, instance, attribute, value),
+            ),
+            Self::Replies(replies) => separated(
+                f,
+                ", ",
+                replies.iter(lengths(fields, vocabulary)).flatten(),
+                |f, reply| match reply {
                     AttributeReply { attribute, value: Ok(value) } => {
-                        write_attribute(f, class, instance, attribute, value)
+                        write_attribute(f, vocabulary, class, instance, attribute, value)
                     }
                     AttributeReply { attribute, value: Err(status) } => {
-                        write_name(f, class, instance, attribute)?;
+                        write_name(f, vocabulary, class, instance, attribute)?;
                         f.write_str(" error ")?;
-                        write_status(f, status, AdditionalCode::NONE, false)
+                        write_status(f, status, AdditionalCode::NONE, None)
                     }
-                })
-            }
+                },
+            ),
             Self::Statuses(list) => separated(f, ", ", list.iter(), |f, (attribute, status)| {
-                write_name(f, class, instance, attribute)?;
+                write_name(f, vocabulary, class, instance, attribute)?;
                 match u8::try_from(status) {
                     Ok(0) => f.write_str(" ok"),
                     Ok(status) => {
                         f.write_str(" error ")?;
-                        write_status(f, status.into(), AdditionalCode::NONE, false)
+                        write_status(f, status.into(), AdditionalCode::NONE, None)
                     }
                     Err(_) => {
                         f.write_str(" error ")?;
@@ -135,23 +145,26 @@ impl<'a> ServiceText<'a> {
                 }
             }),
             Self::Member(member, value) => {
-                write_attribute_of(f, fields)?;
+                write_attribute_of(f, vocabulary, fields)?;
                 f.write_str("member ")?;
                 write_decimal(f, (*member).into())?;
                 write_bytes(f, value)
             }
             Self::MemberValue(value) => {
-                write_attribute_of(f, fields)?;
+                write_attribute_of(f, vocabulary, fields)?;
                 fmt::Display::fmt(&Hex(value), f)
             }
             Self::Requests(packet) => separated(f, "; ", packet.services(), |f, body| {
-                write_part(f, Kind::ExplicitRequest, &requests::part_fields(fields.format, body), body)
+                write_part(f, vocabulary, false, &Explicit::request(fields.format, body, 0).explicit, body)
             }),
             Self::Responses(packet) => {
                 let mut asked = fields.parts.into_iter().flatten();
                 separated(f, "; ", packet.services(), |f, body| {
-                    let request = asked.next().and_then(Option::as_ref);
-                    write_part(f, Kind::ExplicitResponse, &responses::part(request, body).fields, body)
+                    let mut part = Explicit::response(body, 0).explicit;
+                    if let Some(asked) = asked.next().and_then(Option::as_ref) {
+                        part.answers(asked, body);
+                    }
+                    write_part(f, vocabulary, true, &part, body)
                 })
             }
             Self::Reset(ResetRequest { kind }) => match kind {
@@ -174,14 +187,20 @@ impl<'a> ServiceText<'a> {
 }
 
 /// A request or response inside of another. A packet inside of a packet is not taken apart.
-fn write_part(f: &mut Formatter<'_>, kind: Kind, fields: &Fields<'_>, body: &[u8]) -> fmt::Result {
+fn write_part(
+    f: &mut Formatter<'_>,
+    vocabulary: &Vocabulary,
+    is_response: bool,
+    part: &Explicit<'_>,
+    body: &[u8],
+) -> fmt::Result {
     if body.is_empty() {
         return f.write_str("nothing");
     }
-    let is_packet = fields.requested.or(fields.service) == Some(ServiceCode::MULTIPLE_SERVICE_PACKET);
-    let class = fields.class.filter(|_| !is_packet);
-    let value = fields.value.map(|span| span.of(body)).unwrap_or_default();
-    write_message(f, kind, &Fields { class, ..*fields }, value)
+    let is_packet = part.requested.or(part.service) == Some(ServiceCode::MULTIPLE_SERVICE_PACKET);
+    let class = part.class.filter(|_| !is_packet);
+    let value = part.value.map(|span| span.of(body)).unwrap_or_default();
+    Explicit { class, ..*part }.write(f, vocabulary, is_response, value)
 }
 
 /// The services for one member of an attribute.
@@ -196,11 +215,14 @@ fn names_member(service: ServiceCode) -> bool {
 }
 
 /// How many bytes the value of an attribute takes.
-fn lengths(fields: &Fields<'_>) -> impl Fn(AttributeId, &[u8]) -> Option<usize> + use<> {
+fn lengths<'v>(
+    fields: &Explicit<'_>,
+    vocabulary: &'v Vocabulary,
+) -> impl Fn(AttributeId, &[u8]) -> Option<usize> + use<'v> {
     let target = fields.class.zip(fields.instance);
     move |attribute, data| {
         let (class, instance) = target?;
-        value_len(class, instance, attribute, data)
+        vocabulary.value_len(class, instance, attribute, data)
     }
 }
 
@@ -222,22 +244,23 @@ fn separated<T>(
 }
 
 /// The name of the attribute that the fields name, and a space.
-fn write_attribute_of(f: &mut Formatter<'_>, fields: &Fields<'_>) -> fmt::Result {
+fn write_attribute_of(f: &mut Formatter<'_>, vocabulary: &Vocabulary, fields: &Explicit<'_>) -> fmt::Result {
     let (Some(class), Some(instance), Some(attribute)) = (fields.class, fields.instance, fields.attribute)
     else {
         return Ok(());
     };
-    write_name(f, class, instance, attribute)?;
+    write_name(f, vocabulary, class, instance, attribute)?;
     f.write_str(" ")
 }
 
 fn write_name(
     f: &mut Formatter<'_>,
+    vocabulary: &Vocabulary,
     class: ClassId,
     instance: InstanceId,
     attribute: AttributeId,
 ) -> fmt::Result {
-    match attribute_name(class, instance, attribute) {
+    match vocabulary.attribute_name(class, instance, attribute) {
         Some(name) => f.write_str(name),
         None => fmt::Display::fmt(&attribute, f),
     }
