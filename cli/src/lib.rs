@@ -51,7 +51,7 @@ pub fn run(cli: &Cli) -> Result<Exit, Failure> {
         Command::Get(args) => live::get(args, cli.json),
         Command::Master(args) => live::master(args, cli.json),
         Command::Monitor(args) => live::monitor(args, cli.json),
-        Command::Record(args) => live::record(args),
+        Command::Record(args) => live::record(args, cli.json),
         Command::Recover(args) => live::recover(args, cli.json),
         Command::Scan(args) => live::scan(args, cli.json),
         Command::Set(args) => live::set(args, cli.json),

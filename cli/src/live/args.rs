@@ -70,7 +70,7 @@ Examples:
   devicenet monitor can0 --learn 5min --for 1h --interval 1min > shift.txt
   devicenet monitor can0 --json | jq -c 'select(.event == \"finding\")'")]
 pub struct MonitorArgs {
-    /// A CAN interface such as can0, sim:FILE for a scenario, log:FILE for a recording
+    /// A CAN interface such as can0, sim:FILE for a scenario, log:FILE for a recording, log:- for one on standard input
     pub endpoint: Endpoint,
     /// How often to sum up, as lines
     #[arg(long, value_name = "TIME", default_value = "10s", value_parser = parse_interval)]
@@ -128,7 +128,7 @@ Examples:
   devicenet record can0 --trigger duplicate -o - | devicenet decode -
   devicenet record sim:line.toml --trigger silence=2s")]
 pub struct RecordArgs {
-    /// A CAN interface such as can0, sim:FILE for a scenario, log:FILE for a recording
+    /// A CAN interface such as can0, sim:FILE for a scenario, log:FILE for a recording, log:- for one on standard input
     pub endpoint: Endpoint,
     /// What starts a recording; may be given more than once
     #[arg(long, value_name = "TRIGGER")]
@@ -243,7 +243,7 @@ Examples:
   devicenet scan log:recording.log --json | jq -c '[.mac, .vendor, .product_name]'
   devicenet scan sim:plant.toml --listen 6s")]
 pub struct ScanArgs {
-    /// A CAN interface such as can0, sim:FILE for a scenario, log:FILE for a recording
+    /// A CAN interface such as can0, sim:FILE for a scenario, log:FILE for a recording, log:- for one on standard input
     pub endpoint: Endpoint,
     /// How to take part in the bus.
     #[command(flatten)]

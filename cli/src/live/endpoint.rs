@@ -8,6 +8,7 @@ use link_core::Instant;
 
 use crate::exit::Failure;
 use crate::scenario::Time;
+use crate::standard::is_standard;
 
 /// An interface, a scenario or a recording.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -21,6 +22,11 @@ pub enum Endpoint {
 }
 
 impl Endpoint {
+    /// Whether it is read from standard input.
+    pub(super) fn is_standard_input(&self) -> bool {
+        matches!(self, Self::Recording(path) if is_standard(path))
+    }
+
     /// `sim:line.toml: the scenario ended at 5s`
     pub(super) fn ended(&self, at: Instant) -> String {
         let what = match self {

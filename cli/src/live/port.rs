@@ -142,7 +142,9 @@ impl LivePort {
 
     /// Says that the scenario or the recording has ended, where somebody wanted more of it.
     pub(super) fn note_early_end(&self, endpoint: &Endpoint, wanted: Option<Time>) {
-        if let (Some(at), Some(wanted)) = (self.over, wanted) {
+        if let (Some(at), Some(wanted)) = (self.over, wanted)
+            && !self.is_interrupted()
+        {
             let ended = endpoint.ended(at);
             crate::output::note(format_args!("{ended}, before --for {wanted} was over"));
         }

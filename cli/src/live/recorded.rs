@@ -1,5 +1,6 @@
 //! A recording as a bus to listen to.
 
+use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
 use std::collections::VecDeque;
 use std::path::Path;
@@ -10,6 +11,8 @@ use link_core::{Input, Instant, LinkEvent};
 use super::port::PortError;
 use crate::exit::Failure;
 use crate::recording::{ChannelId, Content, RecordedFrame, Recording};
+use crate::simulate;
+use crate::standard::{Interruptible, is_standard, shown};
 use crate::text::{count, printable};
 
 /// A recording that is played to a listener, as fast as it is read. Its bad lines are told.
@@ -29,15 +32,26 @@ pub(super) struct Recorded {
     patience: Duration,
     bad_entries: u64,
     ahead: VecDeque<(Instant, Input)>,
+    /// Of standard input, whose end is none when this is set.
+    interrupted: Option<&'static AtomicBool>,
 }
 
 impl Recorded {
     pub(super) fn open(path: &Path) -> Result<Self, Failure> {
-        let file = crate::standard::shown(path, "<stdin>");
-        let recording = Recording::open(path).map_err(|error| Failure::Usage(format!("{file}: {error}")))?;
+        let file = shown(path, "<stdin>");
+        let interrupted = is_standard(path).then(simulate::interruption).transpose()?;
+        let opened = match interrupted {
+            Some(interrupted) => Recording::from_reader(Interruptible::new(interrupted)),
+            None => Recording::open(path),
+        };
+        let recording = opened.map_err(|error| match is_set(interrupted) {
+            true => Failure::Interrupted("interrupted before anything was read".into()),
+            false => Failure::Usage(format!("{file}: {error}")),
+        })?;
         Ok(Self {
             file,
             recording,
+            interrupted,
             channel: None,
             is_told: false,
             now: Instant::ZERO,
@@ -116,7 +130,12 @@ impl Recorded {
 
     fn peek(&mut self) -> Result<Option<(Instant, Input)>, PortError> {
         while self.ahead.is_empty() {
-            match self.recording.next() {
+            let entry = self.recording.next();
+            // It may be half of one.
+            if is_set(self.interrupted) {
+                return Ok(None);
+            }
+            match entry {
                 None => return Ok(None),
                 Some(Ok(RecordedFrame { channel, .. })) if !self.is_heard(channel) => {}
                 Some(Ok(RecordedFrame { at, content, .. })) => match content {
@@ -159,6 +178,10 @@ impl Recorded {
         }
         is_heard
     }
+}
+
+fn is_set(interrupted: Option<&AtomicBool>) -> bool {
+    interrupted.is_some_and(|interrupted| interrupted.load(Ordering::Relaxed))
 }
 
 /// By less, entries are only out of order.

@@ -315,6 +315,11 @@ impl Outcome {
         if let Self::Recovered(_, mac) | Self::NotRecovered(_, mac, _) = self {
             object["mac"] = mac.number().into();
         }
+        match self {
+            Self::NotRecovered(_, _, why) => object["problem"] = why.to_string().into(),
+            Self::NoneFree(_) => object["problem"] = NONE_FREE.into(),
+            Self::Found(_) | Self::Identified(_) | Self::Recovered(..) => {}
+        }
         object["text"] = self.to_string().into();
         object
     }
@@ -331,10 +336,11 @@ impl fmt::Display for Outcome {
             Self::NotRecovered(device, mac, why) => {
                 write!(f, "not recovered  {}  as node {mac}: {why}", Device(*device))
             }
-            Self::NoneFree(device) => write!(f, "not recovered  {}: no MAC ID is free", Device(*device)),
+            Self::NoneFree(device) => write!(f, "not recovered  {}: {NONE_FREE}", Device(*device)),
         }
     }
 }
 
+const NONE_FREE: &str = "no MAC ID is free";
 /// Claiming takes two seconds, Who three, a new MAC ID about five.
 const LONGEST: Duration = Duration::from_secs(600);

@@ -5,7 +5,6 @@ use std::io;
 
 use devicenet_core::MacId;
 use link_core::{Input, Instant, LinkEvent, Port as _, drive};
-use serde_json::json;
 
 use super::args::RunArgs;
 use super::ask::mac_id;
@@ -152,7 +151,14 @@ impl Log<'_> {
         }
         let words = event.words();
         let line = match self.json {
-            true => json!({ "t": now.as_nanos() as f64 / 1e9, "node": self.name, "text": words, "problem": event.is_problem() }).to_string(),
+            true => {
+                let mut object = simulate::object(now, self.name, event);
+                if event.is_problem() {
+                    object["problem"] = words.as_str().into();
+                }
+                object["text"] = words.into();
+                object.to_string()
+            }
             false => format!("{now:.6}  {}  {words}", self.name),
         };
         self.output.buffer.extend_from_slice(line.as_bytes());

@@ -1,6 +1,8 @@
 //! `devicenet scan`.
 
 use cip_core::code::{AttributeId, ClassId, InstanceId};
+use cip_core::codec::Wire as _;
+use cip_core::identity::Revision;
 use devicenet_core::MacId;
 use devicenet_core::master::Cause;
 use devicenet_core::monitor::NodeRecord;
@@ -19,7 +21,7 @@ use crate::exit::{Exit, Failure};
 use crate::output::{self, Output};
 use crate::simulate;
 use crate::table::{Cell, Table};
-use crate::text::count;
+use crate::text::{count, product_name};
 
 /// Tells who is on a bus.
 ///
@@ -44,12 +46,9 @@ pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
         (heard, reports, 0)
     } else {
         // Ctrl-C ends listening, and what was heard is told.
-        let is_live = matches!(endpoint, Endpoint::Interface(_));
-        let interrupted = is_live.then(simulate::interruption).transpose()?;
+        let interrupted = simulate::interruption()?;
         let mut port = LivePort::open_listen_only(endpoint)?;
-        if let Some(interrupted) = interrupted {
-            port.set_interruption(interrupted);
-        }
+        port.set_interruption(interrupted);
         let until = match endpoint {
             Endpoint::Recording(_) => Instant::MAX,
             Endpoint::Interface(_) | Endpoint::Scenario(_) => port.now() + node.permit.listen.0,
@@ -186,30 +185,46 @@ impl Row {
 
     /// In words; what was answered counts more than what was heard.
     fn word(&self, attribute: u16, heard: impl FnOnce(&NodeRecord) -> Option<String>) -> Option<String> {
-        let answered = self.identity.iter().find(|(path, _)| path.attribute.0 == attribute);
-        let answered = answered.map(|(path, data)| path.words(data).to_string());
+        let answered = self.answer(attribute).map(|data| path(attribute).words(data).to_string());
         answered.or_else(|| heard(self.record.as_ref()?))
     }
 
-    fn words(&self) -> [(&'static str, Option<String>); 6] {
+    /// Vendor, device type, product code, revision, serial number, product name.
+    fn words(&self) -> [Option<String>; 6] {
         [
-            ("vendor", self.word(1, |node| Some(path(1).words(&node.vendor?.0.to_le_bytes()).to_string()))),
-            (
-                "device_type",
-                self.word(2, |node| Some(path(2).words(&node.device_type?.0.to_le_bytes()).to_string())),
-            ),
-            ("product", self.word(3, |node| Some(node.product?.to_string()))),
-            ("revision", self.word(4, |node| node.revision.map(|(major, minor)| format!("{major}.{minor}")))),
-            ("serial", self.serial().map(|serial| format!("0x{serial:08X}"))),
-            ("product_name", self.word(7, name)),
+            self.word(1, |node| Some(path(1).words(&node.vendor?.0.to_le_bytes()).to_string())),
+            self.word(2, |node| Some(path(2).words(&node.device_type?.0.to_le_bytes()).to_string())),
+            self.word(3, |node| Some(node.product?.to_string())),
+            self.revision(),
+            self.serial().map(|serial| format!("0x{serial:08X}")),
+            self.word(7, name),
         ]
     }
 
+    /// The bytes of an attribute that was answered.
+    fn answer(&self, attribute: u16) -> Option<&[u8]> {
+        let answered = self.identity.iter().find(|(path, _)| path.attribute.0 == attribute);
+        answered.map(|(_, data)| data.as_slice())
+    }
+
+    fn uint(&self, attribute: u16) -> Option<u16> {
+        self.answer(attribute)?.try_into().ok().map(u16::from_le_bytes)
+    }
+
+    fn revision(&self) -> Option<String> {
+        let answered = self.answer(4).and_then(|data| Some(Revision::parse(data).ok()?.to_string()));
+        let heard = || self.record.as_ref()?.revision.map(|(major, minor)| format!("{major}.{minor}"));
+        answered.or_else(heard)
+    }
+
     fn serial(&self) -> Option<u32> {
-        let answered = self.identity.iter().find(|(path, _)| path.attribute.0 == 6);
-        let answered =
-            answered.and_then(|(_, data)| Some(u32::from_le_bytes(data.as_slice().try_into().ok()?)));
+        let answered = self.answer(6).and_then(|data| Some(u32::from_le_bytes(data.try_into().ok()?)));
         answered.or_else(|| self.record.as_ref()?.serial)
+    }
+
+    fn product_name(&self) -> Option<String> {
+        let answered = self.answer(7).and_then(|data| product_name(data.get(1..)?));
+        answered.or_else(|| product_name(&self.record.as_ref()?.product_name))
     }
 
     fn state(&self) -> &'static str {
@@ -235,16 +250,26 @@ impl Row {
 
     fn cells(&self) -> Vec<Cell> {
         let mut cells = vec![Cell::right(self.mac.to_string()), Cell::left(self.state())];
-        cells.extend(self.words().map(|(_, word)| Cell::left(word.unwrap_or_else(|| "-".into()))));
+        cells.extend(self.words().map(|word| Cell::left(word.unwrap_or_else(|| "-".into()))));
         cells.push(Cell::right(self.master_words()));
         cells
     }
 
+    /// With the fields of a node in a summary of `monitor`, as far as they are known.
     fn json(&self) -> Value {
         let mut object = json!({ "mac": self.mac.number(), "state": self.state() });
-        for (key, word) in self.words() {
-            if let Some(word) = word {
-                object[key] = word.into();
+        let heard = self.record.as_ref();
+        let known = [
+            ("vendor", self.uint(1).or_else(|| Some(heard?.vendor?.0)).map(Value::from)),
+            ("device_type", self.uint(2).or_else(|| Some(heard?.device_type?.0)).map(Value::from)),
+            ("product", self.uint(3).or_else(|| heard?.product).map(Value::from)),
+            ("revision", self.revision().map(Value::from)),
+            ("serial", self.serial().map(Value::from)),
+            ("product_name", self.product_name().map(Value::from)),
+        ];
+        for (key, value) in known {
+            if let Some(value) = value {
+                object[key] = value;
             }
         }
         if let Some(master) = self.master() {

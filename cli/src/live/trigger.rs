@@ -98,6 +98,36 @@ impl FromStr for Trigger {
     }
 }
 
+/// As it is written on the command line.
+impl fmt::Display for Trigger {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TimeOut(None) => f.write_str("timeout"),
+            Self::TimeOut(Some(mac)) => write!(f, "timeout={mac}"),
+            Self::Duplicate => f.write_str("duplicate"),
+            Self::BusError => f.write_str("error"),
+            Self::BusOff => f.write_str("bus-off"),
+            Self::Problem => f.write_str("problem"),
+            Self::Silence(span) => write!(f, "silence={}", Time(*span)),
+            Self::Frame(filter) => filter.fmt(f),
+        }
+    }
+}
+
+impl fmt::Display for FrameFilter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { kind, mac, id, data } = self;
+        let byte = |byte: &Option<u8>| byte.map_or_else(|| "??".to_owned(), |byte| format!("{byte:02x}"));
+        let parts = [
+            kind.map(|kind| format!("kind={}", kind.name())),
+            mac.map(|mac| format!("mac={mac}")),
+            id.map(|id| format!("id=0x{id:x}")),
+            data.as_ref().map(|data| format!("data={}", data.iter().map(byte).collect::<String>())),
+        ];
+        f.write_str(&parts.into_iter().flatten().collect::<Vec<_>>().join(","))
+    }
+}
+
 fn filter(text: &str) -> Result<FrameFilter, String> {
     let mut filter = FrameFilter::default();
     for part in text.split(',') {
@@ -332,6 +362,19 @@ mod tests {
             data: Some(vec![Some(1), None, Some(0xFF)]),
         };
         assert_eq!("kind=poll_response,mac=10,id=0x3ca,data=01??fF".parse(), Ok(Trigger::Frame(filter)));
+        for text in [
+            "timeout",
+            "timeout=10",
+            "duplicate",
+            "error",
+            "bus-off",
+            "problem",
+            "silence=1.5s",
+            "kind=poll_response,mac=10,id=0x3ca,data=01??ff",
+            "id=0x3ca",
+        ] {
+            assert_eq!(text.parse::<Trigger>().unwrap().to_string(), text);
+        }
         for text in [
             "",
             "time",

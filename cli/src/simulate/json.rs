@@ -241,6 +241,12 @@ pub(super) fn push_end(out: &mut Vec<u8>, end: Instant, verdict: &Verdict, summa
     push(out, &Line::Summary { t, summary, held, failed, unjudged });
 }
 
+/// What a node tells, as an object with its fields.
+pub(crate) fn object(at: Instant, node: &str, event: &NodeEvent) -> serde_json::Value {
+    // Neither these types nor keys of text can fail.
+    serde_json::to_value(node_event(seconds(at), node, event)).unwrap_or_default()
+}
+
 fn push(out: &mut Vec<u8>, line: &Line<'_>) {
     // Neither writing to a vector nor these types can fail.
     let _ = serde_json::to_writer(&mut *out, line);

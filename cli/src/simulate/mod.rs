@@ -39,6 +39,7 @@ pub(crate) use event::NodeEvent;
 pub use exchange::Exchange;
 pub use expectations::{Failure as FailedExpectation, Status, Verdict};
 pub use health::examine;
+pub(crate) use json::object;
 pub use run::Outcome;
 pub use selection::EventKind;
 pub use summary::{BusSummary, NodeSummary, ScanSummary, SlaveSummary, Summary};
@@ -201,9 +202,13 @@ pub fn run(args: &SimulateArgs, json: bool) -> Result<Exit, Failure> {
     Ok(if outcome.verdict.failures.is_empty() { Exit::Done } else { Exit::Findings })
 }
 
-/// Is set by Ctrl-C, or by whoever else asks the program to end, from now on. The second time ends it at once.
+/// Is set by Ctrl-C, or by whoever else asks the program to end, from the first call on. The second time ends it at once.
 pub(crate) fn interruption() -> Result<&'static AtomicBool, Failure> {
     static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+    static IS_HANDLED: AtomicBool = AtomicBool::new(false);
+    if IS_HANDLED.swap(true, Ordering::Relaxed) {
+        return Ok(&INTERRUPTED);
+    }
     let handle = || {
         if INTERRUPTED.swap(true, Ordering::Relaxed) {
             std::process::exit(i32::from(Exit::Interrupted as u8));

@@ -1,6 +1,6 @@
 //! `monitor`, as lines.
 
-use std::io::{BufRead as _, BufReader};
+use std::io::{BufRead as _, BufReader, Write as _};
 use std::process::{Command, Stdio};
 
 use crate::devicenet;
@@ -212,6 +212,40 @@ fn an_interruption_ends_with_a_summary() {
     let last = lines.last().unwrap().unwrap();
     assert!(last.contains("\"event\":\"summary\"") && last.contains("\"last\":true"), "{last}");
     assert_eq!(child.wait().unwrap().code(), Some(0));
+}
+
+/// A pipe that stays open and silent: what came is told at once, and Ctrl-C is heard.
+#[test]
+#[cfg(unix)]
+fn standard_input_is_interrupted() {
+    for (command, code) in [("monitor", 0), ("scan", 0), ("record", 0)] {
+        let output = concat!(env!("CARGO_TARGET_TMPDIR"), "/of-standard-input.log");
+        let _ = std::fs::remove_file(output);
+        let arguments: &[&str] = match command {
+            "monitor" => &["monitor", "log:-", "--json"],
+            "scan" => &["scan", "log:-", "--json"],
+            _ => &["record", "log:-", "--json", "--output", output],
+        };
+        let mut child = Command::new(env!("CARGO_BIN_EXE_devicenet"))
+            .args(arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut pipe = child.stdin.take().unwrap();
+        // More than a pipe holds: then it has begun to read.
+        let frames = "(1.000000) can0 40A#00\n".repeat(10_000);
+        pipe.write_all(format!("{frames}(2.000000) can0 40A#00\n(3.0").as_bytes()).unwrap();
+        let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+        let first = (command != "scan").then(|| lines.next().unwrap().unwrap());
+        let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+        assert!(killed.success());
+        let last = lines.last().map(Result::unwrap);
+        assert!(first.is_none_or(|first| first.contains("\"t\":0.0")));
+        assert_eq!(last.is_some(), command != "scan", "nobody has said who he is");
+        assert_eq!(child.wait().unwrap().code(), Some(code), "{command}");
+        drop(pipe);
+    }
 }
 
 #[test]

@@ -76,6 +76,77 @@ fn tshark_reads_the_recording() {
     assert!(response < 12.0 && (12.3..12.4).contains(&poll), "{response} {poll}");
 }
 
+/// As objects: what it waits for, what has happened, what was written, how it ended.
+#[test]
+fn a_recorder_tells_of_its_work_in_objects() {
+    let path = file("told.log");
+    let run = record(&path, &["--trigger", "timeout", "--trigger", "id=0x3ca,data=??ff", "--json"]);
+    assert_eq!((run.code(), run.err().as_str()), (1, ""));
+    let [start, trigger, written, end] = &run.json()[..] else { panic!("{}", run.out()) };
+    let name = path.to_str().unwrap();
+    assert_eq!(
+        *start,
+        serde_json::json!({ "event": "start", "t": 0.0, "endpoint": "sim:drop.toml", "before": 5.0, "after": 5.0, "count": 1,
+            "triggers": ["timeout", "id=0x3ca,data=??ff"] })
+    );
+    assert_eq!(
+        (&trigger["event"], &trigger["n"], &trigger["file"]),
+        (&"trigger".into(), &1.into(), &name.into())
+    );
+    assert_eq!(trigger["text"], "node 10 has not answered polls for 322 ms");
+    let times = times(&path);
+    let (first, last) = (times[0], times[times.len() - 1]);
+    assert_eq!(
+        (&written["event"], &written["frames"], &written["dropped"]),
+        (&"written".into(), &times.len().into(), &0.into())
+    );
+    assert_eq!((written["first"].as_f64(), written["last"].as_f64()), (Some(first), Some(last)));
+    assert_eq!(
+        (&end["event"], &end["recordings"], &end["cause"]),
+        (&"end".into(), &1.into(), &"complete".into())
+    );
+    for (more, cause) in [(&["--for", "3s"][..], "time_over"), (&[], "endpoint_over")] {
+        let path = file("told-nothing.log");
+        let run = record(&path, &[&["--trigger", "silence=30s", "--json"], more].concat());
+        let last = run.json().pop().unwrap();
+        assert_eq!((&last["recordings"], &last["cause"], run.code()), (&0.into(), &cause.into(), 0));
+    }
+    let run = devicenet(&["record", "sim:drop.toml", "--json", "--output", "-"]);
+    assert_eq!((run.code(), run.out().as_str()), (2, ""));
+    assert!(run.error().contains("both want standard output"), "{}", run.err());
+}
+
+/// There is room for a million frames before a trigger.
+#[test]
+fn frames_that_there_is_no_room_for_are_counted_and_told() {
+    let recording = file("many.log");
+    let mut log = String::new();
+    for n in 0..1_000_500_u32 {
+        log += &format!("({}.{:06}) can0 40A#00\n", n / 5_000, n % 5_000 * 200);
+    }
+    std::fs::write(&recording, log).unwrap();
+    let path = file("of-many.log");
+    let endpoint = format!("log:{}", recording.display());
+    let arguments =
+        ["--trigger", "silence=1s", "--before", "10min", "--json", "--output", path.to_str().unwrap()];
+    let end = "(300.000000) can0 40A#00\n";
+    std::io::Write::write_all(
+        &mut std::fs::OpenOptions::new().append(true).open(&recording).unwrap(),
+        end.as_bytes(),
+    )
+    .unwrap();
+    let run = devicenet(&[&["record", &endpoint][..], &arguments].concat());
+    let written = run.json().into_iter().find(|object| object["event"] == "written").unwrap();
+    assert_eq!((&written["frames"], &written["dropped"]), (&1_000_000.into(), &500.into()));
+    assert!(
+        run.err().contains(
+            "there is room for 1000000 frames before a trigger: 500 frames of the 600s before it were dropped"
+        ),
+        "{}",
+        run.err()
+    );
+}
+
 #[test]
 fn another_slave_is_none_of_its_business() {
     let path = file("other.log");

@@ -23,7 +23,7 @@ pub(super) fn run(
     json: bool,
 ) -> Result<(), Failure> {
     let begin = port.now();
-    let mut lines = Lines { output, json };
+    let mut lines = Lines { output, json, is_prompt: args.endpoint.is_standard_input() };
     let mut report_at = begin.saturating_add(args.interval.0);
     let mut now = begin;
     let ended = loop {
@@ -63,12 +63,14 @@ fn last_report(first: Instant, now: Instant, interval: Duration) -> Instant {
 
 /// Prints the last summary as text.
 pub(super) fn last_words(picture: &Picture) -> Result<(), Failure> {
-    Lines { output: Output::new(), json: false }.report(picture, true)
+    Lines { output: Output::new(), json: false, is_prompt: false }.report(picture, true)
 }
 
 struct Lines {
     output: Output,
     json: bool,
+    /// Nobody tells whether there is more to come.
+    is_prompt: bool,
 }
 
 impl Lines {
@@ -98,7 +100,9 @@ impl Lines {
     /// A person or a program that waits sees what happened, when the bus is silent or time has passed.
     fn show(&mut self, input: Input) -> Result<(), Failure> {
         match input {
-            Input::Tick if !self.output.buffer.is_empty() => self.output.flush()?,
+            _ if self.output.buffer.is_empty() => {}
+            Input::Tick => self.output.flush()?,
+            _ if self.is_prompt => self.output.flush()?,
             _ => self.output.line_done()?,
         }
         Ok(())

@@ -1,7 +1,9 @@
 //! `devicenet record`: the last seconds are kept, and written when something happens.
 
+mod ring;
+mod told;
+
 use core::time::Duration;
-use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -12,20 +14,27 @@ use link_core::{Input, Instant, LinkEvent, Port as _};
 
 use super::args::RecordArgs;
 use super::endpoint::Endpoint;
+use super::permit;
 use super::port::{LivePort, PortError};
 use super::trigger::{Cause, LOOK_EVERY, Trigger, Watch};
 use crate::exit::{Exit, Failure};
-use crate::output;
 use crate::recording::{Content, ErrorFrame, WriteFormat, Writer};
 use crate::simulate;
-use crate::standard::{is_standard, shown};
-use crate::text::count;
+use crate::standard::is_standard;
+use ring::Ring;
+use told::{End, MOST_FRAMES, Teller, Written};
 
 /// Records what leads to an event and what follows from it.
 ///
 /// # Errors
 /// [`Failure`] when the endpoint cannot be used, or a file cannot be written.
-pub fn record(args: &RecordArgs) -> Result<Exit, Failure> {
+pub fn record(args: &RecordArgs, json: bool) -> Result<Exit, Failure> {
+    if json && is_standard(&args.output) {
+        return Err(Failure::Usage(
+            "--json and `--output -` both want standard output: record into a file, or leave --json out"
+                .into(),
+        ));
+    }
     check_folder(&args.output)?;
     let mut files = (1..=args.count).map(|n| args.file_name(n)).filter(|path| !is_standard(path));
     if let Some(path) = files.find(|path| path.exists()) {
@@ -45,23 +54,36 @@ pub fn record(args: &RecordArgs) -> Result<Exit, Failure> {
     port.set_patience(longest_silence(&triggers).saturating_add(LOOK_EVERY));
     let mut recorder = Recorder {
         args,
-        watch: Watch::new(triggers),
-        ring: VecDeque::new(),
+        teller: Teller::new(json),
+        ring: Ring::new(args.before.0, MOST_FRAMES),
+        begin: now,
         zero: zero(&args.endpoint, now),
+        is_down: true,
         capture: None,
         captured: 0,
+        watch: Watch::new(triggers.clone()),
     };
+    recorder.teller.start(args, &triggers)?;
     let ended = recorder.run(&mut port);
-    let finished = recorder.finish();
+    let finished = recorder.finish(port.now());
     port.warn_of_bad_entries();
     port.note_early_end(&args.endpoint, args.span);
+    let end = match &ended {
+        _ if finished.is_err() => End::Failed,
+        Ok(()) => End::Complete,
+        Err(PortError::Failed(_)) => End::Failed,
+        Err(PortError::Over) if port.is_interrupted() => End::Interrupted,
+        Err(PortError::Over) if port.over().is_some() => End::EndpointOver,
+        Err(PortError::Over) => End::TimeOver,
+    };
+    let t = recorder.since_begin(port.now());
+    recorder.teller.end(t, args, recorder.captured, end)?;
     match ended {
-        Ok(()) | Err(PortError::Over) => finished?,
         Err(PortError::Failed(failure)) => return Err(failure),
+        Ok(()) | Err(PortError::Over) => finished?,
     }
-    match recorder.captured {
-        0 => output::note(format_args!("{}: nothing happened that starts a recording", args.endpoint)),
-        captured => output::note(format_args!("{}", count(captured.into(), "recording"))),
+    if recorder.is_down && matches!(args.endpoint, Endpoint::Interface(_)) {
+        return Err(permit::down(&args.endpoint));
     }
     Ok(if recorder.captured > 0 { Exit::Findings } else { Exit::Done })
 }
@@ -105,10 +127,15 @@ impl RecordArgs {
 struct Recorder<'a> {
     args: &'a RecordArgs,
     watch: Watch,
+    teller: Teller,
     /// What came last, for as long as it may be wanted.
-    ring: VecDeque<(Instant, Content)>,
+    ring: Ring<Content>,
+    /// When listening began.
+    begin: Instant,
     /// What to add to a moment of the port for the time of day.
     zero: Duration,
+    /// The interface was not up yet, or went down.
+    is_down: bool,
     capture: Option<Capture>,
     captured: u32,
 }
@@ -118,6 +145,10 @@ struct Capture {
     writer: Writer<BufWriter<Box<dyn Write>>>,
     until: Instant,
     frames: u64,
+    /// The times of the first and the last.
+    span: Option<(Instant, Instant)>,
+    /// There was no room for so many.
+    dropped: u64,
 }
 
 impl Recorder<'_> {
@@ -136,7 +167,12 @@ impl Recorder<'_> {
 
     fn see(&mut self, at: Instant, input: Input) -> Result<(), Failure> {
         if self.capture.as_ref().is_some_and(|capture| capture.until < at) {
-            self.finish()?;
+            self.finish(at)?;
+        }
+        match input {
+            Input::Link(LinkEvent::Down) => self.is_down = true,
+            Input::Link(LinkEvent::Up) => self.is_down = false,
+            _ => {}
         }
         if let Some(content) = content(input) {
             self.keep(at, content)?;
@@ -144,7 +180,7 @@ impl Recorder<'_> {
         match self.watch.see(at, input) {
             // What happens while it is recorded is recorded.
             Some(cause) if self.capture.is_none() && self.captured < self.args.count => {
-                self.begin(at, &cause)
+                self.capture(at, &cause)
             }
             _ => Ok(()),
         }
@@ -154,22 +190,19 @@ impl Recorder<'_> {
         if let Some(capture) = &mut self.capture {
             return capture.write(self.zero, at, &content, &self.args.endpoint);
         }
-        let oldest = at.saturating_sub(self.args.before.0);
-        while self.ring.front().is_some_and(|(at, _)| *at < oldest) || self.ring.len() >= MOST_FRAMES {
-            self.ring.pop_front();
-        }
-        self.ring.push_back((at, content));
+        self.ring.push(at, content);
         Ok(())
     }
 
-    fn begin(&mut self, at: Instant, cause: &Cause) -> Result<(), Failure> {
+    fn capture(&mut self, at: Instant, cause: &Cause) -> Result<(), Failure> {
         self.captured += 1;
         let path = self.args.file_name(self.captured);
-        output::note(format_args!("{at:.3} s: {cause}; recording to {}", shown(&path, STDOUT)));
+        self.teller.trigger(self.since_begin(at), self.captured, &path, cause)?;
         let writer = create(&path).map_err(|error| unwritable(&path, error))?;
-        let mut capture = Capture { path, writer, until: at + self.args.after.0, frames: 0 };
-        let oldest = at.saturating_sub(self.args.before.0);
-        for (at, content) in self.ring.drain(..).filter(|(at, _)| *at >= oldest) {
+        let (before, dropped) = self.ring.take(at);
+        let mut capture =
+            Capture { path, writer, until: at + self.args.after.0, frames: 0, span: None, dropped };
+        for (at, content) in before {
             capture.write(self.zero, at, &content, &self.args.endpoint)?;
         }
         self.capture = Some(capture);
@@ -177,11 +210,17 @@ impl Recorder<'_> {
     }
 
     /// Ends the recording that is under way.
-    fn finish(&mut self) -> Result<(), Failure> {
-        let Some(Capture { path, writer, frames, .. }) = self.capture.take() else { return Ok(()) };
+    fn finish(&mut self, now: Instant) -> Result<(), Failure> {
+        let Some(Capture { path, writer, frames, span, dropped, .. }) = self.capture.take() else {
+            return Ok(());
+        };
         writer.finish().map_err(|error| unwritable(&path, error))?;
-        output::note(format_args!("{}: {}", shown(&path, STDOUT), count(frames, "frame")));
-        Ok(())
+        let written = Written { n: self.captured, path: &path, frames, span, dropped };
+        self.teller.written(self.since_begin(now), written, self.args.before)
+    }
+
+    fn since_begin(&self, at: Instant) -> Duration {
+        at.saturating_since(self.begin)
     }
 }
 
@@ -199,7 +238,9 @@ impl Capture {
             Endpoint::Recording(_) => "log0",
         };
         self.frames += 1;
-        self.writer.write(at + zero, DIGITS, channel, content).map_err(|error| unwritable(&self.path, error))
+        let stamp = at + zero;
+        self.span = Some(self.span.map_or((stamp, stamp), |(first, _)| (first, stamp)));
+        self.writer.write(stamp, DIGITS, channel, content).map_err(|error| unwritable(&self.path, error))
     }
 }
 
@@ -245,9 +286,5 @@ const DEFAULT: [Trigger; 4] =
     [Trigger::TimeOut(None), Trigger::Duplicate, Trigger::BusOff, Trigger::BusError];
 /// `CAN_ERR_BUSOFF` of linux/can/error.h.
 const CLASS_BUS_OFF: u32 = 0x40;
-/// Two minutes of a full bus at 1 Mbit/s, in 50 megabytes.
-const MOST_FRAMES: usize = 1_000_000;
-/// Standard output, in messages.
-const STDOUT: &str = "<stdout>";
 /// Nanoseconds.
 const DIGITS: u8 = 9;
