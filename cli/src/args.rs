@@ -136,7 +136,8 @@ pub struct DecodeArgs {
     /// Others, and other masters, are told
     #[arg(long, value_name = "FILE", requires = "summary")]
     pub expect: Option<PathBuf>,
-    /// The bit rate of the bus, from which the summary computes the bus load: 125k unless told otherwise
+    /// The bit rate of the bus, from which the summary computes the bus load; without, the load is the most that it can be, at the
+    /// least rate into which the frames fit, and is not judged
     #[arg(long, value_name = "RATE", value_parser = parse_bit_rate)]
     pub bit_rate: Option<u32>,
     /// Name parameters and pieces of I/O data by this Electronic Data Sheet, for every node whose vendor, device type and

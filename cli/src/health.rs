@@ -10,15 +10,15 @@ use link_core::BitRate;
 
 use crate::scenario::{Role, Scenario};
 
-/// A doctor of a bus with this bit rate. The scan lists of a scenario, and what is heard in the time of learning, say what
+/// A doctor of a bus with this bit rate; where it is not known, the load is not judged. The scan lists of a scenario, and what is heard in the time of learning, say what
 /// belongs to the network; with neither, everything does.
 pub(crate) fn doctor(
-    bit_rate: BitRate,
+    bit_rate: Option<BitRate>,
     expected: Option<&Scenario>,
     learning: Option<Duration>,
 ) -> Box<Doctor> {
     let mut config = DoctorConfig::default();
-    config.bit_rate = Some(bit_rate);
+    config.bit_rate = bit_rate;
     config.intrusion = match (expected, learning) {
         (_, Some(span)) => Intrusion::Learned(span),
         (Some(_), None) => Intrusion::Expected,

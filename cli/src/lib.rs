@@ -20,6 +20,7 @@
 //! | [`output`], [`exit`] | standard output, messages, exit codes |
 
 pub mod args;
+mod bus_rate;
 mod bus_time;
 pub mod decode;
 pub mod eds;

@@ -83,7 +83,7 @@ impl Decoder {
             _ if args.is_record_on_stdout() => View::Silent,
             _ if args.scanlist => View::ScanLists(ScanLists::default()),
             (true, json) => {
-                View::Summary { summary: Box::new(Summary::new(args.bit_rate.unwrap_or(BIT_RATE))), json }
+                View::Summary { summary: Box::new(Summary::new(args.bit_rate.map(BitRate))), json }
             }
             (false, true) => View::Json,
             (false, false) => {
@@ -259,7 +259,7 @@ fn doctor<'a>(
 ) -> Option<&'a mut Doctor> {
     let View::Summary { summary, .. } = view else { return None };
     while doctors.len() <= bus {
-        doctors.push(health::doctor(BitRate(summary.bit_rate()), expected, None));
+        doctors.push(health::doctor(summary.known_rate(), expected, None));
     }
     doctors.get_mut(bus).map(|doctor| &mut **doctor)
 }
@@ -382,6 +382,3 @@ fn concerns(reading: &Reading<'_>, mac: u8) -> bool {
     let is_new_mac = matches!(reading.fields.detail, Detail::ChangeMacId { mac: new } if new.number() == mac);
     is_to_all || is_new_mac || is_node(reading.src) || is_node(reading.dst)
 }
-
-/// Of a bus whose bit rate nobody has told.
-const BIT_RATE: u32 = 125_000;

@@ -52,7 +52,7 @@ With --json every line has `event` and `t`, in seconds since the beginning; load
   finding     change: begins, escalates, ends; id, rule, severity, mac, since, last, until,
               count, evidence, scanner_status, facts, first_cause, text, advice
   lost        frames, 0 if they were not counted
-  summary     bit_rate, link, tec, rec, frames, error_frames, lost, problems, span; load of the
+  summary     bit_rate and bit_rate_source (known; least: loads are the most that they can be), link, tec, rec, frames, error_frames, lost, problems, span; load of the
               span and load_total, by purpose; nodes with connections, loads, response times
               and their limit; findings; in the end last: true
 
@@ -78,8 +78,8 @@ pub struct MonitorArgs {
     /// How long to listen; without, until Ctrl-C, or until the scenario or the recording ends
     #[arg(long = "for", value_name = "TIME")]
     pub span: Option<Time>,
-    /// The bit rate of the bus, from which the load is computed, where neither a scenario nor a controller tells it: 125k
-    /// unless told otherwise
+    /// The bit rate of the bus, from which the load is computed, where neither a scenario nor a controller tells it; without, the
+    /// load is the most that it can be, at the least rate into which the frames fit, and is not judged
     #[arg(long, value_name = "RATE", value_parser = parse_bit_rate)]
     pub bit_rate: Option<u32>,
     /// A scenario whose scan lists say which slaves belong to the bus, which devices they must be, and whose. Others, and other

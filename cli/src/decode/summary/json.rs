@@ -15,8 +15,11 @@ impl Summary {
             let seconds = Some(bus.seconds());
             let record = |summary| Record { summary, channel: &channel, ..Record::default() };
             let mut push = |record: &Record<'_>| out += &line(record);
-            let load = |count: &Count| bus.load(count, self.bit_rate);
-            let bus_record = Record { seconds, bit_rate: Some(self.bit_rate), ..record("bus") };
+            let rate = self.rate(bus);
+            let load = |count: &Count| bus.load(count, rate);
+            let bit_rate = Some(rate.rate().0);
+            let bus_record =
+                Record { seconds, bit_rate, bit_rate_source: Some(rate.source()), ..record("bus") };
             push(&bus_record.with_count(&bus.total, load(&bus.total)));
             for (node, Node { count, record: known }) in bus.senders() {
                 let node = Record { node, ..record("node") }.with_count(count, load(count));
@@ -61,6 +64,8 @@ struct Record<'a> {
     seconds: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     bit_rate: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bit_rate_source: Option<&'static str>,
     frames: u64,
     bytes: u64,
     problems: u64,

@@ -11,9 +11,10 @@ use core::time::Duration;
 
 use devicenet_core::doctor::Doctor;
 use devicenet_core::monitor::{ConnectionState, Kind, Monitor, NodeRecord};
-use link_core::Instant;
+use link_core::{BitRate, Instant};
 
 use super::decoder::Meaning;
+use crate::bus_rate::{BusRate, LeastRate};
 use crate::bus_time;
 use crate::histogram::Histogram;
 use crate::recording::{Content, RecordedFrame};
@@ -24,13 +25,16 @@ use problems::Problems;
 /// The counts of a recording.
 #[derive(Debug)]
 pub(super) struct Summary {
-    bit_rate: u32,
+    /// As the user says it.
+    bit_rate: Option<BitRate>,
     buses: Vec<Bus>,
 }
 
 #[derive(Debug)]
 struct Bus {
     span: Option<(Instant, Instant)>,
+    /// Where nobody says the bit rate.
+    least: LeastRate,
     /// Of the first frame, which end before the span begins.
     first_bits: u32,
     /// Decimals of a second that the recording gives.
@@ -77,18 +81,27 @@ struct Connection {
 }
 
 impl Summary {
-    pub(super) fn new(bit_rate: u32) -> Self {
+    pub(super) fn new(bit_rate: Option<BitRate>) -> Self {
         // A recording without frames is still a bus.
         Self { bit_rate, buses: vec![Bus::new()] }
     }
 
-    pub(super) fn bit_rate(&self) -> u32 {
+    /// The bit rate, if somebody says it.
+    pub(super) const fn known_rate(&self) -> Option<BitRate> {
         self.bit_rate
+    }
+
+    /// That of a bus: nobody says it for one of several.
+    fn rate(&self, bus: &Bus) -> BusRate {
+        self.bit_rate.map_or_else(|| BusRate::AtLeast(bus.least.rate()), BusRate::Known)
     }
 
     /// Takes note of when a frame was on a bus, whether it is counted or not: a load is a part of the whole recording.
     pub(super) fn see_time(&mut self, bus: usize, frame: &RecordedFrame) {
         let bus = self.bus(bus);
+        if let Content::Classic(classic) = &frame.content {
+            bus.least.see(frame.at, classic);
+        }
         if let Some((first, last)) = bus.span {
             bus.span = Some((first.min(frame.at), last.max(frame.at)));
         } else {
@@ -157,6 +170,7 @@ impl Bus {
         let nodes = core::iter::repeat_with(Node::default).take(NODES + 1).collect();
         Self {
             span: None,
+            least: LeastRate::new(),
             first_bits: 0,
             digits: 0,
             total: Count::default(),
@@ -200,8 +214,8 @@ impl Bus {
 
     /// The part of the time from the begin of the first frame to the end of the last that frames took, 0 to 1. The time
     /// of a frame is its end, so the first one's own length comes before the first time.
-    fn load(&self, count: &Count, bit_rate: u32) -> Option<f64> {
-        let bits = self.seconds() * f64::from(bit_rate) + f64::from(self.first_bits);
+    fn load(&self, count: &Count, rate: BusRate) -> Option<f64> {
+        let bits = self.seconds() * f64::from(rate.rate().0) + f64::from(self.first_bits);
         (bits > 0.0).then(|| count.bits as f64 / bits)
     }
 }

@@ -15,15 +15,18 @@ impl Summary {
             if index > 0 {
                 out.push('\n');
             }
+            let rate = self.rate(bus);
             out += &format!(
                 "{}: {} in {:.3} s, {} with a problem\n\
-                 bus load {} at {} kbit/s, stuff bits and intermission included\n",
+                 bus load {}{} at {}{}, stuff bits and intermission included\n",
                 printable(&channel(index)),
                 count(bus.total.frames, "frame"),
                 bus.seconds(),
                 bus.total.problems,
-                percent(bus.load(&bus.total, self.bit_rate)),
-                f64::from(self.bit_rate) / 1000.0,
+                rate.at_most(),
+                percent(bus.load(&bus.total, rate)),
+                rate,
+                if rate.known().is_some() { "" } else { " (--bit-rate says which)" },
             );
             if bus.total.frames > 0 {
                 out += &format!("\n{}\n{}", self.node_table(bus), self.connection_table(bus));
@@ -46,7 +49,7 @@ impl Summary {
                 Some(record) => vec![Cell::left(record.access.to_string()), Cell::left(device(record))],
                 None => vec![Cell::left(""), Cell::left("")],
             };
-            table.row([node, count.cells(bus.load(count, self.bit_rate)), known].concat());
+            table.row([node, count.cells(bus.load(count, self.rate(bus))), known].concat());
         }
         table
     }
@@ -60,8 +63,9 @@ impl Summary {
             };
             let names = vec![Cell::right(key.node.to_string()), Cell::left(name)];
             let states = states.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
-            table
-                .row([names, count.cells(bus.load(count, self.bit_rate)), vec![Cell::left(states)]].concat());
+            table.row(
+                [names, count.cells(bus.load(count, self.rate(bus))), vec![Cell::left(states)]].concat(),
+            );
         }
         table
     }

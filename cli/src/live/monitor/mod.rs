@@ -40,8 +40,7 @@ pub fn monitor(args: &MonitorArgs, json: bool) -> Result<Exit, Failure> {
         let end = port.now() + span.0;
         port.set_end(end);
     }
-    let chosen = args.bit_rate.map(BitRate);
-    let bit_rate = port.bit_rate().or(chosen).unwrap_or(BitRate::K125);
+    let bit_rate = port.bit_rate().or(args.bit_rate.map(BitRate));
     let learning = args.learn.map(|span| span.0);
     let mut model = Model::new(bit_rate, health::doctor(bit_rate, expected.as_ref(), learning));
     let output = Output::new();

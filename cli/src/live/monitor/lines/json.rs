@@ -81,7 +81,8 @@ pub(super) fn summary(picture: &Picture, is_last: bool) -> Value {
     let mut object = json!({
         "event": "summary",
         "t": seconds(picture.at),
-        "bit_rate": picture.bit_rate.0,
+        "bit_rate": picture.bit_rate.rate().0,
+        "bit_rate_source": picture.bit_rate.source(),
         "link": picture.link.name(),
         "frames": picture.counters.frames,
         "error_frames": picture.counters.error_frames,

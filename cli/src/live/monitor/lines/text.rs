@@ -23,9 +23,10 @@ pub(super) fn summary(picture: &Picture, is_last: bool) -> String {
         .map(|(purpose, share)| format!("{} {}", purpose.words(), say::percent(share)))
         .collect();
     let mut text = format!(
-        "\n{:.3} s, {title}: {}, load {} of {}{}{}\n{}, {}, {} lost, {} with a problem\n",
+        "\n{:.3} s, {title}: {}, load {}{} of {}{}{}\n{}, {}, {} lost, {} with a problem\n",
         picture.at.as_secs_f64(),
         picture.link,
+        picture.bit_rate.at_most(),
         say::percent(load.all),
         picture.bit_rate,
         if purposes.is_empty() { "" } else { ": " },

@@ -29,6 +29,12 @@ impl Tally {
         self.by_purpose[purpose.index()] += busy;
     }
 
+    /// Changes every time.
+    pub(super) fn scale(&mut self, scale: impl Fn(u64) -> u64) {
+        self.by_node = self.by_node.map(&scale);
+        self.by_purpose = self.by_purpose.map(&scale);
+    }
+
     fn join(&mut self, other: &Self) {
         self.by_node.iter_mut().zip(other.by_node).for_each(|(sum, busy)| *sum += busy);
         self.by_purpose.iter_mut().zip(other.by_purpose).for_each(|(sum, busy)| *sum += busy);
@@ -112,6 +118,11 @@ impl<T: Clone + Default> Spans<T> {
     /// The oldest first, with the one that is under way.
     pub(super) fn iter(&self) -> impl DoubleEndedIterator<Item = &T> + ExactSizeIterator {
         self.spans.iter()
+    }
+
+    /// Changes all that are kept.
+    pub(super) fn each(&mut self, change: impl FnMut(&mut T)) {
+        self.spans.iter_mut().for_each(change);
     }
 
     /// When the oldest began.

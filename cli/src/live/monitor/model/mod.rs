@@ -23,8 +23,9 @@ use devicenet_core::monitor::{
     ConnectionName, ConnectionRecord, ConnectionState, Kind, Monitor, MonitorConfig, NodeRecord, Predefined,
     Reading,
 };
-use link_core::{BitRate, Input, Instant, LinkEvent};
+use link_core::{BitRate, Frame, Input, Instant, LinkEvent};
 
+use crate::bus_rate::{BusRate, LeastRate};
 use crate::bus_time;
 use crate::histogram::Histogram;
 use changes::Changes;
@@ -43,7 +44,9 @@ pub(super) use times::Times;
 pub(super) struct Model {
     monitor: Box<Monitor>,
     doctor: Box<Doctor>,
-    bit_rate: BitRate,
+    bit_rate: BusRate,
+    /// Of a bus whose bit rate is not known.
+    least: LeastRate,
     /// When it began to listen.
     begin: Option<Instant>,
     now: Instant,
@@ -69,12 +72,13 @@ struct Responses {
 }
 
 impl Model {
-    /// `doctor` knows the same bit rate.
-    pub(super) fn new(bit_rate: BitRate, doctor: Box<Doctor>) -> Self {
+    /// `doctor` knows the same bit rate, if it is known.
+    pub(super) fn new(bit_rate: Option<BitRate>, doctor: Box<Doctor>) -> Self {
         Self {
             monitor: Box::new(Monitor::new(MonitorConfig::default())),
             doctor,
-            bit_rate,
+            bit_rate: bit_rate.map_or(BusRate::AtLeast(LeastRate::new().rate()), BusRate::Known),
+            least: LeastRate::new(),
             begin: None,
             now: Instant::ZERO,
             link: LinkState::Down,
@@ -99,6 +103,7 @@ impl Model {
                 let n = self.counters.frames;
                 let reading = self.doctor.observe(&mut self.monitor, at, n, &frame);
                 let seen = Seen::of(&reading);
+                self.deduce(at, &frame);
                 self.count(at, bus_time::bits(&frame), &seen);
                 seen.is_news
             }
@@ -166,6 +171,21 @@ impl Model {
         self.history.0.advance(self.now);
     }
 
+    /// What was counted at a lower bit rate took less of the time, now that it is known to be higher.
+    fn deduce(&mut self, at: Instant, frame: &Frame) {
+        let BusRate::AtLeast(rate) = self.bit_rate else { return };
+        self.least.see(at, frame);
+        let least = self.least.rate();
+        if least != rate {
+            let scale = |busy: u64| (u128::from(busy) * u128::from(rate.0) / u128::from(least.0)) as u64;
+            self.total.scale(scale);
+            self.interval.scale(scale);
+            self.window.0.each(|tally| tally.scale(scale));
+            self.history.0.each(|cell| *cell = cell.map(scale));
+            self.bit_rate = BusRate::AtLeast(least);
+        }
+    }
+
     fn count(&mut self, at: Instant, bits: u32, seen: &Seen) {
         self.counters.problems += u64::from(seen.has_problem);
         self.occupy(at, bits, seen.source.map_or(MacId::COUNT, index), seen.purpose);
@@ -187,7 +207,7 @@ impl Model {
 
     /// Something that ends at a moment has taken so many bits of the bus.
     fn occupy(&mut self, at: Instant, bits: u32, node: usize, purpose: Purpose) {
-        let busy = u64::from(bits) * self.bit_rate.bit_time_nanos().unwrap_or_default();
+        let busy = u64::from(bits) * self.bit_rate.rate().bit_time_nanos().unwrap_or_default();
         self.total.add(busy, node, purpose);
         self.interval.add(busy, node, purpose);
         let from = at.saturating_sub(Duration::from_nanos(busy));
@@ -209,7 +229,7 @@ impl Model {
                 self.counters.lost += u64::from(lost.max(1));
                 tell(Event { at, what: Happening::Lost(lost) });
             }
-            LinkEvent::ModeSet(mode) => self.bit_rate = mode.bit_rate,
+            LinkEvent::ModeSet(mode) => self.bit_rate = BusRate::Known(mode.bit_rate),
             LinkEvent::Up
             | LinkEvent::Down
             | LinkEvent::ErrorWarning

@@ -5,12 +5,13 @@ use core::time::Duration;
 use devicenet_core::MacId;
 use devicenet_core::doctor::Finding;
 use devicenet_core::monitor::{ConnectionRecord, ConnectionState, NodeRecord};
-use link_core::{BitRate, Instant};
+use link_core::Instant;
 
 use super::link::LinkState;
 use super::load::Load;
 use super::purpose::Purpose;
 use super::times::Times;
+use crate::bus_rate::BusRate;
 
 /// A bus at a moment.
 #[derive(Clone, Debug)]
@@ -18,7 +19,7 @@ pub(in crate::live::monitor) struct Picture {
     pub(in crate::live::monitor) begin: Instant,
     /// Since then.
     pub(in crate::live::monitor) at: Duration,
-    pub(in crate::live::monitor) bit_rate: BitRate,
+    pub(in crate::live::monitor) bit_rate: BusRate,
     pub(in crate::live::monitor) link: LinkState,
     pub(in crate::live::monitor) counters: Counters,
     /// The span that `load` is a part of.

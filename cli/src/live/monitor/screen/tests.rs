@@ -3,7 +3,7 @@
 use core::time::Duration;
 
 use link_core::machine::Deadline;
-use link_core::{BitRate, Instant, Port as _};
+use link_core::{Instant, Port as _};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
@@ -33,7 +33,7 @@ impl Session {
         let endpoint: Endpoint = format!("sim:{folder}{scenario}").parse().unwrap();
         let title = super::title(&endpoint);
         let port = LivePort::open_listen_only(&endpoint).unwrap();
-        let bit_rate = port.bit_rate().unwrap_or(BitRate::K125);
+        let bit_rate = port.bit_rate();
         let model = Model::new(bit_rate, crate::health::doctor(bit_rate, None, None));
         let playback = Playback::Playing(Speed::Times(1));
         Self { title, port, model, view: View::default(), playback, bad_entries: 0 }

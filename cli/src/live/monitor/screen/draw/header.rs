@@ -67,6 +67,7 @@ fn figures<'a>(scene: &Scene<'_>, width: u16) -> Line<'a> {
     let Scene { theme, picture, view, .. } = scene;
     let counters = picture.counters;
     let load = picture.load.all;
+    let at_most = if picture.bit_rate.known().is_some() { "" } else { "≤" };
     let is_wrong =
         |finding: &&FindingPicture| !finding.is_over() && finding.finding.severity > Severity::Info;
     let findings = picture.findings.iter().filter(is_wrong).count();
@@ -89,7 +90,10 @@ fn figures<'a>(scene: &Scene<'_>, width: u16) -> Line<'a> {
         Span::styled("▕", theme.dim()),
         Span::styled(bar(load, usize::from(width / 5)), theme.bar(load)),
         Span::styled("▏", theme.dim()),
-        Span::styled(format!("{:>7}", percent(load)), theme.bar(load).add_modifier(Modifier::BOLD)),
+        Span::styled(
+            format!("{:>7}", format!("{at_most}{}", percent(load))),
+            theme.bar(load).add_modifier(Modifier::BOLD),
+        ),
         Span::styled(format!("  {}", count(counters.frames, "frame")), theme.dim()),
         counted(counters.error_frames, "errors"),
         counted(counters.lost, "lost"),
