@@ -16,10 +16,10 @@ use std::path::Path;
 pub use check::LONGEST_RUN;
 pub use diagnostic::ScenarioError;
 pub use model::{
-    AccessNode, Action, Bus, ConnectionName, ConnectionStateName, DeviceNode, Do, EventName, Expectation,
-    Fault, FaultKind, Kind, ManagerNode, MasterNode, ModeName, NexNode, Node, NodeIndex, Note, Output,
-    Protocol, Recorded, Role, ScannedSlave, Scenario, Sizes, SlaveNode, SlaveStateName, StateName, What,
-    When, Write,
+    AccessNode, Action, Attribute, Bus, ConnectionName, ConnectionStateName, DeviceNode, Do, EventName,
+    Expectation, Fault, FaultKind, Kind, ManagerNode, MasterNode, ModeName, NexConnection, NexNode, Node,
+    NodeIndex, Note, Output, Pattern, Planned, PlannedIo, Protocol, Recorded, Role, ScannedSlave, Scenario,
+    Sizes, SlaveNode, SlaveStateName, StateName, WatchdogName, What, When, Write,
 };
 pub use values::{Comparison, Relation, Time, TimeError, TimeRange};
 
@@ -80,8 +80,8 @@ impl Scenario {
 #[cfg(test)]
 mod tests {
     use super::raw::{
-        RawAction, RawBus, RawExpect, RawFault, RawIdentity, RawIo, RawKey, RawNode, RawNote, RawScan,
-        RawWrite, Table,
+        RawAction, RawBus, RawExpect, RawFault, RawIdentity, RawIo, RawKey, RawNode, RawNote, RawPlanned,
+        RawPlannedIo, RawRead, RawScan, RawWrite, Table,
     };
     use super::*;
 
@@ -108,6 +108,13 @@ mod tests {
             let section = PAGE.split("\n### Slaves\n").nth(1).unwrap();
             assert!(inner.iter().all(|key| section.contains(&format!("{key} = "))), "{inner:?}");
         }
+        named("`[[node]]`", RawPlanned::KEYS);
+        for inner in [RawPlannedIo::KEYS, RawRead::KEYS] {
+            let section = PAGE.split("\n### Network managers\n").nth(1).unwrap();
+            assert!(inner.iter().all(|key| section.contains(&format!("{key} = "))), "{inner:?}");
+        }
+        named("`[[node]]`", &NexConnection::ALL.iter().map(|name| name.name()).collect::<Vec<_>>());
+        named("`[[node]]`", &WatchdogName::ALL.iter().map(|name| name.name()).collect::<Vec<_>>());
         named("`[[node]]`", check::ROLES);
         named("`[[action]]`", RawAction::KEYS);
         named("`[[action]]`", check::ACTIONS);

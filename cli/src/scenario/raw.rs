@@ -83,6 +83,16 @@ table! {
         switches: bool,
         hello_wait: Time,
         announcement: Time,
+        produce: i64,
+        consume: i64,
+        mini_who: Time,
+        idle_mini_who: Time,
+        roam_tries: i64,
+        connect_tries: i64,
+        spare_wait: Time,
+        learning: bool,
+        takeover_after: Time,
+        planned: Vec<Spanned<RawPlanned>>,
         poll: RawIo,
         bit_strobe: RawIo,
         cos: RawIo,
@@ -156,6 +166,27 @@ table! {
 table! {
     /// `configuration = [{ .. }]`
     RawWrite { class: i64, instance: i64, attribute: i64, value: String }
+}
+
+table! {
+    /// `[[node.planned]]`
+    RawPlanned {
+        oa: i64,
+        device: toml::Value,
+        spares: Vec<Spanned<toml::Value>>,
+        connections: Vec<Spanned<RawPlannedIo>>,
+        reads: Vec<Spanned<RawRead>>,
+    }
+}
+
+table! {
+    /// `connections = [{ .. }]`
+    RawPlannedIo { connection: String, epr: Time, watchdog: String, from: SlaveName }
+}
+
+table! {
+    /// `reads = [{ .. }]`
+    RawRead { class: i64, instance: i64, attribute: i64 }
 }
 
 table! {

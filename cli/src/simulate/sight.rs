@@ -94,7 +94,7 @@ impl<'a> Observer<'a> {
     pub(super) fn new(scenario: &'a Scenario, views: Vec<Box<dyn View + 'a>>) -> Self {
         let initial = |node: NodeIndex| Status {
             state: scenario.nodes[node.0].role.is(Kind::Access).then_some(StateName::Nonexistent),
-            oa: scenario.nodes[node.0].role.nex().map(|node| node.oa),
+            oa: scenario.nodes[node.0].role.nex().map(|node| node.oa.number()),
             exchange: Rc::new(Exchange::of(&scenario.nodes[node.0])),
             ..Status::default()
         };
@@ -263,7 +263,7 @@ impl<'a> Observer<'a> {
                 self.detached(at, index(*node));
                 self.lost_power(at, index(*node));
                 // It begins with it again.
-                let first = self.scenario.nodes[node.index()].role.nex().map(|node| node.oa);
+                let first = self.scenario.nodes[node.index()].role.nex().map(|node| node.oa.number());
                 self.set_oa(at, index(*node), first);
                 if self.enter(at, index(*node), StateName::Nonexistent) {
                     // Nobody is left to tell it.

@@ -21,7 +21,7 @@ impl TimelineView {
         let row = |node: &crate::scenario::Node| {
             let detail = match (node.role.access(), node.role.nex()) {
                 (Some(access), _) => format!("MAC {}", access.mac),
-                (None, Some(nex)) if nex.oa < 127 => format!("OA {}", nex.oa),
+                (None, Some(nex)) if !nex.oa.is_none() => format!("OA {}", nex.oa),
                 (None, _) => node.role.name().to_owned(),
             };
             Row::new(node.name.clone(), detail)

@@ -68,7 +68,8 @@ oa = 127"#,
         DEVICE,
         "mac = 5",
         "7:7: `mac` means nothing for the role `device`; expected `name`, `count`, `role`, `power_up`, `reaction`, \
-         `bit_rate`, `clock_ppm`, `protocol`, `oa`, `identity`, `port`, `boi`, `hello_wait` or `announcement`",
+         `bit_rate`, `clock_ppm`, `protocol`, `oa`, `identity`, `port`, `boi`, `hello_wait`, `announcement`, `produce`, \
+         `consume` or `input`",
     );
     refused(
         DEVICE,
@@ -78,8 +79,81 @@ oa = 127"#,
     refused(
         DEVICE,
         "announcement = \"1500us\"",
-        "7:16: `announcement` is 1.5ms; expected whole milliseconds, 0ms for never",
+        "7:16: `announcement` is 1.5ms; expected whole milliseconds",
     );
+}
+
+/// A manager with OA 1, whose table ends in line 14; a database after it begins in line 15.
+const MANAGER: &str = "[bus]
+[[node]]
+name = \"sensor\"
+protocol = \"devicenex\"
+role = \"device\"
+count = 3
+identity = { vendor = 0x1234, product = 7, serial = 1 }
+[[node]]
+name = \"manager\"
+protocol = \"devicenex\"
+role = \"manager\"
+oa = 1
+identity = { vendor = 0x1234, product = 1, serial = 9 }
+
+";
+
+#[test]
+fn planned_devices() {
+    for (entry, expected) in [
+        ("device = \"sensor-1\"", "15:1: `oa`, the planned address, is missing"),
+        ("oa = 127", "16:6: `oa` is 127; expected an operational address, 0 to 126"),
+        ("oa = 5", "15:1: `device`, for whom the address is, is missing"),
+        ("oa = 1\ndevice = \"sensor-1\"", "16:6: OA 1 is the manager's own; expected another"),
+        ("oa = 125\ndevice = \"sensor\"", "16:6: the addresses rise beyond 126; expected a lower `oa`"),
+        (
+            "oa = 5\ndevice = \"sensor-1\"\n[[node.planned]]\noa = 5\ndevice = \"sensor-2\"",
+            "19:6: OA 5 is planned already; expected another",
+        ),
+        (
+            "oa = 5\ndevice = { vendor = 1 }",
+            "17:10: this is no device; expected the name of a node, or { vendor = 0x1234, product = 7, revision = 1, \
+             serial = 0x00002345 }",
+        ),
+        (
+            "oa = 5\ndevice = \"sensr\"",
+            "17:10: there is no node `sensr`; expected `manager`, `sensor`, `sensor-1`, `sensor-2` or `sensor-3`",
+        ),
+    ] {
+        refused(MANAGER, &format!("[[node.planned]]\n{entry}"), expected);
+    }
+}
+
+#[test]
+fn planned_connections() {
+    for (entry, expected) in [
+        ("{ epr = \"1s\" }", "18:16: `connection`, its name, is missing"),
+        (
+            "{ connection = \"explicit\" }",
+            "18:31: the explicit connection is not planned, the manager opens it when it needs it; expected another",
+        ),
+        (
+            "{ connection = \"multicast_consumer\" }",
+            "18:31: `multicast_consumer` consumes; expected `from`, whose data it consumes, too",
+        ),
+        (
+            "{ connection = \"multicast_consumer\", from = 9 }",
+            "18:60: nobody is planned there; expected the `oa` of an entry, or the name of its device",
+        ),
+        (
+            "{ connection = \"multicast_consumer\", from = \"sensor-1\" }",
+            "18:60: OA 5 has no connection on which it sends by itself; expected one, such as `multicast_producer`",
+        ),
+        (
+            "{ connection = \"poll\", watchdog = \"bark\" }",
+            "18:50: there is no watchdog `bark`; expected `time_out`, `auto_delete` or `auto_reset`",
+        ),
+    ] {
+        let plan = format!("[[node.planned]]\noa = 5\ndevice = \"sensor-1\"\nconnections = [{entry}]");
+        refused(MANAGER, &plan, expected);
+    }
 }
 
 #[test]

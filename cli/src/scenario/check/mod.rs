@@ -7,6 +7,7 @@ mod fault;
 mod master;
 mod nex;
 mod node;
+mod plan;
 mod slave;
 mod unknown;
 
@@ -64,6 +65,7 @@ pub(super) fn scenario(file: &str, text: &str, folder: &Path) -> Result<Scenario
         return Err(ScenarioError::of_file(file, "there is no [[node]]; expected at least one"));
     }
     check.one_protocol(&raw.node)?;
+    check.plans(&raw.node, &mut nodes)?;
     Ok(Scenario {
         file: file.to_owned(),
         title: raw.title,

@@ -206,7 +206,8 @@ pub(super) fn role_keys(role: &str) -> Option<Vec<&'static str>> {
         "access" | "tool" => [DEVICE, &[]],
         "slave" => [DEVICE, SLAVE],
         "master" => [DEVICE, MASTER],
-        "device" | "manager" => [NEX, &[]],
+        "device" => [NEX, &["produce", "consume", "input"]],
+        "manager" => [NEX, MANAGER],
         "replay" => [&["file", "log", "only"], &[]],
         "listener" | "external" => [&[], &[]],
         "babbler" => [&["frame", "period"], &[]],
@@ -220,6 +221,16 @@ const ANY_ROLE: &[&str] = &["name", "count", "role", "power_up", "reaction", "bi
 const DEVICE: &[&str] =
     &["protocol", "mac", "identity", "port", "boi", "quick_connect", "offline_set", "switches"];
 const NEX: &[&str] = &["protocol", "oa", "identity", "port", "boi", "hello_wait", "announcement"];
+const MANAGER: &[&str] = &[
+    "mini_who",
+    "idle_mini_who",
+    "roam_tries",
+    "connect_tries",
+    "spare_wait",
+    "learning",
+    "takeover_after",
+    "planned",
+];
 const SLAVE: &[&str] = &[
     "poll",
     "bit_strobe",

@@ -18,7 +18,9 @@ pub use expect::{
     ConnectionStateName, EventName, Expectation, ModeName, SlaveStateName, StateName, What, When,
 };
 pub use fault::{Fault, FaultKind};
-pub use nex::{DeviceNode, ManagerNode, NexNode};
+pub use nex::{
+    Attribute, DeviceNode, ManagerNode, NexConnection, NexNode, Pattern, Planned, PlannedIo, WatchdogName,
+};
 
 use super::values::TimeRange;
 use names::names;

@@ -20,12 +20,12 @@ impl NexMachine {
     /// A device that has an address at the start says Hello with it once it knows the bit rate.
     pub(in crate::simulate) fn device(node: &DeviceNode) -> Self {
         let mut access = Access::new(access_config(&node.node, Role::Device));
-        access.set_address(Instant::ZERO, operational_address(node.node.oa));
+        access.set_address(Instant::ZERO, node.node.oa);
         Self { told: access.address(), access }
     }
 
     pub(in crate::simulate) fn manager(node: &ManagerNode, bit_rate: BitRate) -> Self {
-        let address = operational_address(node.node.oa);
+        let address = node.node.oa;
         let access = Access::new(access_config(&node.node, Role::NetworkManager { address, bit_rate }));
         Self { told: access.address(), access }
     }
@@ -71,9 +71,4 @@ fn access_config(node: &NexNode, role: Role) -> Config {
         bus_off_interrupt: node.boi,
         ..Config::new(node.on_the_wire(), PortByte(node.port), role)
     }
-}
-
-/// It was checked with the scenario.
-fn operational_address(oa: u8) -> OperationalAddress {
-    OperationalAddress::new(oa).unwrap_or(OperationalAddress::NONE)
 }
