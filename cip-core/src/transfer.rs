@@ -15,7 +15,6 @@ use core::hash::{Hash, Hasher};
 
 use link_core::timers::TimerSet;
 
-use crate::codec::Writer;
 use crate::fragment::{
     AckStatus, ExplicitOutcome, ExplicitReceive, ExplicitTransmit, Fragment, FragmentByte, FragmentKind,
     TransmitOutcome,
@@ -60,12 +59,9 @@ use crate::fragment::{
 /// assert_eq!(transfer.take().unwrap(), (7, Part::Acknowledge(FragmentByte::from(0xC0), AckStatus::Success)));
 /// assert_eq!(transfer.fragment(&mut timers, rules, 7, false, FragmentByte::from(0x81), &[4, 5]), Ok(true));
 /// assert!(matches!(transfer.take(), Some((7, Part::Acknowledge(..)))));
-/// transfer.answer(7, None, |request, out| {
-///     assert_eq!(request, [0x10, 4, 100, 3, 1, 2, 3, 4, 5]);
-///     out.u8(0x90)
-/// })?;
+/// assert_eq!(transfer.request(), [0x10, 4, 100, 3, 1, 2, 3, 4, 5]);
+/// transfer.respond(7, &[0x90]);
 /// assert_eq!(transfer.take().unwrap(), (7, Part::Whole(&[0x90])));
-/// # Ok::<(), cip_core::codec::Full>(())
 /// ```
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub struct Transfer<H, const MESSAGE: usize, const PIECE: usize, const PREFIX: usize> {
@@ -165,14 +161,14 @@ impl<H: Copy, const MESSAGE: usize, const PIECE: usize, const PREFIX: usize>
         }
     }
 
-    /// A request came in one frame: it is to be [answered](Self::answer) now.
+    /// A request came in one frame: it is to be [answered](Self::respond) now.
     pub fn whole<K: From<Wait>>(&mut self, timers: &mut impl TimerSet<K>) {
         self.abort(timers);
         self.forget(timers);
     }
 
     /// Takes a fragment: the transaction bit of its header if it has one, the fragmentation byte, and the part of the message,
-    /// for an acknowledge the status. True if the request is complete: it is to be [answered](Self::answer) now.
+    /// for an acknowledge the status. True if the request is complete: it is to be [answered](Self::respond) now.
     pub fn fragment<K: From<Wait>>(
         &mut self,
         timers: &mut impl TimerSet<K>,
@@ -222,29 +218,19 @@ impl<H: Copy, const MESSAGE: usize, const PIECE: usize, const PREFIX: usize>
         Ok(false)
     }
 
-    /// Answers a request: the whole one, or that of which the last fragment has come. `serve` writes the response; an error:
-    /// there is none.
-    pub fn answer<E>(
-        &mut self,
-        header: H,
-        whole: Option<&[u8]>,
-        serve: impl FnOnce(&[u8], &mut Writer<'_>) -> Result<(), E>,
-    ) -> Result<(), E> {
-        let reassembled;
-        let request = if let Some(whole) = whole {
-            whole
-        } else {
-            reassembled = self.message.clone();
-            reassembled.body()
-        };
-        let mut out = Writer::new(&mut self.message.bytes);
-        let served = serve(request, &mut out);
-        self.message.len = short(out.len());
-        served?;
+    /// The request of which the last fragment has come.
+    pub fn request(&self) -> &[u8] {
+        self.message.body()
+    }
+
+    /// Answers a request. What has no room in the buffer is cut off: write it within [`MESSAGE`](Self) bytes.
+    pub fn respond(&mut self, header: H, response: &[u8]) {
+        let room = self.message.bytes.iter_mut();
+        self.message.len = short(response.len().min(room.len()));
+        room.zip(response).for_each(|(byte, &written)| *byte = written);
         self.header = header;
         self.stage = Stage::Due;
         self.transmit.start(self.message.body());
-        Ok(())
     }
 
     /// Nothing is left to be sent of a response.
