@@ -18,11 +18,15 @@
 //! | [`access`] | network access: Hello, Mini-who, ROAM, who keeps an address |
 //! | [`bit_rate`] | bit rate detection without a word |
 //! | [`client`] | requests to another node: connectionless, for a connection, on a connection |
+//! | [`connection`] | the instances of connections, what each is by default, the identifiers that it uses |
+//! | [`device`] | a node that answers requests, and consumes and produces data |
 //! | [`id`] | operational addresses, the layouts of identifiers, receive filters |
 //! | [`message`] | the data field of every message, with its byte table |
 //!
 //! A machine is told what happens as [`Input`](link_core::Input), and hands out what is to be done as
 //! [`Action`](link_core::Action): see [`link_core`].
+//!
+//! A device in thirty lines is in the text of [`device`].
 //!
 //! # A device gets an address
 //!
@@ -87,7 +91,7 @@
 //!
 //! # Limits
 //!
-//! This is the ground: connections, the objects and the network manager's work are not here yet. Two devices without an
+//! The network manager's work is not here yet. Two devices without an
 //! address that share the low half of their serial number collide, and a ROAM does not tell its sender: both are the
 //! paper's, see [`Identifier::sender`]. A DeviceNet node and a DeviceNeX connection with 11 bits would share identifiers:
 //! they do not belong on one bus.
@@ -103,8 +107,13 @@ extern crate std;
 pub mod access;
 pub mod bit_rate;
 pub mod client;
+pub mod connection;
+mod counter;
+pub mod device;
 pub mod id;
+mod link_object;
 pub mod message;
 
 pub use access::Access;
+pub use device::Device;
 pub use id::{Identifier, OperationalAddress};

@@ -68,21 +68,22 @@ impl Production {
         *self = Self { due: !kind.is_server(), ..Self::IDLE };
     }
 
-    /// The data have changed, for a reason other than a message. A connection without change of state does not mind.
+    /// The data have changed, for a reason other than a message; false for a connection that does not mind.
     pub fn changed<K: From<ProductionTimer>>(
         &mut self,
         kind: TransportClassTrigger,
         timers: &mut impl TimerSet<K>,
         is_in_flight: bool,
-    ) {
+    ) -> bool {
         if kind.is_server() || kind.trigger() != ProductionTrigger::CHANGE_OF_STATE {
-            return;
+            return false;
         }
         if is_in_flight || timers.at(ProductionTimer::Inhibit.into()).is_some() {
             self.pending = true;
         } else {
             self.anew(timers);
         }
+        true
     }
 
     /// The transmission trigger has run out.

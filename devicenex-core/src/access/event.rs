@@ -149,16 +149,6 @@ pub struct Counters {
     pub events_lost: u16,
 }
 
-/// One more. A counter stays at its maximum.
-pub(super) const fn count(counter: &mut u16) {
-    *counter = counter.saturating_add(1);
-}
-
-/// One more of what is frequent.
-pub(super) const fn count_wide(counter: &mut u32) {
-    *counter = counter.saturating_add(1);
-}
-
 /// One line, in the words of a trace.
 impl fmt::Display for AccessEvent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

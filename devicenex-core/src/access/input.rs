@@ -4,9 +4,10 @@ use link_core::link::LinkCommandKind;
 use link_core::{BusErrorKind, Frame, LinkEvent, Mode, TxOutcome, TxToken};
 
 use super::config::Role;
-use super::event::{AccessEvent, Outgoing, RoamRefusal, count, count_wide};
+use super::event::{AccessEvent, Outgoing, RoamRefusal};
 use super::machine::{Access, Fate, InFlight, Timer};
 use super::state::{Cause, Fault, HelloNumber, HelloStage, Restart, State};
+use crate::counter::{count, count_wide};
 use crate::id::{Direction, Identifier, Layout, OperationalAddress};
 use crate::message::{Hello, MiniWho, Roam};
 

@@ -33,9 +33,10 @@ use link_core::{
 };
 
 use super::config::{Config, ModeRefused, Role};
-use super::event::{AccessEvent, Counters, Outgoing, count};
+use super::event::{AccessEvent, Counters, Outgoing};
 use super::state::{Cause, EDGES, HelloNumber, HelloStage, Restart, State, StateKind};
 use crate::bit_rate::{Detector, Step};
+use crate::counter::count;
 use crate::id::{self, OperationalAddress};
 
 /// The network access machine of one node; see the [module](super) text.

@@ -1,6 +1,6 @@
 //! What the machine sends. It follows from the state; there is no queue.
 
-use link_core::{Action, Frame, LinkCommand, Mode};
+use link_core::{Action, Deadline, Frame, LinkCommand, Mode};
 
 use super::event::{AccessEvent, Outgoing};
 use super::machine::{Access, Fate, InFlight, Timer};
@@ -10,7 +10,7 @@ use crate::message::Hello;
 
 impl Access {
     /// Whether there is anything to do.
-    pub(super) fn has_output(&self) -> bool {
+    pub(crate) fn has_output(&self) -> bool {
         self.must_withdraw()
             || self.must_restart_controller()
             || self.mode_to_set().is_some()
@@ -19,8 +19,22 @@ impl Access {
             || self.wanted().is_some()
     }
 
+    /// Whether the port must be told another filter, which it counts as told then: the node has one of its own.
+    pub(crate) fn take_filter_change(&mut self) -> bool {
+        let must = self.must_set_filter();
+        if must {
+            self.told = Some(self.listening());
+        }
+        must
+    }
+
+    /// The next wait that ends, whatever is to be done before.
+    pub(crate) fn next_wait(&self) -> Option<Deadline> {
+        self.timers.next()
+    }
+
     /// All that [`poll`](link_core::Machine::poll) does but hand out frames.
-    pub(super) fn poll_except_transmit(&mut self) -> Option<Action<AccessEvent>> {
+    pub(crate) fn poll_except_transmit(&mut self) -> Option<Action<AccessEvent>> {
         if self.must_withdraw() {
             self.in_flight.as_mut()?.fate = Fate::Abandoned;
             return Some(Action::Withdraw(Self::TOKEN));
@@ -47,7 +61,7 @@ impl Access {
     }
 
     /// The next frame, if one is to be handed out.
-    pub(super) fn transmit(&mut self) -> Option<Action<AccessEvent>> {
+    pub(crate) fn transmit(&mut self) -> Option<Action<AccessEvent>> {
         let what = self.wanted()?;
         let frame = self.take(what)?;
         self.in_flight = Some(InFlight { what, fate: Fate::Wanted });

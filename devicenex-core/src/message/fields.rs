@@ -45,6 +45,17 @@ impl DeviceIdentity {
     }
 }
 
+impl From<&cip_core::identity::DeviceIdentity> for DeviceIdentity {
+    fn from(device: &cip_core::identity::DeviceIdentity) -> Self {
+        Self {
+            vendor: device.vendor,
+            product_code: device.product_code,
+            major_revision: device.revision.major,
+            serial: device.serial,
+        }
+    }
+}
+
 /// `vendor 4660, product 1110, revision 2, serial 0x11223344`
 impl fmt::Display for DeviceIdentity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -1,0 +1,8 @@
+//! The device, over the wire: the tester is the rest of the bus.
+//!
+//! The identifiers are written out: they are those of the tables of [`id`](crate::id), by hand. OA 1 is the manager, OA 67
+//! the device.
+
+mod bus;
+pub(super) mod edges;
+mod requests;
