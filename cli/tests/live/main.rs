@@ -8,6 +8,7 @@
 //! The live commands on the simulated bus and on recordings, as a user runs them.
 
 mod ask;
+mod fields;
 #[cfg(target_os = "linux")]
 mod kernel;
 mod monitor;

@@ -1,37 +1,4 @@
-//! One object a line.
-//!
-//! | `event` | when | further fields |
-//! |---|---|---|
-//! | `link` | the interface goes up or down, or its controller changes its state | `state`: `down`, `error_active`, `error_warning`, `error_passive`, `bus_off` |
-//! | `access` | a node comes, goes, is silenced | `mac`, `from`, `to`: `unknown`, `first_check`, `second_check`, `online`, `suspected_duplicate`, `comm_fault`, `offline` |
-//! | `connection` | a connection changes its state | `mac` of the server, `client` if known, `connection`, `from`, `to`: `unknown`, `non_existent`, `configuring`, `waiting_for_connection_id`, `established`, `timed_out`, `deferred_delete` |
-//! | `lost` | the interface lost frames | `frames`; 0 if it does not count them |
-//! | `finding` | something is wrong | `change`: `begins`, `escalates`, `ends`; and the fields of a finding, below |
-//! | `summary` | every interval, and at the end with `"last": true` | below |
-//!
-//! All have `t`, in seconds since the beginning, and all but `summary` have `text`, the words of the text output.
-//!
-//! | field of `summary` | value |
-//! |---|---|
-//! | `bit_rate` | bit/s |
-//! | `link`, `tec`, `rec` | of the interface; counters where it tells them |
-//! | `frames`, `error_frames`, `lost`, `problems` | since the beginning |
-//! | `span` | seconds since the last summary |
-//! | `load`, `load_total` | of that span and since the beginning: `all`, and each purpose, parts of 1 |
-//! | `nodes` | per node `mac`, `state`, `master`, identity as far as it is known, `silent` (seconds since it was last heard), `frames`, `load`, `load_total`, `io` and `explicit` (`count`, `p50`, `p99`, `max` in seconds), `limit` (EPR x 4 in seconds), `connections` |
-//! | `findings` | what is and was wrong, up to 64 |
-//!
-//! | field of a finding | value |
-//! |---|---|
-//! | `id` | its number, from 1 |
-//! | `rule`, `severity` | which rule; `info`, `warning`, `error` |
-//! | `mac` | the node; absent for what concerns the bus |
-//! | `since`, `last`, `until` | seconds since the beginning; `until` only if it is over |
-//! | `count`, `evidence` | how often it was seen; numbers of the frames that show it, at most four |
-//! | `scanner_status` | the code on the display of a scanner, if there is one |
-//! | `facts` | what exactly was seen, if there is more to say: an object with one entry, as `{"silence": {"exchange": "poll", "patience": 0.32}}`; times in seconds |
-//! | `first_cause` | the rule that explains it |
-//! | `text`, `advice` | in words; what to check next |
+//! One object a line, as `docs/json.md` has them.
 
 use core::time::Duration;
 
