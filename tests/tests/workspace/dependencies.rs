@@ -6,11 +6,12 @@ use cargo_metadata::{DependencyKind, MetadataCommand};
 use devicenet_tests::workspace_root;
 
 /// Each crate, and the crates of this workspace that it may depend on.
-const MAY_SEE: [(&str, &[&str]); 9] = [
+const MAY_SEE: [(&str, &[&str]); 10] = [
     ("link-core", &[]),
     ("cip-core", &["link-core"]),
     ("devicenet-core", &["link-core", "cip-core"]),
     ("devicenex-core", &["link-core", "cip-core"]),
+    ("powerlink-core", &["link-core"]),
     ("transport-mock", &["link-core"]),
     ("transport-socketcan", &["link-core"]),
     ("devicenet-cli", &["link-core", "cip-core", "devicenet-core", "transport-mock", "transport-socketcan"]),
@@ -32,7 +33,7 @@ const MAY_SEE: [(&str, &[&str]); 9] = [
     ),
 ];
 
-const CORES: [&str; 4] = ["link-core", "cip-core", "devicenet-core", "devicenex-core"];
+const CORES: [&str; 5] = ["link-core", "cip-core", "devicenet-core", "devicenex-core", "powerlink-core"];
 
 #[test]
 fn dependencies_point_one_way() {
