@@ -14,7 +14,17 @@ const MAY_SEE: [(&str, &[&str]); 10] = [
     ("powerlink-core", &["link-core"]),
     ("transport-mock", &["link-core"]),
     ("transport-socketcan", &["link-core"]),
-    ("devicenet-cli", &["link-core", "cip-core", "devicenet-core", "transport-mock", "transport-socketcan"]),
+    (
+        "devicenet-cli",
+        &[
+            "link-core",
+            "cip-core",
+            "devicenet-core",
+            "devicenex-core",
+            "transport-mock",
+            "transport-socketcan",
+        ],
+    ),
     (
         "devicenet-tests",
         &["link-core", "cip-core", "devicenet-core", "devicenex-core", "transport-mock", "devicenet-cli"],
