@@ -21,6 +21,7 @@
 //! | [`connection`] | the instances of connections, what each is by default, the identifiers that it uses |
 //! | [`device`] | a node that answers requests, and consumes and produces data |
 //! | [`id`] | operational addresses, the layouts of identifiers, receive filters |
+//! | [`manager`] | the network manager: addresses, connections, replacement |
 //! | [`message`] | the data field of every message, with its byte table |
 //!
 //! A machine is told what happens as [`Input`](link_core::Input), and hands out what is to be done as
@@ -112,6 +113,7 @@ mod counter;
 pub mod device;
 pub mod id;
 mod link_object;
+pub mod manager;
 pub mod message;
 
 pub use access::Access;

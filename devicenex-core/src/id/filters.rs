@@ -41,6 +41,12 @@ pub fn network_manager(own: OperationalAddress) -> FilterSet {
     filters
 }
 
+/// All implicit messages with 29 bits: class 0mmmm.
+#[must_use]
+pub fn implicit() -> Filter {
+    Filter::extended(extended_id(0), 0x1000_0000)
+}
+
 fn with_address(class: u32, address: OperationalAddress, class_mask: u32) -> Filter {
     Filter::extended(extended_id(class | u32::from(address.number()) << 17), class_mask | 0x00FE_0000)
 }

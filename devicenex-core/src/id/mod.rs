@@ -66,7 +66,7 @@ mod operational_address;
 #[cfg(test)]
 mod tests;
 
-pub use filters::{hello, network_manager, node, standby};
+pub use filters::{hello, implicit, network_manager, node, standby};
 pub use identifier::{Direction, Identifier, MessageId, Sender};
 pub use layout::{Framing, Group, Layout, Route};
 pub use operational_address::{InvalidAddress, OperationalAddress};

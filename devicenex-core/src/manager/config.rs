@@ -1,0 +1,99 @@
+//! Who the manager is, its times, and the choices that the paper leaves to it.
+
+use cip_core::client::Waits;
+
+use crate::access;
+use crate::id::MessageId;
+
+/// Everything that [`Manager`](super::Manager) must be told but its [database](super::PlannedDevice). All defaults are
+/// decisions **\[D\]**, unless marked otherwise.
+///
+/// ```
+/// use devicenex_core::OperationalAddress;
+/// use devicenex_core::access::{self, Role};
+/// use devicenex_core::manager::Config;
+/// use devicenex_core::message::{DeviceIdentity, PortByte};
+/// use link_core::BitRate;
+///
+/// // A fictitious vendor. Use the one that ODVA assigned to you.
+/// let manager = DeviceIdentity { vendor: 0x1234.into(), product_code: 1, major_revision: 1, serial: 0x2345 };
+/// let role = Role::NetworkManager { address: OperationalAddress::try_from(1)?, bit_rate: BitRate::K500 };
+/// let mut config = Config::new(access::Config::new(manager, PortByte::ZERO, role));
+/// config.learning = true;
+/// # Ok::<(), devicenex_core::id::InvalidAddress>(())
+/// ```
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub struct Config {
+    /// The node that the manager is: its role is [`Role::NetworkManager`](access::Role::NetworkManager).
+    pub access: access::Config,
+    /// How often it asks who has no address while a device is missing, in ms. Default: 2000.
+    pub mini_who_interval: u32,
+    /// The same while none is missing, in ms; 0: never. Default: 10 000. It finds spares that were plugged in, gives
+    /// detectors on a quiet bus something to detect, and shows a second manager that there is one.
+    pub idle_mini_who_interval: u32,
+    /// For how long after a Mini-who a Hello without an address is taken for an answer to it, in ms: from a device that
+    /// stands by, and not from one that joins. Default: 500.
+    pub answer_window: u16,
+    /// How long the devices wait after each Hello, in ms. Default: that of the manager itself, 1000.
+    pub hello_wait: u16,
+    /// How much longer the manager waits than they do, in ms: for their clocks, and for the Hello of another that comes
+    /// between. Default: 20.
+    pub settle: u16,
+    /// Whether the devices obey a ROAM while they still say Hello, as [`access::Config::early_roam`] lets them. Default: no.
+    pub early_roam: bool,
+    /// How often a device is sent its address before that is reported as failed. Default: 3.
+    pub roam_tries: u8,
+    /// How long to wait for the Hello that shows that it was taken, in ms. Default: 500.
+    pub roam_wait: u16,
+    /// How long spares are left alone while the device itself was never seen, in ms: it may come up later than they.
+    /// Default: 15 000, in which a device has tried three bit rates and said Hello twice.
+    pub spare_wait: u32,
+    /// How often a request is sent before a device counts as lost. Default: 2.
+    pub connect_tries: u8,
+    /// How long to wait for responses. Default: half a second, and on explicit connections that of
+    /// [`Waits::CONNECTED`].
+    pub waits: Waits,
+    /// How long to leave a device alone that refused a connection, in ms; also how often a
+    /// [conflict](super::DeviceState::Conflict) is looked at again. Default: 10 000.
+    pub retry_wait: u32,
+    /// How often each device is asked for the state of a connection of which the manager hears nothing, one after the
+    /// other, in ms; 0: never. Default: 1000.
+    pub poll_interval: u16,
+    /// Whether devices that match nothing are added to the database. Default: no.
+    pub learning: bool,
+    /// Whether a missing device that is on line at an address which is not in the database is given its planned one, over
+    /// an explicit connection. Default: yes.
+    pub readdress: bool,
+    /// For how long another manager must be silent before this one works again, in ms; 0: until
+    /// [`Manager::resume`](super::Manager::resume). Default: 0.
+    pub takeover_after: u32,
+    /// The Message ID of the manager's explicit messages, 0 to 7; a low one has a high priority. Default: 6.
+    pub message: MessageId,
+}
+
+impl Config {
+    /// The defaults.
+    #[must_use]
+    pub const fn new(access: access::Config) -> Self {
+        Self {
+            hello_wait: access.hello_wait,
+            access,
+            mini_who_interval: 2000,
+            idle_mini_who_interval: 10_000,
+            answer_window: 500,
+            settle: 20,
+            early_roam: false,
+            roam_tries: 3,
+            roam_wait: 500,
+            spare_wait: 15_000,
+            connect_tries: 2,
+            waits: Waits { response: core::time::Duration::from_millis(500), ..Waits::CONNECTED },
+            retry_wait: 10_000,
+            poll_interval: 1000,
+            learning: false,
+            readdress: true,
+            takeover_after: 0,
+            message: MessageId::from_low_bits(6),
+        }
+    }
+}

@@ -1,0 +1,519 @@
+//! Making the connections of a device: the producers first, then the consumers, each told the producer's connection ID.
+//!
+//! What is to be done next follows from how far each connection is; one transaction at a time for each device, and all
+//! devices at once.
+//!
+//! ```text
+//!           request             granted                      settings
+//! +------+ -------> (refused) ---------> +-------------+ -------------> +-------------+
+//! | Idle |                               | Configuring |                | Established |
+//! +------+ ----------------------------------------------------------->+-------------+
+//!     ^                  granted, and nothing to set                          |
+//!     |  not there  +---------+      the device may have been restarted       |
+//!     +-------------| Unknown |<----------------------------------------------+
+//!                   +---------+ ------> as planned: Established
+//! ```
+
+use core::time::Duration;
+
+use cip_core::client::Failure;
+use cip_core::code::{AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode};
+use cip_core::message::{AttributeRequest, Response};
+use heapless::Vec;
+
+use super::database::Source;
+use super::event::{DeviceEvent, EXTENDED, count};
+use super::machine::Manager;
+use super::slot::{Looked, Setting, SlotTimer, Stage, Task};
+use super::state::{Cause, DeviceState};
+use crate::client::{Route, connection_response, explicit_request};
+use crate::id::{Group, Identifier, OperationalAddress};
+use crate::message::{ConnectionRequest, ConnectionResponse, Granted, GroupSelect, Target};
+
+/// What a device said: the data of its response, or why it refuses.
+pub(super) type Answer = Result<Vec<u8, 16>, GeneralStatus>;
+
+impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTIONS> {
+    /// Begins the next transaction with a device, if there is anything to say.
+    pub(super) fn advance_slot(&mut self, place: usize) {
+        let Some(slot) = self.slots.get(place) else { return };
+        if slot.task != Task::None || self.talk.is_with(slot.address()) {
+            return;
+        }
+        match slot.state {
+            DeviceState::Probing => self.probe_next(place),
+            DeviceState::Connecting => self.connect_next(place),
+            DeviceState::Running if slot.poll_due => self.poll_next(place),
+            DeviceState::Retrying => self.retry(place),
+            DeviceState::Running
+            | DeviceState::Idle
+            | DeviceState::Missing
+            | DeviceState::Found
+            | DeviceState::Assigned
+            | DeviceState::Joining
+            | DeviceState::Lost
+            | DeviceState::Conflict => {}
+        }
+    }
+
+    fn connect_next(&mut self, place: usize) {
+        let Some(slot) = self.slots.get(place) else { return };
+        let planned = (0_u8..).zip(slot.plan.connections.iter().zip(&slot.made));
+        let producers = planned.clone().filter(|(_, (plan, _))| plan.consumes.is_none());
+        let consumers = planned.filter(|(_, (plan, _))| plan.consumes.is_some());
+        let task = producers.chain(consumers).find_map(|(number, (plan, made))| {
+            let configured = plan.next_setting(Setting::Trigger).is_some();
+            match made.stage {
+                Stage::Unknown => Some(Task::Check(number, Looked::State)),
+                Stage::Idle if plan.consumes.is_some_and(|source| self.source_id(source).is_none()) => None,
+                Stage::Idle | Stage::Configuring(_) if configured && slot.explicit.is_none() => {
+                    Some(Task::OpenExplicit(number))
+                }
+                Stage::Idle => Some(Task::Connect(number)),
+                Stage::Configuring(setting) => Some(Task::Write(number, setting)),
+                Stage::Established | Stage::Refused(_) => None,
+            }
+        });
+        match task {
+            Some(task) => self.begin(place, task),
+            None if slot.is_complete() => {
+                self.enter(place, DeviceState::Running, Cause::Connected);
+                if let Some(slot) = self.slots.get_mut(place) {
+                    slot.explicit = None;
+                }
+                self.begin_poll_wait(place);
+            }
+            // Something is missing that the manager cannot get now.
+            None if slot.poll_due => self.poll_next(place),
+            None => self.begin_poll_wait(place),
+        }
+    }
+
+    /// What a device is to consume, once its producer has a connection.
+    fn source_id(&self, source: Source) -> Option<u32> {
+        let made = self.slots.get(self.place(source.address)?)?.made(source.connection)?;
+        if made.stage == Stage::Established { made.produces } else { None }
+    }
+
+    /// Begins a transaction about a connection.
+    pub(super) fn begin(&mut self, place: usize, task: Task) {
+        let Some(slot) = self.slots.get(place) else { return };
+        let instance = |number| slot.made(number).and_then(|made| made.instance);
+        match task {
+            Task::None | Task::Probe => {}
+            Task::Connect(number) => self.ask_for(place, number),
+            Task::OpenExplicit(_) => {
+                let asked = self.explicit_request();
+                self.ask_for_connection(place, task, &asked);
+            }
+            Task::Write(number, setting) => self.write(place, number, setting),
+            Task::Check(number, looked) => match instance(number) {
+                Some(instance) => self.read(place, task, (CONNECTION, instance, looked.attribute())),
+                None => self.set_stage(place, number, Stage::Idle),
+            },
+            Task::Poll(number) => match instance(number) {
+                Some(instance) => self.read(place, task, (CONNECTION, instance, Looked::State.attribute())),
+                None => self.set_stage(place, number, Stage::Idle),
+            },
+            Task::Alive => self.read(place, task, (LINK, 1, ADDRESS)),
+        }
+    }
+
+    fn explicit_request(&self) -> ConnectionRequest {
+        explicit_request(self.config.message, EXPLICIT_RATE)
+    }
+
+    /// What is asked for; the same for the answer to be read by.
+    fn connection_request(&self, place: usize, number: u8) -> Option<ConnectionRequest> {
+        let plan = self.slots.get(place)?.planned(number)?;
+        let target = plan.number().map(|instance| Target {
+            instance,
+            expected_packet_rate: plan.expected_packet_rate,
+            watchdog_action: plan.watchdog_action,
+        });
+        let (group, source_message) = (plan.group(), plan.message);
+        Some(ConnectionRequest { predefined: target.is_some(), group, source_message, target })
+    }
+
+    fn ask_for(&mut self, place: usize, number: u8) {
+        if let Some(asked) = self.connection_request(place, number) {
+            self.ask_for_connection(place, Task::Connect(number), &asked);
+        }
+    }
+
+    fn ask_for_connection(&mut self, place: usize, task: Task, asked: &ConnectionRequest) {
+        let (own, waits, tries, now) =
+            (self.own(), self.config.waits, self.config.connect_tries, self.timers.now());
+        let Some(slot) = self.slots.get_mut(place) else { return };
+        slot.timers.advance(now);
+        slot.conversation.reroute(Route::connection(own, slot.plan.address), waits);
+        let started = slot.conversation.start_message(asked, tries);
+        debug_assert_eq!(started, Ok(()));
+        slot.task = task;
+        slot.keep_time();
+    }
+
+    /// Reads an attribute without a connection.
+    pub(super) fn read(&mut self, place: usize, task: Task, (class, instance, attribute): (u16, u16, u8)) {
+        let (own, waits, now) = (self.own(), self.config.waits, self.timers.now());
+        let tries = match task {
+            // A device that is there answers; and one that does not is asked once more before it counts as lost.
+            Task::Probe | Task::Poll(_) => 1,
+            Task::None
+            | Task::Connect(_)
+            | Task::OpenExplicit(_)
+            | Task::Write(..)
+            | Task::Check(..)
+            | Task::Alive => self.config.connect_tries,
+        };
+        let Some(slot) = self.slots.get_mut(place) else { return };
+        slot.timers.advance(now);
+        slot.conversation.reroute(Route::connectionless(own, slot.plan.address), waits);
+        let request =
+            AttributeRequest::get(ClassId(class), InstanceId(instance), AttributeId(attribute.into()));
+        let started = slot.conversation.start_attribute(&request, tries);
+        debug_assert_eq!(started, Ok(()));
+        slot.task = task;
+        slot.keep_time();
+    }
+
+    fn write(&mut self, place: usize, number: u8, setting: Setting) {
+        let (waits, now) = (self.config.waits, self.timers.now());
+        let planned = self.slots.get(place).and_then(|slot| slot.planned(number));
+        let source = planned.and_then(|plan| plan.consumes).and_then(|source| self.source_id(source));
+        let (Some(plan), Some(slot)) = (planned, self.slots.get_mut(place)) else { return };
+        slot.timers.advance(now);
+        let Some(instance) = slot.made(number).and_then(|made| made.instance) else { return };
+        let mut value = Vec::<u8, 4>::new();
+        let fits = match (setting, source) {
+            (Setting::ConsumedId, Some(id)) => value.extend_from_slice(&id.to_le_bytes()),
+            // Its producer was lost in the meantime: it begins again when that is back.
+            (Setting::ConsumedId, None) => return self.set_stage(place, number, Stage::Idle),
+            (Setting::Trigger, _) => value.extend_from_slice(&[plan.trigger.map_or(0, |trigger| trigger.0)]),
+            (Setting::WatchdogAction, _) => value.extend_from_slice(&[plan.watchdog_action.0]),
+            (Setting::PacketRate, _) => value.extend_from_slice(&plan.expected_packet_rate.to_le_bytes()),
+        };
+        debug_assert!(fits.is_ok());
+        let Some(route) = slot.explicit else { return };
+        if let (Setting::ConsumedId, Some(made)) = (setting, slot.made_mut(number)) {
+            made.consumes = source;
+        }
+        slot.conversation.reroute(route, waits);
+        let attribute = AttributeId(setting.attribute().into());
+        let request = AttributeRequest::set(ClassId(CONNECTION), InstanceId(instance), attribute, &value);
+        if slot.conversation.start_attribute(&request, 2).is_err() {
+            return self.refused(place, number, None);
+        }
+        slot.task = Task::Write(number, setting);
+        slot.keep_time();
+    }
+
+    /// A device answered.
+    pub(super) fn answered(&mut self, place: usize, task: Task, answer: Answer) {
+        if self.slots.get(place).is_some_and(|slot| slot.state == DeviceState::Retrying)
+            && is_alone(task, &answer)
+        {
+            // It is there: its connections are looked at.
+            self.enter(place, DeviceState::Connecting, Cause::Answered);
+            return self.advance_slot(place);
+        }
+        match task {
+            Task::None => {}
+            Task::Probe => self.probed(place, answer.as_deref().ok()),
+            Task::Connect(number) => match answer {
+                Ok(data) => self.granted(place, number, &data),
+                Err(status) => self.refused(place, number, Some(status)),
+            },
+            Task::OpenExplicit(number) => self.opened(place, number, &answer),
+            Task::Write(number, setting) => match answer {
+                Ok(_) => self.written(place, number, setting),
+                Err(status) => self.refused(place, number, Some(status)),
+            },
+            Task::Check(number, looked) => self.checked(place, number, looked, answer.as_deref().ok()),
+            Task::Poll(number) => self.polled(place, number, answer.as_deref().ok()),
+            Task::Alive => self.begin_poll_wait(place),
+        }
+        self.advance_slot(place);
+    }
+
+    fn granted(&mut self, place: usize, number: u8, data: &[u8]) {
+        let Some(asked) = self.connection_request(place, number) else { return };
+        let response = Response::Success { service: ServiceCode::ALLOCATE, data };
+        let Some(granted) = connection_response(&asked, &response) else {
+            return self.refused(place, number, None);
+        };
+        let is_retried = self.slots.get(place).is_some_and(|slot| slot.state == DeviceState::Retrying);
+        if is_retried {
+            self.enter(place, DeviceState::Connecting, Cause::Answered);
+        }
+        let Some(slot) = self.slots.get_mut(place) else { return };
+        let address = slot.address();
+        let Some(plan) = slot.planned(number) else { return };
+        let Some(made) = slot.made_mut(number) else { return };
+        let (instance, rate) = match (granted.granted, asked.target) {
+            (Granted::Predefined { expected_packet_rate }, Some(target)) => {
+                (target.instance, expected_packet_rate)
+            }
+            (Granted::Dynamic { instance }, _) => (instance, plan.expected_packet_rate),
+            (Granted::Predefined { .. }, None) => return self.refused(place, number, None),
+        };
+        made.instance = Some(instance.0);
+        made.rate = rate;
+        made.produces =
+            produced_id(&granted, address, instance).filter(|_| plan.is_heard() || plan.consumes.is_none());
+        match plan.next_setting(Setting::Trigger) {
+            Some(setting) => made.set(Stage::Configuring(setting)),
+            None => self.established(place, number),
+        }
+    }
+
+    fn opened(&mut self, place: usize, number: u8, answer: &Answer) {
+        let own = self.own();
+        let asked = self.explicit_request();
+        let Some(slot) = self.slots.get_mut(place) else { return };
+        let data = match answer {
+            Ok(data) => data,
+            Err(status) => return self.refused(place, number, Some(*status)),
+        };
+        let response = Response::Success { service: ServiceCode::ALLOCATE, data };
+        slot.explicit = connection_response(&asked, &response)
+            .and_then(|granted| Route::opened(own, slot.plan.address, &asked, &granted));
+        if slot.explicit.is_none() {
+            self.refused(place, number, None);
+        }
+    }
+
+    fn written(&mut self, place: usize, number: u8, setting: Setting) {
+        let Some(slot) = self.slots.get_mut(place) else { return };
+        slot.reopened = false;
+        let Some(plan) = slot.planned(number) else { return };
+        let next = setting.next().and_then(|next| plan.next_setting(next));
+        match next {
+            Some(setting) => self.set_stage(place, number, Stage::Configuring(setting)),
+            None => self.established(place, number),
+        }
+    }
+
+    /// A connection that may be there was looked at.
+    fn checked(&mut self, place: usize, number: u8, looked: Looked, value: Option<&[u8]>) {
+        let source =
+            self.slots.get(place).and_then(|slot| slot.planned(number)).and_then(|plan| plan.consumes);
+        let source_id = source.and_then(|source| self.source_id(source));
+        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(plan) = slot.planned(number) else { return };
+        let Some(made) = slot.made_mut(number) else { return };
+        let next = match (looked, value) {
+            (Looked::State, Some(&[ESTABLISHED])) if plan.consumes.is_some() => Some(Looked::ConsumedId),
+            (Looked::State, Some(&[ESTABLISHED])) => Some(Looked::ProducedId),
+            (Looked::ProducedId, Some(&[a, b, c, d])) => {
+                made.produces = Some(u32::from_le_bytes([a, b, c, d]));
+                Some(Looked::PacketRate)
+            }
+            (Looked::ConsumedId, Some(&[a, b, c, d])) => {
+                made.consumes = Some(u32::from_le_bytes([a, b, c, d]));
+                Some(Looked::PacketRate)
+            }
+            (Looked::PacketRate, Some(&[low, high])) => {
+                made.rate = u16::from_le_bytes([low, high]);
+                None
+            }
+            // It is not there, or not as it should be.
+            _ => return made.set(Stage::Idle),
+        };
+        if let Some(looked) = next {
+            return self.begin(place, Task::Check(number, looked));
+        }
+        if source_id.is_some_and(|id| made.consumes != Some(id)) {
+            return made.set(Stage::Configuring(Setting::ConsumedId));
+        }
+        self.established(place, number);
+    }
+
+    /// A connection is as planned.
+    fn established(&mut self, place: usize, number: u8) {
+        let now = self.timers.now();
+        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(plan) = slot.planned(number) else { return };
+        let Some(made) = slot.made_mut(number) else { return };
+        made.set(Stage::Established);
+        if plan.is_heard() {
+            made.feed(now, FIRST_MESSAGE);
+        }
+        let connected = DeviceEvent::Connected {
+            instance: InstanceId(made.instance.unwrap_or_default()),
+            produces: made.produces,
+            expected_packet_rate: made.rate,
+        };
+        let source = Source { address: slot.address(), connection: number };
+        self.tell(place, connected);
+        self.follow_producer(source);
+    }
+
+    /// A producer has a connection: those that consume it are told, or looked at.
+    fn follow_producer(&mut self, source: Source) {
+        let Some(id) = self.source_id(source) else { return };
+        for place in 0..self.slots.len() {
+            let Some(slot) = self.slots.get_mut(place) else { return };
+            let mut waits = false;
+            let mut disturbed = false;
+            for (_, plan, made) in slot.connections_mut().filter(|(_, plan, _)| plan.consumes == Some(source))
+            {
+                waits |= made.stage == Stage::Idle;
+                if made.stage != Stage::Established {
+                    continue;
+                }
+                if made.consumes != Some(id) {
+                    made.set(Stage::Configuring(Setting::ConsumedId));
+                    disturbed = true;
+                } else if plan.expected_packet_rate != 0 {
+                    // It may have timed out meanwhile.
+                    made.set(Stage::Unknown);
+                    disturbed = true;
+                }
+            }
+            if disturbed && slot.state == DeviceState::Running {
+                self.enter(place, DeviceState::Connecting, Cause::Disturbed);
+            }
+            if disturbed || waits {
+                self.advance_slot(place);
+            }
+        }
+    }
+
+    /// A device refuses a connection: it is asked again later.
+    pub(super) fn refused(&mut self, place: usize, number: u8, status: Option<GeneralStatus>) {
+        let span = self.config.retry_wait;
+        count(&mut self.counters.refused);
+        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(made) = slot.made_mut(number) else { return };
+        let instance = made.instance.map(InstanceId);
+        made.set(Stage::Refused(status));
+        let instance = instance.or_else(|| slot.planned(number).and_then(|plan| plan.number()));
+        if slot.timers.at(SlotTimer::Retry).is_none() {
+            slot.timers.set_after_millis(SlotTimer::Retry, span);
+        }
+        self.tell(place, DeviceEvent::Refused { instance, status });
+    }
+
+    pub(super) fn retry_over(&mut self, place: usize) {
+        let Some(slot) = self.slots.get_mut(place) else { return };
+        for made in &mut slot.made {
+            if matches!(made.stage, Stage::Refused(_)) {
+                made.set(Stage::Idle);
+            }
+        }
+        self.advance_slot(place);
+    }
+
+    pub(super) fn set_stage(&mut self, place: usize, number: u8, stage: Stage) {
+        if let Some(made) = self.slots.get_mut(place).and_then(|slot| slot.made_mut(number)) {
+            made.set(stage);
+        }
+    }
+
+    /// A transaction with a device came to nothing.
+    pub(super) fn failed(&mut self, place: usize, task: Task, failure: Failure) {
+        let silent = matches!(failure, Failure::NoResponse | Failure::NotAcknowledged);
+        let Some(slot) = self.slots.get_mut(place) else { return };
+        match task {
+            Task::None => {}
+            Task::Probe if silent && slot.probe == super::slot::Probe::default() => self.nobody(place),
+            Task::Probe => self.conflict(place, None),
+            // The explicit connection may have timed out.
+            Task::Write(..) if silent && !slot.reopened => {
+                slot.reopened = true;
+                slot.explicit = None;
+                self.advance_slot(place);
+            }
+            Task::Poll(_) if silent => self.not_polled(place),
+            Task::Alive if silent && slot.state == DeviceState::Running => self.not_polled(place),
+            Task::Connect(_) | Task::OpenExplicit(_) | Task::Check(..) | Task::Alive if silent => {
+                self.lost(place);
+            }
+            Task::Connect(number) | Task::OpenExplicit(number) | Task::Write(number, _) => {
+                self.refused(place, number, None);
+                self.advance_slot(place);
+            }
+            Task::Check(number, _) | Task::Poll(number) => {
+                self.set_stage(place, number, Stage::Idle);
+                self.advance_slot(place);
+            }
+            Task::Alive => self.begin_poll_wait(place),
+        }
+    }
+}
+
+/// Whether the answer of a device that had fallen silent says no more than that it is there.
+fn is_alone(task: Task, answer: &Answer) -> bool {
+    match task {
+        Task::Connect(_) => answer.is_err(),
+        Task::None
+        | Task::Probe
+        | Task::OpenExplicit(_)
+        | Task::Write(..)
+        | Task::Check(..)
+        | Task::Poll(_)
+        | Task::Alive => true,
+    }
+}
+
+/// On what the device produces, as attribute 4 has it.
+fn produced_id(
+    granted: &ConnectionResponse,
+    address: OperationalAddress,
+    instance: InstanceId,
+) -> Option<u32> {
+    let message = granted.source_message;
+    let identifier = match granted.group {
+        GroupSelect::IMPLICIT_29 => Some(Identifier::implicit(message, address, instance)),
+        GroupSelect::GROUP_1 => Identifier::standard(Group::Group1, message, address),
+        GroupSelect::GROUP_2 => Identifier::standard(Group::Group2, message, address),
+        GroupSelect::GROUP_3 => Identifier::standard(Group::Group3, message, address),
+        _ => None,
+    };
+    identifier.map(connection_id)
+}
+
+/// An identifier as the Connection object has it **\[D\]**.
+pub(super) fn connection_id(identifier: Identifier) -> u32 {
+    match identifier.id() {
+        link_core::Id::Standard(id) => id.as_raw().into(),
+        link_core::Id::Extended(id) => id.as_raw() | EXTENDED,
+    }
+}
+
+impl Looked {
+    /// Of the Connection object.
+    const fn attribute(self) -> u8 {
+        match self {
+            Self::State => 1,
+            Self::ProducedId => 4,
+            Self::ConsumedId => 5,
+            Self::PacketRate => 9,
+        }
+    }
+}
+
+impl Setting {
+    /// Of the Connection object.
+    const fn attribute(self) -> u8 {
+        match self {
+            Self::Trigger => 3,
+            Self::ConsumedId => 5,
+            Self::PacketRate => 9,
+            Self::WatchdogAction => 12,
+        }
+    }
+}
+
+/// The class of the Connection object.
+const CONNECTION: u16 = 0x05;
+/// The class of the link object, and the attribute that is the address.
+const LINK: u16 = 0x03;
+const ADDRESS: u8 = 1;
+/// The value of the state attribute.
+pub(super) const ESTABLISHED: u8 = 3;
+/// Of the explicit connection, in ms: it is deleted four of them after the last message.
+const EXPLICIT_RATE: u16 = 2500;
+/// A producer may take that long for its first message, however often it sends.
+const FIRST_MESSAGE: Duration = Duration::from_secs(1);

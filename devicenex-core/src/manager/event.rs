@@ -1,0 +1,267 @@
+//! What the manager tells the application, and what it counts.
+
+use core::fmt;
+
+use cip_core::client::Failure;
+use cip_core::code::{GeneralStatus, InstanceId};
+use heapless::Vec;
+use link_core::Frame;
+
+use super::database::Attribute;
+use super::state::{Cause, DeviceState};
+use crate::access::AccessEvent;
+use crate::id::OperationalAddress;
+use crate::message::{DeviceIdentity, Hello, ParseError, Roam};
+
+/// What happened.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub enum ManagerEvent {
+    /// The manager's own network access.
+    Access(AccessEvent),
+    /// It begins its work: every planned device is being looked for.
+    Started,
+    /// It does nothing any more: it is off line, or leaves the work to another manager.
+    Stopped,
+    /// There is another manager on the bus.
+    SecondManager {
+        /// The low half of its serial number, from its Mini-who; `None` if it showed by a ROAM, which does not tell.
+        serial_low: Option<u16>,
+        /// This one leaves the work to it.
+        yields: bool,
+    },
+    /// Something about a planned device.
+    Device(OperationalAddress, DeviceEvent),
+    /// A device that is planned nowhere. `at` is its address, if it has one.
+    Unknown {
+        /// Who it is.
+        device: DeviceIdentity,
+        /// Its address; `None` if it has none.
+        at: Option<OperationalAddress>,
+    },
+    /// A device stands by that may stand in for one that is there.
+    Spare(DeviceIdentity),
+    /// A device that stood by does not answer any more.
+    StandbyLeft(DeviceIdentity),
+    /// A device that is missing at its planned address has another one.
+    Misplaced {
+        /// Who it is.
+        device: DeviceIdentity,
+        /// Where it is.
+        at: OperationalAddress,
+        /// Where it should be.
+        planned: OperationalAddress,
+    },
+    /// A device was told its new address, or was not.
+    Readdressed {
+        /// Its old address.
+        from: OperationalAddress,
+        /// Its new address, with which it says Hello now.
+        to: OperationalAddress,
+        /// How it ended.
+        result: Result<(), RequestFailure>,
+    },
+    /// The response to a request of the application is there: [`Manager::response`](super::Manager::response).
+    Response(OperationalAddress),
+    /// A request of the application came to nothing.
+    RequestFailed(OperationalAddress, RequestFailure),
+    /// A Hello or ROAM cannot be read, and was ignored. [`error`](ManagerEvent::error) says what is wrong with it.
+    BadFrame(Frame),
+}
+
+/// What happened to a planned device, or rather to its role.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub enum DeviceEvent {
+    /// Another state.
+    StateChanged {
+        /// The state that was left.
+        from: DeviceState,
+        /// The state that was entered.
+        to: DeviceState,
+        /// Why.
+        cause: Cause,
+    },
+    /// It was added to the database.
+    Learned(DeviceIdentity),
+    /// A device for this address was heard, and will get it.
+    Found(DeviceIdentity),
+    /// A device is on line with the address.
+    Addressed(DeviceIdentity),
+    /// It was sent its address several times, and did not take it.
+    NotAddressed(DeviceIdentity),
+    /// A connection is established.
+    Connected {
+        /// Which.
+        instance: InstanceId,
+        /// On which the device produces, as attribute 4 has it: bit 31 set for 29 bits; `None` if it only consumes.
+        produces: Option<u32>,
+        /// What the device keeps, in ms.
+        expected_packet_rate: u16,
+    },
+    /// The device refuses a connection, or its configuration. It is asked again later.
+    Refused {
+        /// Which; `None` for a dynamic one that was not made.
+        instance: Option<InstanceId>,
+        /// Why; `None` if the answer cannot be read.
+        status: Option<GeneralStatus>,
+    },
+    /// Nothing was heard on a connection for too long, or the device says that it has timed out.
+    TimedOut(InstanceId),
+    /// The device is gone.
+    Lost(Option<DeviceIdentity>),
+    /// Another device took over the address.
+    Replaced {
+        /// Who had it.
+        was: DeviceIdentity,
+        /// Who has it now.
+        by: DeviceIdentity,
+    },
+    /// Nobody who could stand in has answered. The manager goes on looking.
+    NoSpare,
+    /// Somebody has the address for whom it is not planned.
+    Conflict(Option<DeviceIdentity>),
+    /// Another device wants the address, and is being told that it is taken.
+    Challenged(DeviceIdentity),
+    /// An attribute was read.
+    Read(Attribute, Result<Value, RequestFailure>),
+}
+
+/// The value of an attribute, if it is not longer than that.
+pub type Value = Vec<u8, VALUE>;
+
+/// Why a request of the manager came to nothing.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum RequestFailure {
+    /// The device refuses it.
+    #[error("refused: {0}")]
+    Refused(GeneralStatus),
+    /// There was no answer, or none that can be used.
+    #[error(transparent)]
+    Failed(#[from] Failure),
+}
+
+/// What the manager counted. Every counter stays at its maximum.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Counters {
+    /// Mini-whos that were sent.
+    pub mini_whos: u32,
+    /// ROAMs that were sent.
+    pub roams: u32,
+    /// Hellos without an address that were heard.
+    pub hellos: u32,
+    /// Devices that were lost.
+    pub lost: u16,
+    /// Devices that took over the address of another one.
+    pub replaced: u16,
+    /// Time-outs of connections.
+    pub timed_out: u16,
+    /// Connection requests, and configurations, that were refused.
+    pub refused: u16,
+    /// Answers to nobody's question, or that came too late.
+    pub ignored: u32,
+    /// Hellos and ROAMs that cannot be read.
+    pub bad_frames: u16,
+    /// Frames that were given back unsent although nobody asked for it.
+    pub not_sent: u16,
+    /// Mini-whos and ROAMs of others.
+    pub of_other_managers: u32,
+    /// Answers to transmissions that were not under way: the port breaks the contract.
+    pub stray_tx_done: u16,
+    /// Events that were lost because nobody fetched them.
+    pub events_lost: u16,
+}
+
+impl ManagerEvent {
+    /// What is wrong with a [`BadFrame`](Self::BadFrame).
+    #[must_use]
+    pub fn error(&self) -> Option<ParseError> {
+        let Self::BadFrame(frame) = self else { return None };
+        let hello = Hello::of_frame(frame).and_then(Result::err);
+        hello.or_else(|| Roam::of_frame(frame).and_then(Result::err))
+    }
+}
+
+/// One more. A counter stays at its maximum.
+pub(super) const fn count(counter: &mut u16) {
+    *counter = counter.saturating_add(1);
+}
+
+/// One more of what is frequent.
+pub(super) const fn count_wide(counter: &mut u32) {
+    *counter = counter.saturating_add(1);
+}
+
+/// One line, in the words of a trace.
+impl fmt::Display for ManagerEvent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Access(event) => fmt::Display::fmt(event, f),
+            Self::Started => f.write_str("looks for all planned devices"),
+            Self::Stopped => f.write_str("does nothing any more"),
+            Self::SecondManager { serial_low, yields } => {
+                f.write_str("another manager")?;
+                if let Some(serial_low) = serial_low {
+                    write!(f, ", serial ending in 0x{serial_low:04X}")?;
+                }
+                f.write_str(if *yields { ": leaves the work to it" } else { ": goes on working" })
+            }
+            Self::Device(address, event) => write!(f, "OA {address}: {event}"),
+            Self::Unknown { device, at: None } => write!(f, "unknown device without an address: {device}"),
+            Self::Unknown { device, at: Some(at) } => write!(f, "unknown device at OA {at}: {device}"),
+            Self::Spare(device) => write!(f, "spare stands by: {device}"),
+            Self::StandbyLeft(device) => write!(f, "no longer stands by: {device}"),
+            Self::Misplaced { device, at, planned } => {
+                write!(f, "at OA {at} instead of {planned}: {device}")
+            }
+            Self::Readdressed { from, to, result: Ok(()) } => write!(f, "OA {from} becomes {to}"),
+            Self::Readdressed { from, to, result: Err(why) } => {
+                write!(f, "OA {from} does not become {to}: {why}")
+            }
+            Self::Response(address) => write!(f, "response of OA {address}"),
+            Self::RequestFailed(address, why) => write!(f, "request to OA {address} failed: {why}"),
+            Self::BadFrame(frame) => {
+                write!(f, "bad frame {frame}")?;
+                self.error().map_or(Ok(()), |error| write!(f, ": {error}"))
+            }
+        }
+    }
+}
+
+impl fmt::Display for DeviceEvent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::StateChanged { from, to, cause } => write!(f, "{from} -> {to}: {cause}"),
+            Self::Learned(device) => write!(f, "learned: {device}"),
+            Self::Found(device) => write!(f, "found: {device}"),
+            Self::Addressed(device) => write!(f, "on line: {device}"),
+            Self::NotAddressed(device) => write!(f, "does not take the address: {device}"),
+            Self::Connected { instance, produces, expected_packet_rate } => {
+                write!(f, "connection {} established, {expected_packet_rate} ms", instance.0)?;
+                produces.map_or(Ok(()), |id| write!(f, ", produces on {:X}", id & !EXTENDED))
+            }
+            Self::Refused { instance, status } => {
+                match instance {
+                    Some(instance) => write!(f, "connection {} refused", instance.0)?,
+                    None => f.write_str("dynamic connection refused")?,
+                }
+                status.map_or(Ok(()), |status| write!(f, ": {status}"))
+            }
+            Self::TimedOut(instance) => write!(f, "connection {} timed out", instance.0),
+            Self::Lost(Some(device)) => write!(f, "lost: {device}"),
+            Self::Lost(None) => f.write_str("never seen: spares may come in"),
+            Self::Replaced { was, by } => write!(f, "replaced: {was} by {by}"),
+            Self::NoSpare => f.write_str("nobody can stand in"),
+            Self::Conflict(Some(device)) => write!(f, "the address is taken by {device}"),
+            Self::Conflict(None) => f.write_str("the address is taken by a device of another kind"),
+            Self::Challenged(device) => write!(f, "another wants the address: {device}"),
+            Self::Read(attribute, Ok(value)) => write!(f, "{attribute}: {value:02X?}"),
+            Self::Read(attribute, Err(why)) => write!(f, "{attribute}: {why}"),
+        }
+    }
+}
+
+/// Bit 31 of a connection ID: 29 bits.
+pub(super) const EXTENDED: u32 = 0x8000_0000;
+const VALUE: usize = 64;
