@@ -79,9 +79,14 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
             return Err(InvalidDevice::TooManyConnections(CONNECTIONS));
         }
         check_sizes(&mut application)?;
+        Ok(Self::assembled(config, application))
+    }
+
+    /// One whose sizes are known to be right.
+    pub(crate) fn assembled(config: Config, application: A) -> Self {
         let mut access = config.access;
         access.device = application.identity().device.into();
-        Ok(Self {
+        Self {
             application,
             access: Access::new(access),
             slots: [const { Slot::FREE }; CONNECTIONS],
@@ -106,7 +111,7 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
             filter_changed: false,
             counters: Counters::default(),
             events: Queue::new(),
-        })
+        }
     }
 
     /// Its network access.

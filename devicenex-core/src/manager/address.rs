@@ -2,10 +2,11 @@
 
 use link_core::TxOutcome;
 
-use super::event::{DeviceEvent, ManagerEvent, count, count_wide};
+use super::event::{ManagerEvent, PlannedEvent};
 use super::machine::{Manager, Timer};
 use super::slot::{Probe, SlotTimer, Task, Tell};
 use super::state::{Cause, DeviceState};
+use crate::counter::{count, count_wide};
 use crate::id::OperationalAddress;
 use crate::message::DeviceIdentity;
 
@@ -70,7 +71,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         }
         self.standing.forget(device);
         if !known {
-            self.tell(place, DeviceEvent::Found(device));
+            self.tell(place, PlannedEvent::Found(device));
         }
         let Some(slot) = self.slots.get_mut(place) else { return };
         if stands_by {
@@ -136,10 +137,10 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         slot.reads = 0;
         let was = slot.was.take();
         if let Some(device) = slot.device {
-            self.tell(place, DeviceEvent::Addressed(device));
+            self.tell(place, PlannedEvent::Addressed(device));
             if let Some(was) = was.filter(|was| *was != device) {
                 count(&mut self.counters.replaced);
-                self.tell(place, DeviceEvent::Replaced { was, by: device });
+                self.tell(place, PlannedEvent::Replaced { was, by: device });
             }
         }
         self.plan_mini_who();
@@ -162,7 +163,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             DeviceState::Missing => {
                 slot.open = true;
                 self.enter(place, DeviceState::Lost, Cause::WaitOver);
-                self.tell(place, DeviceEvent::Lost(None));
+                self.tell(place, PlannedEvent::Lost(None));
                 self.ask_soon();
             }
             DeviceState::Conflict => self.begin_probe(place, Cause::WaitOver),
@@ -182,7 +183,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         let open = slot.open;
         self.enter(place, if open { DeviceState::Lost } else { DeviceState::Missing }, Cause::NotTaken);
         if let Some(device) = device {
-            self.tell(place, DeviceEvent::NotAddressed(device));
+            self.tell(place, PlannedEvent::NotAddressed(device));
         }
         if !open {
             self.begin_spare_wait(place);
@@ -199,7 +200,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         slot.no_spare = Tell::No;
         count(&mut self.counters.lost);
         self.enter(place, DeviceState::Lost, Cause::NoResponse);
-        self.tell(place, DeviceEvent::Lost(device));
+        self.tell(place, PlannedEvent::Lost(device));
         self.ask_soon();
     }
 
@@ -208,7 +209,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             slot.device = None;
         }
         self.enter(place, DeviceState::Conflict, Cause::OtherIdentity);
-        self.tell(place, DeviceEvent::Conflict(device));
+        self.tell(place, PlannedEvent::Conflict(device));
         let span = self.config.retry_wait;
         if let Some(slot) = self.slots.get_mut(place) {
             slot.timers.set_after_millis(SlotTimer::Wait, span);

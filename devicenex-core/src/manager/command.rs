@@ -35,7 +35,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         self.advance(now);
         plan.check()?;
         let address = plan.address;
-        if address == self.config.access.first_address() {
+        if address == self.config.node.access.first_address() {
             return Err(DatabaseError::OwnAddress(address));
         }
         if self.place(address).is_some() {
@@ -89,7 +89,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     /// Its own network access.
     #[must_use]
     pub const fn access(&self) -> &Access {
-        &self.node
+        self.node.access()
     }
 
     /// What it was told at the start.

@@ -1,31 +1,43 @@
 //! Who the manager is, its times, and the choices that the paper leaves to it.
 
 use cip_core::client::Waits;
+use cip_core::identity::DeviceIdentity;
+use link_core::BitRate;
 
-use crate::access;
-use crate::id::MessageId;
+use crate::access::Role;
+use crate::device;
+use crate::id::{MessageId, OperationalAddress};
+use crate::message::PortByte;
 
 /// Everything that [`Manager`](super::Manager) must be told but its [database](super::PlannedDevice). All defaults are
 /// decisions **\[D\]**, unless marked otherwise.
 ///
 /// ```
+/// use cip_core::code::{DeviceType, VendorId};
+/// use cip_core::identity::{DeviceIdentity, ProductName, Revision};
 /// use devicenex_core::OperationalAddress;
-/// use devicenex_core::access::{self, Role};
 /// use devicenex_core::manager::Config;
-/// use devicenex_core::message::{DeviceIdentity, PortByte};
 /// use link_core::BitRate;
 ///
 /// // A fictitious vendor. Use the one that ODVA assigned to you.
-/// let manager = DeviceIdentity { vendor: 0x1234.into(), product_code: 1, major_revision: 1, serial: 0x2345 };
-/// let role = Role::NetworkManager { address: OperationalAddress::try_from(1)?, bit_rate: BitRate::K500 };
-/// let mut config = Config::new(access::Config::new(manager, PortByte::ZERO, role));
+/// let device = DeviceIdentity {
+///     vendor: VendorId(0x03E7),
+///     device_type: DeviceType::COMMUNICATIONS_ADAPTER,
+///     product_code: 1,
+///     revision: Revision::new(1, 1).ok_or("revision")?,
+///     serial: 0x2345,
+///     name: ProductName::new("Example Manager").ok_or("name")?,
+/// };
+/// let mut config = Config::new(device, OperationalAddress::try_from(1)?, BitRate::K500);
 /// config.learning = true;
-/// # Ok::<(), devicenex_core::id::InvalidAddress>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub struct Config {
-    /// The node that the manager is: its role is [`Role::NetworkManager`](access::Role::NetworkManager).
-    pub access: access::Config,
+    /// Who the manager is.
+    pub device: DeviceIdentity,
+    /// The node that it is: its role is [`Role::NetworkManager`].
+    pub node: device::Config,
     /// How often it asks who has no address while a device is missing, in ms. Default: 2000.
     pub mini_who_interval: u32,
     /// The same while none is missing, in ms; 0: never. Default: 10 000. It finds spares that were plugged in, gives
@@ -39,7 +51,7 @@ pub struct Config {
     /// How much longer the manager waits than they do, in ms: for their clocks, and for the Hello of another that comes
     /// between. Default: 20.
     pub settle: u16,
-    /// Whether the devices obey a ROAM while they still say Hello, as [`access::Config::early_roam`] lets them. Default: no.
+    /// Whether the devices obey a ROAM while they still say Hello, as [`access::Config::early_roam`](crate::access::Config::early_roam) lets them. Default: no.
     pub early_roam: bool,
     /// How often a device is sent its address before that is reported as failed. Default: 3.
     pub roam_tries: u8,
@@ -72,12 +84,14 @@ pub struct Config {
 }
 
 impl Config {
-    /// The defaults.
+    /// The defaults, for a manager of this identity that has that address and sets that rate.
     #[must_use]
-    pub const fn new(access: access::Config) -> Self {
+    pub fn new(device: DeviceIdentity, address: OperationalAddress, bit_rate: BitRate) -> Self {
+        let node = device::Config::new(&device, PortByte::ZERO, Role::NetworkManager { address, bit_rate });
         Self {
-            hello_wait: access.hello_wait,
-            access,
+            hello_wait: node.access.hello_wait,
+            node,
+            device,
             mini_who_interval: 2000,
             idle_mini_who_interval: 10_000,
             answer_window: 500,

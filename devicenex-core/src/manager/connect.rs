@@ -22,11 +22,12 @@ use cip_core::message::{AttributeRequest, Response};
 use heapless::Vec;
 
 use super::database::Source;
-use super::event::{DeviceEvent, EXTENDED, count};
+use super::event::{EXTENDED, PlannedEvent};
 use super::machine::Manager;
 use super::slot::{Looked, Setting, SlotTimer, Stage, Task};
 use super::state::{Cause, DeviceState};
 use crate::client::{Route, connection_response, explicit_request};
+use crate::counter::count;
 use crate::id::{Group, Identifier, OperationalAddress};
 use crate::message::{ConnectionRequest, ConnectionResponse, Granted, GroupSelect, Target};
 
@@ -339,7 +340,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         if plan.is_heard() {
             made.feed(now, FIRST_MESSAGE);
         }
-        let connected = DeviceEvent::Connected {
+        let connected = PlannedEvent::Connected {
             instance: InstanceId(made.instance.unwrap_or_default()),
             produces: made.produces,
             expected_packet_rate: made.rate,
@@ -392,7 +393,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         if slot.timers.at(SlotTimer::Retry).is_none() {
             slot.timers.set_after_millis(SlotTimer::Retry, span);
         }
-        self.tell(place, DeviceEvent::Refused { instance, status });
+        self.tell(place, PlannedEvent::Refused { instance, status });
     }
 
     pub(super) fn retry_over(&mut self, place: usize) {

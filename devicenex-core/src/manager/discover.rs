@@ -4,11 +4,12 @@
 use link_core::Frame;
 
 use super::database::{IdentityPattern, PlannedDevice};
-use super::event::{DeviceEvent, ManagerEvent, count, count_wide};
+use super::event::{ManagerEvent, PlannedEvent};
 use super::machine::{Manager, NOWHERE, Timer, Work};
 use super::slot::Slot;
 use super::state::{Cause, DeviceState};
 use crate::access::StateKind;
+use crate::counter::{count, count_wide};
 use crate::id::{Direction, Identifier, Layout, OperationalAddress};
 use crate::message::{DeviceIdentity, Hello, MiniWho, Roam};
 
@@ -52,7 +53,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     /// Whether it has an address, or is about to.
     fn takes_part(&self) -> bool {
-        let kind = self.node.state().kind();
+        let kind = self.access().state().kind();
         matches!(kind, StateKind::Hello1 | StateKind::Hello2 | StateKind::Online) && !self.own().is_none()
     }
 
@@ -63,7 +64,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             return;
         }
         count_wide(&mut self.counters.of_other_managers);
-        let own = self.config.access.device.serial_low();
+        let own = self.access().config().device.serial_low();
         let yields = match self.work {
             Work::Wanted => true,
             Work::Going => !self.has_asked || serial_low.is_some_and(|theirs| theirs < own),
@@ -169,7 +170,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
                 self.joins(place, device);
             }
             DeviceState::Joining | DeviceState::Connecting | DeviceState::Running | DeviceState::Retrying => {
-                self.tell(place, DeviceEvent::Challenged(device));
+                self.tell(place, PlannedEvent::Challenged(device));
             }
             DeviceState::Missing
             | DeviceState::Lost
@@ -256,7 +257,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         let address = at.or_else(|| OperationalAddress::all().find(is_free))?;
         let plan = PlannedDevice::new(address, IdentityPattern::exact(device));
         let place = self.insert(plan, DeviceState::Missing)?;
-        self.tell(place, DeviceEvent::Learned(device));
+        self.tell(place, PlannedEvent::Learned(device));
         Some(place)
     }
 

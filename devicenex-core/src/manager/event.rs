@@ -9,15 +9,15 @@ use link_core::Frame;
 
 use super::database::Attribute;
 use super::state::{Cause, DeviceState};
-use crate::access::AccessEvent;
+use crate::device;
 use crate::id::OperationalAddress;
 use crate::message::{DeviceIdentity, Hello, ParseError, Roam};
 
 /// What happened.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub enum ManagerEvent {
-    /// The manager's own network access.
-    Access(AccessEvent),
+    /// The node that the manager itself is.
+    Node(device::DeviceEvent),
     /// It begins its work: every planned device is being looked for.
     Started,
     /// It does nothing any more: it is off line, or leaves the work to another manager.
@@ -30,7 +30,7 @@ pub enum ManagerEvent {
         yields: bool,
     },
     /// Something about a planned device.
-    Device(OperationalAddress, DeviceEvent),
+    Planned(OperationalAddress, PlannedEvent),
     /// A device that is planned nowhere. `at` is its address, if it has one.
     Unknown {
         /// Who it is.
@@ -70,7 +70,7 @@ pub enum ManagerEvent {
 
 /// What happened to a planned device, or rather to its role.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
-pub enum DeviceEvent {
+pub enum PlannedEvent {
     /// Another state.
     StateChanged {
         /// The state that was left.
@@ -183,21 +183,11 @@ impl ManagerEvent {
     }
 }
 
-/// One more. A counter stays at its maximum.
-pub(super) const fn count(counter: &mut u16) {
-    *counter = counter.saturating_add(1);
-}
-
-/// One more of what is frequent.
-pub(super) const fn count_wide(counter: &mut u32) {
-    *counter = counter.saturating_add(1);
-}
-
 /// One line, in the words of a trace.
 impl fmt::Display for ManagerEvent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Access(event) => fmt::Display::fmt(event, f),
+            Self::Node(event) => fmt::Display::fmt(event, f),
             Self::Started => f.write_str("looks for all planned devices"),
             Self::Stopped => f.write_str("does nothing any more"),
             Self::SecondManager { serial_low, yields } => {
@@ -207,7 +197,7 @@ impl fmt::Display for ManagerEvent {
                 }
                 f.write_str(if *yields { ": leaves the work to it" } else { ": goes on working" })
             }
-            Self::Device(address, event) => write!(f, "OA {address}: {event}"),
+            Self::Planned(address, event) => write!(f, "OA {address}: {event}"),
             Self::Unknown { device, at: None } => write!(f, "unknown device without an address: {device}"),
             Self::Unknown { device, at: Some(at) } => write!(f, "unknown device at OA {at}: {device}"),
             Self::Spare(device) => write!(f, "spare stands by: {device}"),
@@ -229,7 +219,7 @@ impl fmt::Display for ManagerEvent {
     }
 }
 
-impl fmt::Display for DeviceEvent {
+impl fmt::Display for PlannedEvent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::StateChanged { from, to, cause } => write!(f, "{from} -> {to}: {cause}"),

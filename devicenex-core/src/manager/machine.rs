@@ -4,17 +4,22 @@ use core::time::Duration;
 
 use heapless::Vec;
 use link_core::timers::TimerKey;
-use link_core::{Action, Deadline, Filter, FilterSet, Input, Instant, LinkCommand, Machine, Queue, Timers};
+use link_core::{
+    Action, Deadline, Filter, FilterSet, Frame, Input, Instant, LinkCommand, Machine, Queue, Timers,
+};
 
 use super::config::Config;
-use super::event::{Counters, DeviceEvent, ManagerEvent, count};
+use super::event::{Counters, ManagerEvent, PlannedEvent};
 use super::lanes::Lanes;
+use super::node::{OwnNode, Principal};
 use super::slot::{Slot, SlotTimer, Tell};
 use super::standing::Standing;
 use super::state::{Cause, DeviceState};
 use super::talk::Talk;
-use crate::access::{Access, AccessEvent};
-use crate::id::{self, OperationalAddress};
+use crate::access::AccessEvent;
+use crate::counter::count;
+use crate::device::DeviceEvent;
+use crate::id::{self, Direction, Identifier, Layout, OperationalAddress};
 use crate::message::IdentifierLength;
 
 /// A DeviceNeX network manager; see the [module](super) text.
@@ -24,7 +29,7 @@ use crate::message::IdentifierLength;
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub struct Manager<const DEVICES: usize, const CONNECTIONS: usize> {
     pub(super) config: Config,
-    pub(super) node: Access,
+    pub(super) node: OwnNode,
     pub(super) work: Work,
     /// In the order of the database.
     pub(super) slots: Vec<Slot<CONNECTIONS>, DEVICES>,
@@ -103,8 +108,10 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Machine for Manager<DEVICES
         self.expire(now.preceding());
         match input {
             Input::Frame(frame) => {
-                self.node.input(now, input);
-                self.follow_access();
+                if self.is_for_node(&frame) {
+                    self.node.input(now, input);
+                    self.follow_access();
+                }
                 self.frame(&frame);
             }
             Input::TxDone(token, outcome) if Lanes::own(token) => {
@@ -154,9 +161,9 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             assert!(DEVICES <= 126, "there are 127 addresses, and one is the manager's own");
             assert!(CONNECTIONS <= 255, "connections are counted in a byte");
         }
-        let own = config.access.first_address();
+        let own = config.node.access.first_address();
         Self {
-            node: Access::new(config.access.clone()),
+            node: OwnNode::assembled(config.node.clone(), Principal { device: config.device.clone() }),
             work: Work::Wanted,
             slots: Vec::new(),
             places: [NOWHERE; OperationalAddress::COUNT],
@@ -178,9 +185,9 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     /// What it must hear: every Hello, Mini-who and ROAM, what is for it, and the data of the connections that it watches.
     #[must_use]
     pub fn filter(&self) -> FilterSet {
-        let own = self.node.address();
+        let own = self.own();
         if own.is_none() {
-            return self.node.filter();
+            return self.access().filter();
         }
         let mut filters = id::network_manager(own);
         let heard = self.slots.iter().flat_map(|slot| &slot.plan.connections).filter(|plan| plan.is_heard());
@@ -202,7 +209,20 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     }
 
     pub(super) fn own(&self) -> OperationalAddress {
-        self.node.address()
+        self.access().address()
+    }
+
+    /// Responses and data are the manager's business; everything else the node looks at that it is.
+    fn is_for_node(&self, frame: &Frame) -> bool {
+        match Identifier::of_frame(frame).layout() {
+            Layout::Hello { .. } | Layout::Roam { .. } | Layout::Reserved(_) => true,
+            Layout::Connection { route, .. }
+            | Layout::Connectionless { route, .. }
+            | Layout::Explicit { route, .. } => {
+                !self.access().is_online() || route.direction == Direction::Request
+            }
+            Layout::Implicit { .. } | Layout::Standard { .. } => !self.access().is_online(),
+        }
     }
 
     pub(super) fn place(&self, address: OperationalAddress) -> Option<usize> {
@@ -216,10 +236,10 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         }
     }
 
-    pub(super) fn tell(&mut self, place: usize, event: DeviceEvent) {
+    pub(super) fn tell(&mut self, place: usize, event: PlannedEvent) {
         if let Some(slot) = self.slots.get(place) {
             let address = slot.address();
-            self.raise(ManagerEvent::Device(address, event));
+            self.raise(ManagerEvent::Planned(address, event));
         }
     }
 
@@ -234,7 +254,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     /// Its own network access got on line, or off.
     pub(super) fn follow_access(&mut self) {
-        match (self.work, self.node.is_online()) {
+        match (self.work, self.access().is_online()) {
             (Work::Wanted, true) => self.start(),
             (Work::Going, false) => self.stop(Work::Wanted),
             (Work::Wanted, false) | (Work::Going, true) | (Work::Left, _) => {}
@@ -283,8 +303,8 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
                     Action::Link(LinkCommand::SetFilter(self.filter()))
                 }
                 // The manager tells every bad Hello and ROAM itself.
-                Action::Event(AccessEvent::BadFrame(_)) => continue,
-                action => action.map_event(ManagerEvent::Access),
+                Action::Event(DeviceEvent::Access(AccessEvent::BadFrame(_))) => continue,
+                action => action.map_event(ManagerEvent::Node),
             });
         }
     }
@@ -300,7 +320,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
                 if let Some(slot) = self.slots.get_mut(place) {
                     slot.no_spare = Tell::Told;
                 }
-                self.tell(place, DeviceEvent::NoSpare);
+                self.tell(place, PlannedEvent::NoSpare);
                 continue;
             }
             let due = |slot: &mut Slot<CONNECTIONS>| {

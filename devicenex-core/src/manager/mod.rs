@@ -9,6 +9,7 @@ mod discover;
 mod event;
 mod lanes;
 mod machine;
+mod node;
 mod output;
 mod slot;
 mod standing;
@@ -23,7 +24,7 @@ pub use config::Config;
 pub use database::{
     Attribute, DatabaseError, IdentityPattern, PlannedConnection, PlannedDevice, READS, SPARES, Source,
 };
-pub use event::{Counters, DeviceEvent, ManagerEvent, RequestFailure, Value};
+pub use event::{Counters, ManagerEvent, PlannedEvent, RequestFailure, Value};
 pub use machine::Manager;
 pub use state::{Cause, DeviceState, EDGES, Edge};
 pub use talk::RequestError;

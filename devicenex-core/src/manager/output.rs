@@ -6,11 +6,12 @@ use heapless::Vec;
 use link_core::{Action, Frame, TxOutcome, TxToken};
 
 use super::connect::Answer;
-use super::event::{ManagerEvent, count, count_wide};
+use super::event::ManagerEvent;
 use super::lanes::{ADDRESSES, Carried, REQUESTS};
 use super::machine::Manager;
 use super::slot::Task;
 use super::state::DeviceState;
+use crate::counter::{count, count_wide};
 use crate::id::OperationalAddress;
 use crate::message::{MiniWho, Roam};
 
@@ -18,11 +19,11 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     pub(super) fn has_output(&self) -> bool {
         self.lanes.must_withdraw()
             || !self.events.is_empty()
-            || (self.node.is_online() && (self.address_due().is_some() || self.request_due().is_some()))
+            || (self.access().is_online() && (self.address_due().is_some() || self.request_due().is_some()))
     }
 
     pub(super) fn transmit(&mut self) -> Option<Action<ManagerEvent>> {
-        if !self.node.is_online() {
+        if !self.access().is_online() {
             return None;
         }
         self.next_address().or_else(|| self.next_request())
@@ -55,7 +56,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             }
             Carried::MiniWho | Carried::Request(_) | Carried::Talk | Carried::Abandoned => {
                 self.mini_who_due = false;
-                MiniWho { serial_low: self.config.access.device.serial_low() }.frame()?
+                MiniWho { serial_low: self.access().config().device.serial_low() }.frame()?
             }
         };
         self.lanes.addresses.carries = Some(carried);

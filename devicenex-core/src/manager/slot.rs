@@ -8,7 +8,7 @@ use link_core::Timers;
 use link_core::timers::TimerKey;
 
 use super::database::PlannedDevice;
-use super::event::DeviceEvent;
+use super::event::PlannedEvent;
 use super::state::{Cause, DeviceState, EDGES};
 use crate::client::{Conversation, Route};
 use crate::id::OperationalAddress;
@@ -221,7 +221,7 @@ impl<const CONNECTIONS: usize> Slot<CONNECTIONS> {
     }
 
     /// The one door between states. The owner tells the event.
-    pub(super) fn enter(&mut self, next: DeviceState, cause: Cause) -> DeviceEvent {
+    pub(super) fn enter(&mut self, next: DeviceState, cause: Cause) -> PlannedEvent {
         let from = self.state;
         debug_assert!(
             EDGES.iter().any(|edge| (edge.from, edge.cause, edge.to) == (from, cause, next)),
@@ -250,7 +250,7 @@ impl<const CONNECTIONS: usize> Slot<CONNECTIONS> {
             DeviceState::Assigned | DeviceState::Connecting | DeviceState::Running => {}
         }
         self.state = next;
-        DeviceEvent::StateChanged { from, to: next, cause }
+        PlannedEvent::StateChanged { from, to: next, cause }
     }
 
     /// The planned connections and what has become of them.

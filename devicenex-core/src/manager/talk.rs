@@ -9,7 +9,7 @@ use heapless::Vec;
 use link_core::Frame;
 
 use super::database::Attribute;
-use super::event::{DeviceEvent, ManagerEvent, RequestFailure, Value};
+use super::event::{ManagerEvent, PlannedEvent, RequestFailure, Value};
 use super::machine::{Manager, Timer};
 use super::slot::Task;
 use super::state::DeviceState;
@@ -176,7 +176,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         connected: bool,
         tries: u8,
     ) -> Result<(), RequestError> {
-        if !self.node.is_online() {
+        if !self.access().is_online() {
             return Err(RequestError::NotOnline);
         }
         if to.is_none() || to == self.own() {
@@ -338,7 +338,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         let Some(slot) = self.slots.get_mut(place) else { return };
         slot.reads = number.saturating_add(1);
         if let Some(attribute) = slot.plan.reads.get(usize::from(number)).copied() {
-            self.tell(place, DeviceEvent::Read(attribute, value));
+            self.tell(place, PlannedEvent::Read(attribute, value));
         }
     }
 

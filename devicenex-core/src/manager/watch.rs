@@ -4,10 +4,11 @@ use cip_core::code::InstanceId;
 use link_core::Frame;
 
 use super::connect::connection_id;
-use super::event::{DeviceEvent, count};
+use super::event::PlannedEvent;
 use super::machine::Manager;
 use super::slot::{SlotTimer, Stage, Task};
 use super::state::{Cause, DeviceState};
+use crate::counter::count;
 use crate::id::{Identifier, OperationalAddress};
 
 impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTIONS> {
@@ -30,7 +31,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         let instance = InstanceId(made.instance.unwrap_or_default());
         made.set(Stage::Idle);
         count(&mut self.counters.timed_out);
-        self.tell(place, DeviceEvent::TimedOut(instance));
+        self.tell(place, PlannedEvent::TimedOut(instance));
         self.retry_with(place, Some(number));
     }
 
@@ -115,7 +116,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         made.set(Stage::Idle);
         let was_running = slot.state == DeviceState::Running;
         count(&mut self.counters.timed_out);
-        self.tell(place, DeviceEvent::TimedOut(instance));
+        self.tell(place, PlannedEvent::TimedOut(instance));
         if was_running {
             self.enter(place, DeviceState::Connecting, Cause::Disturbed);
         }
