@@ -1,5 +1,7 @@
 //! How much of network access is in a program.
 
+use crate::counter;
+
 /// What a node can do without. The compiler drops the code for what is `false`.
 pub(crate) trait Extent {
     /// The offline connection set; without it, [`offline_set`](super::Config::offline_set) is off.
@@ -10,6 +12,24 @@ pub(crate) trait Extent {
     const CHOICES: bool;
     /// Events.
     const EVENTS: bool;
+    /// [`Counters`](super::Counters).
+    const COUNTERS: bool;
+
+    /// One more.
+    #[inline]
+    fn count(counter: &mut u16) {
+        if Self::COUNTERS {
+            counter::count(counter);
+        }
+    }
+
+    /// One more of what is frequent.
+    #[inline]
+    fn count_wide(counter: &mut u32) {
+        if Self::COUNTERS {
+            counter::count_wide(counter);
+        }
+    }
 }
 
 /// All of it.
@@ -20,4 +40,5 @@ impl Extent for Complete {
     const QUICK_CONNECT: bool = true;
     const CHOICES: bool = true;
     const EVENTS: bool = true;
+    const COUNTERS: bool = true;
 }

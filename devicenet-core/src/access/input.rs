@@ -9,22 +9,21 @@ use super::extent::Extent;
 use super::machine::{Access, Fate, InFlight, Listening, Timer};
 use super::pending::{Heard, Lost, Pending};
 use super::state::{Cause, CheckRequest, Fault, SecondRequest, SendStage, State};
-use crate::counter::{count, count_wide};
 use crate::id::Identifier;
 use crate::message::{Direction, DuplicateMacCheck, Wire};
 
 impl Access {
     pub(super) fn frame<P: Extent>(&mut self, frame: &Frame) {
         let Some(id) = Identifier::of_frame(frame) else {
-            count_wide(&mut self.counters.foreign_frames);
+            P::count_wide(&mut self.counters.foreign_frames);
             return;
         };
         if self.state.is_off_the_bus() {
             // Received before bus-off, and delivered after it: the check begins anew anyhow.
-            return self.discard();
+            return self.discard::<P>();
         }
         match (self.state, self.listening()) {
-            (State::NonExistent, _) => self.discard(),
+            (State::NonExistent, _) => self.discard::<P>(),
             (_, Listening::Check(mac)) if id == Identifier::duplicate_mac_check(mac) => {
                 self.check::<P>(id, frame.data())
             }
@@ -35,10 +34,10 @@ impl Access {
             }
             // Other frames are the business of other parts of the node.
             (State::OnLine { .. }, _) => {}
-            (State::CommFault { .. }, _) => self.discard(),
+            (State::CommFault { .. }, _) => self.discard::<P>(),
             (State::SendingDupMac { .. } | State::WaitingDupMac { .. }, _) => {
                 self.stay(Cause::OtherMessage);
-                self.discard();
+                self.discard::<P>();
             }
         }
     }
@@ -63,22 +62,22 @@ impl Access {
             && direction == Direction::Request
         {
             if *response_due {
-                count(&mut self.counters.requests_merged);
+                P::count(&mut self.counters.requests_merged);
             }
             *response_due = true;
-            count(&mut self.counters.challenges);
+            P::count(&mut self.counters.challenges);
             self.stay(cause);
             self.raise_heard::<P>(kept, Pending::Challenged);
             return;
         }
-        count(&mut self.counters.duplicates);
+        P::count(&mut self.counters.duplicates);
         self.raise_heard::<P>(kept, Pending::Duplicate { direction });
         self.enter::<P>(State::faulted(Fault::DuplicateMacId), cause);
     }
 
     pub(super) fn tx_done<P: Extent>(&mut self, token: TxToken, outcome: TxOutcome) {
         let Some(InFlight { what, fate }) = self.in_flight.filter(|_| token == Self::TOKEN) else {
-            count(&mut self.counters.stray_tx_done);
+            P::count(&mut self.counters.stray_tx_done);
             return;
         };
         self.in_flight = None;
@@ -104,13 +103,13 @@ impl Access {
                 *second_request = SecondRequest::Done;
                 self.stay(Cause::RequestSent);
             }
-            (Outgoing::CheckResponse, _) => count(&mut self.counters.responses),
+            (Outgoing::CheckResponse, _) => P::count(&mut self.counters.responses),
             (Outgoing::CheckRequest | Outgoing::WhoResponse | Outgoing::IdentifyResponse, _) => {}
         }
     }
 
     fn given_back<P: Extent>(&mut self, what: Outgoing, outcome: TxOutcome) {
-        count(&mut self.counters.not_sent);
+        P::count(&mut self.counters.not_sent);
         self.raise::<P>(Pending::NotSent { what, outcome });
         match (what, &mut self.state) {
             (Outgoing::CheckRequest, State::SendingDupMac { stage, .. }) => *stage = SendStage::GivenBack,
@@ -119,7 +118,7 @@ impl Access {
             // Without it the other node gets on line too: its second request is its last.
             (Outgoing::CheckResponse, State::OnLine { response_due, .. }) => {
                 if core::mem::replace(response_due, true) {
-                    count(&mut self.counters.requests_merged);
+                    P::count(&mut self.counters.requests_merged);
                 }
             }
             // The tool repeats its question. What another state wanted is gone with it.
@@ -144,7 +143,9 @@ impl Access {
             LinkEvent::ModeSet(_) => self.queue_again(),
             LinkEvent::BusError(BusErrorKind::Ack) => self.not_acknowledged::<P>(),
             LinkEvent::Overrun { lost } => {
-                self.counters.frames_lost = self.counters.frames_lost.saturating_add(lost.max(1));
+                if P::COUNTERS {
+                    self.counters.frames_lost = self.counters.frames_lost.saturating_add(lost.max(1));
+                }
                 self.raise::<P>(Pending::FramesLost { count: lost.to_le_bytes() });
             }
             LinkEvent::Refused(kind) => self.refused::<P>(kind),
@@ -215,7 +216,7 @@ impl Access {
 
     fn not_acknowledged<P: Extent>(&mut self) {
         if let State::SendingDupMac { stage: SendStage::Queued { unacknowledged }, .. } = &mut self.state {
-            count_wide(&mut self.counters.unacknowledged);
+            P::count_wide(&mut self.counters.unacknowledged);
             let first = !core::mem::replace(unacknowledged, true);
             self.stay(Cause::NotAcknowledged);
             if first {
@@ -225,7 +226,7 @@ impl Access {
     }
 
     fn refused<P: Extent>(&mut self, kind: LinkCommandKind) {
-        count(&mut self.counters.refused);
+        P::count(&mut self.counters.refused);
         self.raise::<P>(Pending::LinkRefused(kind));
         let restarting =
             matches!(self.state, State::SendingDupMac { stage: SendStage::Restarting { .. }, .. });
@@ -234,13 +235,13 @@ impl Access {
         }
     }
 
-    fn discard(&mut self) {
-        count_wide(&mut self.counters.discarded);
+    fn discard<P: Extent>(&mut self) {
+        P::count_wide(&mut self.counters.discarded);
     }
 
     /// `kept`: whether what the frame said [was kept](super::pending::Events::hear).
     pub(super) fn bad_frame<P: Extent>(&mut self, kept: Result<(), Lost>) {
-        count(&mut self.counters.bad_frames);
+        P::count(&mut self.counters.bad_frames);
         self.raise_heard::<P>(kept, Pending::BadFrame);
     }
 
@@ -253,7 +254,7 @@ impl Access {
     fn raise_heard<P: Extent>(&mut self, kept: Result<(), Lost>, event: Pending) {
         match kept {
             Ok(()) => self.raise::<P>(event),
-            Err(Lost) => count(&mut self.counters.events_lost),
+            Err(Lost) => P::count(&mut self.counters.events_lost),
         }
     }
 }

@@ -36,7 +36,6 @@ use super::event::{AccessEvent, Counters, Outgoing};
 use super::extent::{Complete, Extent};
 use super::pending::{Events, Pending};
 use super::state::{Cause, CheckRequest, EDGES, Fault, SecondRequest, SendStage, State, StateKind};
-use crate::counter::count;
 use crate::id::{self, MacId};
 
 /// The network access machine of one node; see the [module](super) text.
@@ -240,7 +239,7 @@ impl Access {
 
     pub(super) fn raise<P: Extent>(&mut self, event: Pending) {
         if P::EVENTS && self.events.push(event).is_err() {
-            count(&mut self.counters.events_lost);
+            P::count(&mut self.counters.events_lost);
         }
     }
 

@@ -98,7 +98,8 @@ bitflags::bitflags! {
         const CHOICES = 1 << 4;
         /// What a DeviceNet object need not have: the attributes 6 to 10 and 12, which are
         /// [switches](super::Slave::set_switches), [Quick Connect](crate::access::Config::quick_connect) and
-        /// [diagnostic counters](super::Diagnostics).
+        /// [diagnostic counters](super::Diagnostics). Of a Connection object, the production inhibit time and the timeout
+        /// multiplier, 17 and 18, which a slave with change of state or cyclic has all the same.
         const OPTIONAL_ATTRIBUTES = 1 << 5;
         /// The events of the indicators. What they show can be asked all the same:
         /// [`network_status`](super::Slave::network_status), [`module_status`](super::Slave::module_status).
@@ -110,10 +111,17 @@ bitflags::bitflags! {
         /// The events that only tell, and about which nothing has to be done: all of [network access](crate::access), and of
         /// the slave those of connections, allocation, attributes that were set, and frames that were ignored or not sent.
         /// Without it there remain `Received`, `Mode`, `Effect`, `Reset`, those that store something, and those that are
-        /// parts of their own; and everything is counted.
+        /// parts of their own; and everything is counted, with [`COUNTERS`](Self::COUNTERS).
         const REPORTS = 1 << 8;
         /// A shorter way for what a slave is asked most, Get_Attribute_Single: half the instructions, for more code.
         const FAST_GET = 1 << 9;
+        /// What is [counted](super::Counters), also of [network access](crate::access::Counters). Without it all counters stay
+        /// 0, but for the bus-off counter of the DeviceNet object.
+        const COUNTERS = 1 << 10;
+        /// That a master or tool can set what a DeviceNet object need not let be set: the attributes 1 to 4, which are MAC ID,
+        /// bit rate, bus-off interrupt and bus-off counter. Without it they can be read, and are as the
+        /// [`Config`](super::Config) says, from switches for instance.
+        const SETTINGS = 1 << 11;
     }
 }
 

@@ -14,6 +14,7 @@ use super::config::Options;
 use super::connection_view::Instance;
 use super::dynamic::FIRST_INSTANCE;
 use super::io::LongMessages;
+use super::machine::changes;
 use super::node::Changed;
 use super::server::Server;
 use crate::id::{Identifier, MessageGroup};
@@ -61,7 +62,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
 
     fn attributes(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
         match self.which(instance) {
-            Some(_) => Some(&RULES),
+            Some(_) if A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) || changes::<A>() => Some(&RULES),
+            Some(_) => RULES.get(..MANDATORY_ATTRIBUTES),
             None if self.server.node.options.contains(Options::READ_NON_EXISTENT_STATE)
                 && (1..=5).contains(&instance.0) =>
             {
@@ -111,6 +113,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
             }
             14 => self.select(which, End::Produced, value)?,
             16 => self.select(which, End::Consumed, value)?,
+            _ if !A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) && !changes::<A>() => {
+                return Err(NOT_SETTABLE);
+            }
             17 => {
                 let Which::Io(kind) = which else { return Err(NOT_SETTABLE) };
                 let millis = u16::from_le_bytes(exact(value)?);
@@ -285,6 +290,8 @@ static RULES: [AttributeRule; 16] = [
     AttributeRule::get_set(17, 2).sized(Size::Any),
     AttributeRule::get_set(18, 1),
 ];
+/// The first ones of the table.
+const MANDATORY_ATTRIBUTES: usize = 14;
 static NON_EXISTENT: [AttributeRule; 1] = [AttributeRule::get(1, 1)];
 
 const GONE: Failure = Failure::new(GeneralStatus::OBJECT_DOES_NOT_EXIST);

@@ -81,7 +81,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// The response, and the shutdown message if there was to be one, have been sent, or never will be.
     pub(super) fn leave(&mut self, now: Instant) {
         match self.node.departure.take() {
-            Some(Departure { why: Why::MacId(mac), .. }) => {
+            Some(Departure { why: Why::MacId(mac), .. }) if A::PARTS.contains(Parts::SETTINGS) => {
                 // That it can be set was checked when the request was answered.
                 let _ = self.access.set_mac_id_within::<Needed<A>>(now, mac);
                 self.look_for_errands();
@@ -89,9 +89,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             Some(Departure { why: Why::Reset(kind), .. }) => {
                 let mac = self.reset_configuration(kind);
                 self.reset_with(now, mac);
-                self.node.events.raise(SlaveEvent::Reset(kind));
+                self.node.events.raise::<A>(SlaveEvent::Reset(kind));
             }
-            None => {}
+            Some(Departure { why: Why::MacId(_), .. }) | None => {}
         }
     }
 
@@ -116,7 +116,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     fn reset_with(&mut self, now: Instant, mac: MacId) {
         self.node.advance(now);
         self.look_for_errands();
-        if self.port.active != self.port.stored {
+        if has_rates::<A>() && self.port.active != self.port.stored {
             self.port.active = self.port.stored;
             self.errand = Errand::Mode;
         }
@@ -127,30 +127,39 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// Reset types 1 and 2: what is stored becomes as it was out of the box. Returns the MAC ID to start with.
     fn reset_configuration(&mut self, kind: ResetType) -> MacId {
         let mac = self.access.mac_id();
-        if kind != ResetType::OUT_OF_BOX && kind != ResetType::OUT_OF_BOX_KEEP_COMMUNICATION {
+        let is_out_of_box = kind == ResetType::OUT_OF_BOX || kind == ResetType::OUT_OF_BOX_KEEP_COMMUNICATION;
+        if !is_out_of_box || !A::PARTS.intersects(STORED) {
             return mac;
         }
         if A::PARTS.contains(Parts::HEARTBEAT)
             && self.node.heartbeat_interval.is_some_and(|seconds| seconds != 0)
         {
             self.node.heartbeat_interval = Some(0);
-            self.node.events.raise(SlaveEvent::StoreHeartbeatInterval(0));
+            self.node.events.raise::<A>(SlaveEvent::StoreHeartbeatInterval(0));
         }
-        if kind == ResetType::OUT_OF_BOX_KEEP_COMMUNICATION {
+        if kind == ResetType::OUT_OF_BOX_KEEP_COMMUNICATION || !A::PARTS.contains(Parts::SETTINGS) {
             return mac;
         }
         if A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) && self.access.quick_connect() {
             self.access.set_quick_connect(false);
-            self.node.events.raise(SlaveEvent::StoreQuickConnect(false));
+            self.node.events.raise::<A>(SlaveEvent::StoreQuickConnect(false));
         }
         if !self.port.rate_from_switches {
             self.port.stored = BitRate::K125;
-            self.node.events.raise(SlaveEvent::StoreBitRate(BitRate::K125));
+            self.node.events.raise::<A>(SlaveEvent::StoreBitRate(BitRate::K125));
         }
         if self.access.config().mac_id_source == MacIdSource::Switches {
             return mac;
         }
-        self.node.events.raise(SlaveEvent::StoreMacId(MacId::DEFAULT));
+        self.node.events.raise::<A>(SlaveEvent::StoreMacId(MacId::DEFAULT));
         MacId::DEFAULT
     }
 }
+
+/// Whether the node can have another bit rate than the one it began with.
+pub(super) const fn has_rates<A: Application>() -> bool {
+    A::PARTS.intersects(Parts::SETTINGS.union(Parts::BIT_RATE_DETECTION))
+}
+
+/// The parts of which something is kept over power cycles.
+const STORED: Parts = Parts::SETTINGS.union(Parts::HEARTBEAT).union(Parts::OPTIONAL_ATTRIBUTES);

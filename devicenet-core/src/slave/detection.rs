@@ -59,7 +59,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
                 self.node.timers.clear(Timer::Heartbeat);
                 self.detection = Detection::Joining;
                 self.errand = Errand::Mode;
-                self.node.events.raise(SlaveEvent::BitRateDetected(self.port.active));
+                self.node.events.raise::<A>(SlaveEvent::BitRateDetected(self.port.active));
             }
             (Detection::Listening, Input::Link(LinkEvent::BusError(_))) => self.next_rate(),
             (Detection::Joining, Input::Link(LinkEvent::ModeSet(mode))) if !mode.listen_only => {

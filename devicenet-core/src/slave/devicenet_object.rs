@@ -62,10 +62,10 @@ pub(super) struct DeviceNetObject<'s, 'a, A: Application, const MESSAGE: usize, 
 
 /// | Attribute | Value | Access |
 /// |---|---|---|
-/// | 1 | MAC ID, USINT 0-63 | Get; Set unless switches set it |
-/// | 2 | bit rate, USINT 0-2 | Get; Set unless switches set it |
-/// | 3 | BOI, BOOL | Get, Set |
-/// | 4 | bus-off counter, USINT | Get, Set |
+/// | 1 | MAC ID, USINT 0-63 | Get; Set with [`Parts::SETTINGS`] unless switches set it |
+/// | 2 | bit rate, USINT 0-2 | Get; Set with [`Parts::SETTINGS`] unless switches set it |
+/// | 3 | BOI, BOOL | Get; Set with [`Parts::SETTINGS`] |
+/// | 4 | bus-off counter, USINT | Get; Set with [`Parts::SETTINGS`] |
 /// | 5 | allocation information: choice, MAC ID of the master or 255 | Get |
 /// | 6, 7 | switches differ from what is in use, BOOL | Get, with switches |
 /// | 8, 9 | what the switches show, USINT | Get, with switches |
@@ -83,6 +83,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
     fn attributes(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
         if instance.0 != 1 {
             return None;
+        }
+        if !A::PARTS.intersects(Parts::OPTIONAL_ATTRIBUTES.union(Parts::SETTINGS)) {
+            return Some(&READ_ONLY);
         }
         let count = if !A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) {
             MANDATORY_ATTRIBUTES
@@ -119,11 +122,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
     ) -> Result<Effects, Failure> {
         let invalid = Failure::new(GeneralStatus::INVALID_ATTRIBUTE_VALUE);
         match attribute.0 {
+            ..=5 if !A::PARTS.contains(Parts::SETTINGS) => return Err(NOT_SETTABLE),
             1 if self.0.access.config().mac_id_source == MacIdSource::Switches => return Err(NOT_SETTABLE),
             1 => {
                 let [mac] = exact(value)?;
                 let mac = MacId::new(mac).ok_or(invalid)?;
-                self.0.node.events.raise(SlaveEvent::StoreMacId(mac));
+                self.0.node.events.raise::<A>(SlaveEvent::StoreMacId(mac));
                 self.0.node.departure = Some(Departure::mac_id(mac, self.0.requester.door));
             }
             2 if self.0.port.rate_from_switches => return Err(NOT_SETTABLE),
@@ -131,7 +135,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
                 let [number] = exact(value)?;
                 let rate = *BIT_RATES.get(usize::from(number)).ok_or(invalid)?;
                 self.0.port.stored = rate;
-                self.0.node.events.raise(SlaveEvent::StoreBitRate(rate));
+                self.0.node.events.raise::<A>(SlaveEvent::StoreBitRate(rate));
             }
             3 => self.0.access.set_bus_off_interrupt(boolean(value)?),
             4 => {
@@ -148,7 +152,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
             10 => {
                 let enabled = boolean(value)?;
                 self.0.access.set_quick_connect(enabled);
-                self.0.node.events.raise(SlaveEvent::StoreQuickConnect(enabled));
+                self.0.node.events.raise::<A>(SlaveEvent::StoreQuickConnect(enabled));
             }
             12 => self.0.port.diagnostics = Diagnostics::default(),
             _ => return Err(NOT_SETTABLE),
@@ -209,7 +213,6 @@ impl Diagnostics {
     }
 }
 
-/// A BOOL: 0 or 1.
 /// Writes an attribute that every device has: 1 to 5.
 #[inline]
 pub(super) fn emit_mandatory<A: Application, const DYNAMIC: usize>(
@@ -234,6 +237,7 @@ pub(super) fn emit_mandatory<A: Application, const DYNAMIC: usize>(
     Ok(out.u8(byte)?)
 }
 
+/// A BOOL: 0 or 1.
 fn boolean(value: &[u8]) -> Result<bool, Failure> {
     match exact(value)? {
         [0] => Ok(false),
@@ -255,6 +259,15 @@ static RULES: [AttributeRule; 11] = [
     AttributeRule::get(7, 1),
     AttributeRule::get(8, 1),
     AttributeRule::get(9, 1),
+];
+
+/// Of a slave without the parts that let attributes be set.
+static READ_ONLY: [AttributeRule; 5] = [
+    AttributeRule::get(1, 1),
+    AttributeRule::get(2, 1),
+    AttributeRule::get(3, 1),
+    AttributeRule::get(4, 1),
+    AttributeRule::get(5, 2),
 ];
 
 /// The first ones of the table.

@@ -6,11 +6,10 @@ use cip_core::message::BodyFormat;
 use link_core::Instant;
 
 use super::application::Application;
-use super::event::SlaveEvent;
+use super::event::{SlaveEvent, count};
 use super::machine::{DynamicTransfer, Slave};
 use super::node::{Changed, Node};
 use super::timer::{Timer, apply};
-use crate::counter::count;
 use crate::id::{Identifier, MacId};
 
 /// One of them, open or not.
@@ -125,7 +124,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     }
 
     pub(super) fn dynamic_timed_out(&mut self, index: u8) {
-        count(&mut self.events.counters.timed_out);
+        count::<A>(&mut self.events.counters.timed_out);
         let io_established = self.is_io_established();
         let _ = self.dynamic_step(index, ExplicitCause::WatchdogExpired { io_established });
     }

@@ -10,10 +10,10 @@ use cip_core::names::Operation;
 use cip_core::object::Effect;
 use link_core::{BitRate, Queue, TxOutcome};
 
-use super::application::{Application, IoKind, IoMode};
+use super::application::{Application, IoKind, IoMode, Parts};
 use super::indicator::ModuleStatus;
 use crate::access::{AccessEvent, NetworkStatus};
-use crate::counter::count;
+use crate::counter;
 use crate::id::{Identifier, MacId};
 
 /// What happened in a slave.
@@ -206,9 +206,9 @@ pub(super) struct Events<Q> {
 
 impl<Q: EventQueue> Events<Q> {
     #[inline(never)]
-    pub(super) fn raise(&mut self, event: SlaveEvent) {
+    pub(super) fn raise<A: Application>(&mut self, event: SlaveEvent) {
         if !self.queue.push(event) {
-            count(&mut self.counters.events_lost);
+            count::<A>(&mut self.counters.events_lost);
         }
     }
 
@@ -228,6 +228,22 @@ impl<Q: EventQueue> Events<Q> {
 
     pub(super) fn is_empty(&self) -> bool {
         self.queue.is_empty() && self.received == 0
+    }
+}
+
+/// One more, if the slave has [`Parts::COUNTERS`].
+#[inline]
+pub(super) const fn count<A: Application>(counter: &mut u16) {
+    if A::PARTS.contains(Parts::COUNTERS) {
+        counter::count(counter);
+    }
+}
+
+/// One more of what is frequent.
+#[inline]
+pub(super) const fn count_wide<A: Application>(counter: &mut u32) {
+    if A::PARTS.contains(Parts::COUNTERS) {
+        counter::count_wide(counter);
     }
 }
 

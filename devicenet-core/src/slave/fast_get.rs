@@ -14,10 +14,10 @@ use cip_core::connection::{ConnectionState, ExplicitState, IoState, Settings};
 
 use super::application::{Application, IoKind};
 use super::devicenet_object;
+use super::event::count;
 use super::machine::Slave;
 use super::node::Node;
 use super::server::identity;
-use crate::counter::count;
 use crate::message::ExplicitHeader;
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
@@ -32,7 +32,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let class = ClassId(class.into());
         let Some(len) = self.fast_value(class, instance, AttributeId(attribute.into())) else { return false };
         self.explicit.respond_whole(header, len);
-        count(&mut self.node.events.counters.requests);
+        count::<A>(&mut self.node.events.counters.requests);
         self.node.explicit_message();
         true
     }

@@ -10,7 +10,7 @@ use super::application::{Application, IoKind, Parts};
 use super::config::Options;
 use super::detection::Detection;
 use super::devicenet_object::{Port, Switches};
-use super::event::{Counters, Event, SlaveEvent};
+use super::event::{Counters, Event, SlaveEvent, count, count_wide};
 use super::indicator::ModuleStatus;
 use super::lines::{self, Line};
 use super::node::Node;
@@ -18,7 +18,6 @@ use super::timer::Timer;
 use super::transfer::{Piece, Rules, Transfer};
 use super::unconnected::Answer;
 use crate::access::{Access, Extent, NetworkStatus};
-use crate::counter::{count, count_wide};
 use crate::id::Identifier;
 
 /// A slave; see the [module](super) text.
@@ -170,7 +169,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     pub(super) fn foreign(&mut self) {
-        count_wide(&mut self.node.events.counters.foreign);
+        count_wide::<A>(&mut self.node.events.counters.foreign);
     }
 
     #[inline(never)]
@@ -202,7 +201,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             None => self.dynamic_done(token, outcome),
         };
         if done.is_none() {
-            count(&mut self.node.events.counters.stray_tx_done);
+            count::<A>(&mut self.node.events.counters.stray_tx_done);
         }
     }
 
@@ -222,7 +221,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     pub(super) fn not_sent(&mut self, id: Identifier, outcome: TxOutcome) {
-        count(&mut self.node.events.counters.not_sent);
+        count::<A>(&mut self.node.events.counters.not_sent);
         self.node.report(SlaveEvent::NotSent { id, outcome });
     }
 
@@ -341,6 +340,7 @@ impl<A: Application> Extent for Needed<A> {
     const QUICK_CONNECT: bool = A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES);
     const CHOICES: bool = A::PARTS.contains(Parts::CHOICES);
     const EVENTS: bool = A::PARTS.contains(Parts::REPORTS);
+    const COUNTERS: bool = A::PARTS.contains(Parts::COUNTERS);
 }
 
 /// Whether the device offers change of state or cyclic.

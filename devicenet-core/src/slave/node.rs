@@ -16,12 +16,11 @@ use super::application::{Application, IoKind, IoMode, Parts};
 use super::config::{Choices, Config, Options};
 use super::departure::Departure;
 use super::dynamic::Dynamic;
-use super::event::{Events, Ignored, SlaveEvent};
+use super::event::{Events, Ignored, SlaveEvent, count};
 use super::io::{LongMessages, Slots};
 use super::lines::Lines;
 use super::machine::changes;
 use super::timer::{Timer, apply};
-use crate::counter::count;
 use crate::id::{Identifier, MacId};
 
 /// Everything in a slave that its objects look at and change.
@@ -308,14 +307,14 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
 
     /// The watchdog of an I/O connection has run out.
     pub(super) fn io_timed_out(&mut self, kind: IoKind) {
-        count(&mut self.events.counters.timed_out);
+        count::<A>(&mut self.events.counters.timed_out);
         // A watchdog that runs belongs to an established connection.
         let _ = self.io_step(kind, IoCause::WatchdogExpired);
     }
 
     /// The watchdog of the predefined explicit connection has run out.
     pub(super) fn explicit_timed_out(&mut self) {
-        count(&mut self.events.counters.timed_out);
+        count::<A>(&mut self.events.counters.timed_out);
         let io_established = self.is_io_established();
         let _ = self.explicit_step(ExplicitCause::WatchdogExpired { io_established });
     }
@@ -323,14 +322,14 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     /// Tells what nothing has to be done about, if the slave has [`Parts::REPORTS`].
     pub(super) fn report(&mut self, event: SlaveEvent) {
         if A::PARTS.contains(Parts::REPORTS) {
-            self.events.raise(event);
+            self.events.raise::<A>(event);
         }
     }
 
     /// Counts a frame that was ignored, and tells of it.
     #[cold]
     pub(super) fn ignored(&mut self, id: Identifier, why: Ignored) {
-        count(&mut self.events.counters.ignored);
+        count::<A>(&mut self.events.counters.ignored);
         self.report(SlaveEvent::Ignored { id, why });
     }
 

@@ -5,6 +5,7 @@ use cip_core::message::AllocationChoice;
 use link_core::{Action, Frame, Instant, LinkCommand, Mode, TxToken};
 
 use super::application::{Application, IoKind, Parts};
+use super::departure::has_rates;
 use super::dynamic;
 use super::event::{Event, SlaveEvent};
 use super::indicator::ModuleStatus;
@@ -81,7 +82,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// Whether [`manage`](Self::manage) has something to do.
     fn has_errand(&self) -> bool {
         self.node.lines.must_withdraw()
-            || self.errand == Errand::Mode
+            || self.must_set_mode()
             || self.must_set_filter()
             || self.access.has_output_except_transmit()
     }
@@ -92,7 +93,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if let Some(token) = self.withdraw() {
             return Some(Action::Withdraw(token));
         }
-        if self.errand == Errand::Mode {
+        if self.must_set_mode() {
             self.errand = Errand::Perhaps;
             let listen_only = self.detection.listens();
             return Some(Action::Link(LinkCommand::SetMode(Mode {
@@ -137,6 +138,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             }
         }
         None
+    }
+
+    fn must_set_mode(&self) -> bool {
+        has_rates::<A>() && self.errand == Errand::Mode
     }
 
     fn must_set_filter(&self) -> bool {

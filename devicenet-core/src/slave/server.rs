@@ -16,12 +16,11 @@ use super::config::Options;
 use super::connection_object::ConnectionObject;
 use super::departure::Departure;
 use super::devicenet_object::{DeviceNetObject, Port};
-use super::event::{Ignored, SlaveEvent};
+use super::event::{Ignored, SlaveEvent, count};
 use super::machine::{DynamicTransfer, Slave};
 use super::node::{BOTH, Changed, Node};
 use super::transfer::Transfer;
 use crate::access::Access;
-use crate::counter::count;
 use cip_core::connection::IoState;
 
 /// All objects of a slave, put together for one request.
@@ -59,7 +58,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
             Some(_) => {}
             None => return Err(Ignored::TooShort),
         }
-        count(&mut self.node.events.counters.requests);
+        count::<A>(&mut self.node.events.counters.requests);
         let done = match self.call(body)? {
             Ok(call) => self.perform(&call, out).map(|effects| self.carry_out(&call, effects)),
             Err(failure) => {
@@ -69,7 +68,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
             }
         };
         if done.is_err() {
-            count(&mut self.node.events.counters.refused);
+            count::<A>(&mut self.node.events.counters.refused);
         }
         Ok(())
     }
@@ -129,11 +128,11 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
         if effects.of.contains(Effect::HEARTBEAT_INTERVAL) {
             let seconds = self.node.heartbeat_interval.unwrap_or(0);
             self.node.changed.insert(Changed::HEARTBEAT);
-            self.node.events.raise(SlaveEvent::StoreHeartbeatInterval(seconds));
+            self.node.events.raise::<A>(SlaveEvent::StoreHeartbeatInterval(seconds));
         }
         let for_application = effects.of.difference(own);
         if !for_application.is_empty() {
-            self.node.events.raise(SlaveEvent::Effect(for_application));
+            self.node.events.raise::<A>(SlaveEvent::Effect(for_application));
         }
         if !is_question(call.service) {
             let (class, instance, service) = (call.class, call.instance, call.service);

@@ -28,7 +28,7 @@ use super::allocation::{Door, Requester};
 use super::application::{Application, IoKind};
 use super::config::Options;
 use super::dynamic::{Dynamic, FIRST_INSTANCE, Group, indices, instance};
-use super::event::{Event, Ignored};
+use super::event::{Event, Ignored, count};
 use super::lines::{self, Line, Sent};
 use super::machine::{DynamicTransfer, Slave};
 use super::node::Changed;
@@ -107,7 +107,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             _ => Err(GeneralStatus::SERVICE_NOT_SUPPORTED.into()),
         };
         match done {
-            Ok(()) => crate::counter::count(&mut self.node.events.counters.requests),
+            Ok(()) => count::<A>(&mut self.node.events.counters.requests),
             Err(failure) => {
                 out.truncate(1);
                 self.refuse(failure, &mut out);

@@ -20,9 +20,8 @@ use heapless::Vec;
 use super::allocation::{Door, Requester};
 use super::application::Application;
 use super::config::Options;
-use super::event::Ignored;
+use super::event::{Ignored, count};
 use super::machine::Slave;
-use crate::counter::count;
 use crate::id::Identifier;
 use crate::message::ExplicitHeader;
 
@@ -77,8 +76,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     pub(super) fn refuse(&mut self, failure: Failure, out: &mut Writer<'_>) {
-        count(&mut self.node.events.counters.requests);
-        count(&mut self.node.events.counters.refused);
+        count::<A>(&mut self.node.events.counters.requests);
+        count::<A>(&mut self.node.events.counters.refused);
         // Three bytes, for which there is room.
         let _ = failure.emit(out);
     }
@@ -115,9 +114,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             format: BodyFormat::Class8Instance8,
         });
         let refused = server.perform(call, out).is_err();
-        count(&mut self.node.events.counters.requests);
+        count::<A>(&mut self.node.events.counters.requests);
         if refused {
-            count(&mut self.node.events.counters.refused);
+            count::<A>(&mut self.node.events.counters.refused);
         }
     }
 }

@@ -25,9 +25,8 @@ use link_core::Frame;
 
 use super::application::{Application, IoKind, IoMode};
 use super::config::Options;
-use super::event::{Ignored, SlaveEvent};
+use super::event::{Ignored, SlaveEvent, count, count_wide};
 use super::machine::{Slave, changes};
-use crate::counter::{count, count_wide};
 use crate::id::{Identifier, MacId};
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
@@ -128,7 +127,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// A message was consumed: the watchdog runs anew.
     fn alive(&mut self, kind: IoKind) {
-        count_wide(&mut self.node.events.counters.consumed);
+        count_wide::<A>(&mut self.node.events.counters.consumed);
         self.node.io_message(kind);
     }
 
@@ -143,7 +142,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             return;
         }
         if !self.node.lines.want(kind) {
-            count(&mut self.node.events.counters.merged);
+            count::<A>(&mut self.node.events.counters.merged);
         }
     }
 
@@ -179,7 +178,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
         self.long.unload(kind);
         if sent {
-            count_wide(&mut self.node.events.counters.produced);
+            count_wide::<A>(&mut self.node.events.counters.produced);
         }
         if changes::<A>() && kind == IoKind::ChangeOfState {
             self.change_of_state_sent();
@@ -205,7 +204,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             if self.node.io(kind).state() != IoState::Established {
                 self.long.unload(kind);
             }
-            self.node.events.raise(SlaveEvent::Mode(kind, mode));
+            self.node.events.raise::<A>(SlaveEvent::Mode(kind, mode));
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::vec::Vec;
 
-use cip_core::message::AllocationChoice;
+use cip_core::message::{AllocationChoice, ResetType};
 use cip_core::object::Identity;
 use link_core::frame::standard_id;
 use link_core::{Action, FilterSet, Frame, Input, Instant, LinkEvent, Machine};
@@ -14,12 +14,13 @@ use crate::slave::{
     Application, Config, Group2OnlyServer, InvalidSlave, IoKind, IoMode, Options, Parts, PollOnly, SlaveEvent,
 };
 
+/// A device with the parts that these bits stand for.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
-struct Small(Block);
+struct Small<const PARTS: u16 = 0>(Block);
 
-impl Application for Small {
+impl<const PARTS: u16> Application for Small<PARTS> {
     const IO: AllocationChoice = Block::IO;
-    const PARTS: Parts = Parts::empty();
+    const PARTS: Parts = Parts::from_bits_retain(PARTS);
     type Long = PollOnly;
 
     fn identity(&self) -> Identity<'_> {
@@ -140,6 +141,34 @@ fn a_small_slave_has_the_services_that_a_connection_must_have() {
     }
 }
 
+/// The attributes 1 to 4 of the DeviceNet object, and 17 and 18 of a Connection object.
+#[test]
+fn a_small_slave_has_no_settings_that_it_need_not_have() {
+    let mut small = Bus::<Small, 0>::online(config(), Small(block())).allocated(0x03);
+    for (attribute, value) in [(1, 5), (2, 1), (3, 1), (4, 0)] {
+        small.asks(&[0x10, 3, 1, attribute, value], &[0x94, 0x08, 0xFF]);
+    }
+    small.asks(&[0x10, 5, 2, 17, 10, 0], &[0x94, 0x14, 0xFF]);
+    small.asks(&[0x10, 5, 2, 18, 1], &[0x94, 0x14, 0xFF]);
+    small.asks(&[0x0E, 5, 2, 18], &[0x94, 0x14, 0xFF]);
+    small.asks(&[0x10, 5, 2, 12, 2], &[0x90]);
+    const OPTIONAL: u16 = Parts::OPTIONAL_ATTRIBUTES.bits();
+    let mut optional = Bus::<Small<OPTIONAL>, 0>::online(config(), Small(block())).allocated(0x03);
+    optional.asks(&[0x10, 3, 1, 1, 5], &[0x94, 0x0E, 0xFF]);
+    optional.asks(&[0x10, 3, 1, 10, 1], &[0x90]);
+    optional.asks(&[0x10, 5, 2, 18, 1], &[0x90]);
+}
+
+/// What cannot be set is not as it was out of the box either.
+#[test]
+fn without_settings_a_reset_keeps_the_mac_id() {
+    let mut small = Bus::<Small, 0>::online(config(), Small(block())).allocated(0x01);
+    small.asks(&[0x05, 1, 1, 1], &[0x85]);
+    assert_eq!(small.slave.access().mac_id(), config().access.mac_id);
+    let reset = SlaveEvent::Reset(ResetType::OUT_OF_BOX);
+    assert_eq!(small.events.last(), Some(&reset));
+}
+
 /// Without reports a duplicate MAC ID and a frame that means nothing are counted, and nobody is told.
 #[test]
 fn what_is_not_reported_is_counted() {
@@ -155,11 +184,14 @@ fn what_is_not_reported_is_counted() {
         let told =
             inputs.map(|input| slave.handle(Instant::ZERO, input).filter(is_event).count()).into_iter().sum();
         assert_eq!(slave.access().fault(), Some(Fault::DuplicateMacId));
-        assert_eq!((slave.access().counters().duplicates, slave.access().counters().discarded), (1, 1));
+        let counted = u32::from(A::PARTS.contains(Parts::COUNTERS));
+        let counters = slave.access().counters();
+        assert_eq!((u32::from(counters.duplicates), counters.discarded), (counted, counted));
         told
     }
     assert!(told(block()) > 2);
-    assert_eq!(told(Small(block())), 0);
+    assert_eq!(told::<Small<COUNTED>>(Small(block())), 0);
+    assert_eq!(told::<Small>(Small(block())), 0);
 }
 
 #[test]
@@ -192,7 +224,7 @@ fn poll_alone_is_poll() {
         assert_eq!(bus.slave.counters().timed_out, 3);
         bus.events
     }
-    let (complete, small) = (told(block()), told(Small(block())));
+    let (complete, small) = (told(block()), told::<Small<COUNTED>>(Small(block())));
     // What is only reported, and the indicators, are parts of their own.
     let is_for_the_application =
         |event: &SlaveEvent| matches!(event, SlaveEvent::Received(_) | SlaveEvent::Mode(..));
@@ -201,5 +233,6 @@ fn poll_alone_is_poll() {
     assert_eq!(needed, small);
 }
 
+const COUNTED: u16 = Parts::COUNTERS.bits();
 /// Attribute not supported.
 const NOT_SUPPORTED: [u8; 4] = [MASTER, 0x94, 0x14, 0xFF];
