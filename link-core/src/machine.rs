@@ -86,6 +86,9 @@ pub enum TxOutcome {
     Withdrawn,
     /// It will never be sent: the controller went off the bus, was reset, or changed its mode.
     Dropped,
+    /// Nobody can tell what became of it, though the controller takes part in the bus: the transport has lost the answer. It
+    /// may have been sent; if the machine sends it again, it may be on the bus twice.
+    Unknown,
 }
 
 /// A moment by which a machine must be called, and why.

@@ -82,7 +82,7 @@ impl Doors {
                         door.leave(owner);
                         match outcome {
                             TxOutcome::Sent => server.frame(at, channel, &frame, Some(owner)),
-                            TxOutcome::Dropped | TxOutcome::Withdrawn => {
+                            TxOutcome::Dropped | TxOutcome::Withdrawn | TxOutcome::Unknown => {
                                 server.lost(at, owner, CLASS_TX_TIMEOUT, "the frame was not sent");
                                 *self.lost.entry((channel, owner)).or_default() += 1;
                             }

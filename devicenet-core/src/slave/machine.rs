@@ -208,7 +208,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     fn line_done(&mut self, now: Instant, line: Line, outcome: TxOutcome) -> Option<()> {
         let wanted = self.node.lines.done(line)?;
         let sent = outcome == TxOutcome::Sent;
-        if outcome == TxOutcome::Dropped && self.online {
+        if matches!(outcome, TxOutcome::Dropped | TxOutcome::Unknown) && self.online {
             self.not_sent(lines::identifier::<A>(line, self.access.mac_id()), outcome);
         }
         match lines::io_of::<A>(line) {

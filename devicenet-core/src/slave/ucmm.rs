@@ -281,7 +281,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if let Some(piece) = dynamic.piece.take() {
             dynamic.transfer.handed(self.node.dynamic_timers.get_mut(at)?, piece);
         }
-        if outcome == TxOutcome::Dropped && self.access.is_online() {
+        if matches!(outcome, TxOutcome::Dropped | TxOutcome::Unknown) && self.access.is_online() {
             let own = self.access.mac_id();
             if let Some(id) = self.node.dynamic.get(usize::from(index)).and_then(|one| one.produced(own)) {
                 self.not_sent(id, outcome);

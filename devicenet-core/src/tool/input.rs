@@ -141,14 +141,14 @@ impl OfflineTool {
         match (what, outcome) {
             (Outgoing::Abandoned, _) | (Outgoing::OwnershipResponse, TxOutcome::Sent) => {}
             (Outgoing::Message | Outgoing::BackedOff, TxOutcome::Sent) => self.message_sent(),
-            (Outgoing::BackedOff, TxOutcome::Withdrawn | TxOutcome::Dropped) => {}
+            (Outgoing::BackedOff, TxOutcome::Withdrawn | TxOutcome::Dropped | TxOutcome::Unknown) => {}
             // A set that nobody was asked for would have two owners.
-            (Outgoing::Message, TxOutcome::Withdrawn | TxOutcome::Dropped) => {
+            (Outgoing::Message, TxOutcome::Withdrawn | TxOutcome::Dropped | TxOutcome::Unknown) => {
                 self.counters.not_sent = self.counters.not_sent.saturating_add(1);
                 self.back_off(GIVEN_BACK);
             }
             // The other tool asks a second time.
-            (Outgoing::OwnershipResponse, TxOutcome::Withdrawn | TxOutcome::Dropped) => {
+            (Outgoing::OwnershipResponse, TxOutcome::Withdrawn | TxOutcome::Dropped | TxOutcome::Unknown) => {
                 self.counters.not_sent = self.counters.not_sent.saturating_add(1);
             }
         }

@@ -155,7 +155,9 @@ impl Access {
         match (fate, outcome) {
             (Fate::Unwanted | Fate::Abandoned, _) => {}
             (Fate::Wanted, TxOutcome::Sent) => self.sent(what),
-            (Fate::Wanted, TxOutcome::Withdrawn | TxOutcome::Dropped) => self.given_back(what, outcome),
+            (Fate::Wanted, TxOutcome::Withdrawn | TxOutcome::Dropped | TxOutcome::Unknown) => {
+                self.given_back(what, outcome);
+            }
         }
     }
 

@@ -215,6 +215,7 @@ impl Log {
             TxOutcome::Sent => assert_eq!(sent_at, Some(at), "{frame}: told at another time than its end"),
             TxOutcome::Withdrawn => self.given_back(at, node, format!("{frame} withdrawn")),
             TxOutcome::Dropped => self.given_back(at, node, format!("{frame} dropped")),
+            TxOutcome::Unknown => panic!("{frame}: a simulated bus knows what became of it"),
         }
         if outcome != TxOutcome::Sent {
             return;

@@ -52,10 +52,10 @@ impl Machine for Babbler {
                     // The next is planned already.
                     TxOutcome::Sent => {}
                     // Another mode. If that is listen-only, it is dropped again at once.
-                    TxOutcome::Dropped | TxOutcome::Withdrawn if self.up => {
+                    TxOutcome::Dropped | TxOutcome::Withdrawn | TxOutcome::Unknown if self.up => {
                         self.timers.set_after(NextFrame, self.interval.max(AFTER_DROP));
                     }
-                    TxOutcome::Dropped | TxOutcome::Withdrawn => {}
+                    TxOutcome::Dropped | TxOutcome::Withdrawn | TxOutcome::Unknown => {}
                 }
             }
             Input::Link(_) | Input::Frame(_) | Input::Tick => {}

@@ -156,6 +156,12 @@ fn a_request_given_back_unsent_is_handed_out_again_after_a_pause() {
     bus.sends(CHECK, &REQUEST);
     assert_eq!(bus.node.counters().not_sent, 1);
 
+    // Nobody knows whether it was sent, so it is sent again.
+    bus.done(TxOutcome::Unknown);
+    bus.wait(100);
+    bus.sends(CHECK, &REQUEST);
+    assert_eq!(bus.node.counters().not_sent, 2);
+
     bus.done(TxOutcome::Dropped);
     let mode = link_core::Mode { bit_rate: link_core::BitRate::K250, listen_only: false };
     bus.link(LinkEvent::ModeSet(mode));
