@@ -2,6 +2,7 @@
 
 mod link_kind;
 
+use core::time::Duration;
 use std::fs;
 use std::io;
 
@@ -136,13 +137,14 @@ impl Interface {
         Ok(true)
     }
 
-    /// Takes the controller out of bus-off. One that is not off the bus, or an interface that has none, needs nothing.
-    pub(crate) fn restart(&self) -> io::Result<()> {
+    /// Takes the controller out of bus-off, unless the kernel does it.
+    pub(crate) fn restart(&self) -> io::Result<Restart> {
         let netlink = self.netlink()?;
-        match netlink.state().map_err(io_error)? {
-            Some(CanState::BusOff) => netlink.restart().map_err(io_error),
-            _ => Ok(()),
+        let restart = restart(&netlink.can_params().map_err(io_error)?);
+        if restart == Restart::Now {
+            netlink.restart().map_err(io_error)?;
         }
+        Ok(restart)
     }
 
     fn netlink(&self) -> io::Result<CanInterface> {
@@ -151,6 +153,27 @@ impl Interface {
 
     fn present_index(&self) -> io::Result<u32> {
         self.index().ok_or_else(|| io::Error::from_raw_os_error(libc::ENODEV))
+    }
+}
+
+/// How a controller comes out of bus-off.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Restart {
+    /// It is not off the bus, or there is none.
+    NotNeeded,
+    /// When it is told to.
+    Now,
+    /// By the kernel, so long after the bus-off; which then takes no command to do it.
+    ByItself(Duration),
+}
+
+fn restart(parameters: &InterfaceCanParams) -> Restart {
+    match (parameters.state, parameters.restart_ms) {
+        (Some(CanState::BusOff), Some(millis)) if millis > 0 => {
+            Restart::ByItself(Duration::from_millis(millis.into()))
+        }
+        (Some(CanState::BusOff), _) => Restart::Now,
+        _ => Restart::NotNeeded,
     }
 }
 
@@ -211,6 +234,17 @@ mod tests {
     fn the_kind_of_a_link_is_that_of_its_driver() {
         assert_eq!(link_kind(1).unwrap(), None, "the loopback interface has none");
         assert_eq!(link_kind(0x7FFF_FFFF).unwrap_err().raw_os_error(), Some(libc::ENODEV));
+    }
+
+    #[test]
+    fn a_kernel_that_restarts_by_itself_is_not_told_to() {
+        let parameters = |state, restart_ms| InterfaceCanParams { state, restart_ms, ..Default::default() };
+        assert_eq!(restart(&parameters(None, None)), Restart::NotNeeded);
+        assert_eq!(restart(&parameters(Some(CanState::ErrorPassive), Some(100))), Restart::NotNeeded);
+        assert_eq!(restart(&parameters(Some(CanState::BusOff), None)), Restart::Now);
+        assert_eq!(restart(&parameters(Some(CanState::BusOff), Some(0))), Restart::Now);
+        let by_itself = Restart::ByItself(Duration::from_millis(100));
+        assert_eq!(restart(&parameters(Some(CanState::BusOff), Some(100))), by_itself);
     }
 
     #[test]

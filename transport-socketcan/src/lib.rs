@@ -24,6 +24,7 @@
 //! | the echo of an own frame, marked `MSG_CONFIRM` | [`TxDone(_, Sent)`](link_core::TxOutcome::Sent): it was on the bus and acknowledged |
 //! | a frame taken by an interface without an echo (`vcan`, `slcan`) | `TxDone(_, Sent)`, of the last known moment |
 //! | the same frame from a twin, unmarked | `Input::Frame`: an echo is never recognised by its content |
+//! | no echo for 3 s, though the controller tells of no trouble, or for 1 s after frames were lost | [`TxDone(_, Unknown)`](link_core::TxOutcome::Unknown) |
 //! | error frame, class bus-off | [`LinkEvent::BusOff`](link_core::LinkEvent::BusOff); frames in flight are `Dropped` |
 //! | error frame, restarted | `Up`; before it `BusOff`, if the news of that was lost |
 //! | error frame, controller | `ErrorWarning`, `ErrorPassive`, `ErrorActive`, `Overrun` |
@@ -41,7 +42,8 @@
 //! [`LinkCommand::SetMode`](link_core::LinkCommand::SetMode) and [`Reset`](link_core::LinkCommand::Reset) are carried out
 //! through netlink, which takes the right to administer the network. Without it the machine hears
 //! [`Refused`](link_core::LinkEvent::Refused), and [`SocketCanPort::refusal`] names the `ip link` command that does it.
-//! A mode that is in force already needs no right. A virtual interface has no bit rate, so it has every one. An `slcan`
+//! A kernel that restarts the controller by itself (`restart-ms`) refuses to be told to: there, `Reset` is answered by
+//! [`Up`](link_core::LinkEvent::Up) when it has done so, and needs no right. A mode that is in force already needs none either. A virtual interface has no bit rate, so it has every one. An `slcan`
 //! adapter may have one that the kernel does not know ([`Kind`]): it is set anew, or refused, but never taken for the right one.
 //!
 //! # Unsafe code
@@ -49,6 +51,7 @@
 //! One block, in the private module `receive`: `recvmmsg`, for neither the flag `MSG_CONFIRM` nor the count of lost frames
 //! is handed out by a safe interface.
 
+mod echo;
 mod error;
 mod error_frame;
 mod frame;

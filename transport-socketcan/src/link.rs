@@ -1,6 +1,8 @@
 //! The port without the waiting: what the blocking and the asynchronous one have in common.
 
+mod command;
 mod incoming;
+mod presence;
 
 use core::time::Duration;
 use std::collections::VecDeque;
@@ -8,8 +10,9 @@ use std::io;
 use std::os::fd::{AsFd, BorrowedFd};
 
 use link_core::machine::TxToken;
-use link_core::{Filter, FilterSet, Frame, Input, Instant, LinkCommand, LinkEvent, Mode};
+use link_core::{Filter, FilterSet, Frame, Input, Instant, LinkEvent};
 
+use crate::echo::EchoWatch;
 use crate::error::{Error, Refusal};
 use crate::frame;
 use crate::interface::Interface;
@@ -42,8 +45,9 @@ pub(crate) struct Link {
     /// What was sent under these filters: an echo has to pass them too.
     sent: Vec<Filter>,
     lost: u32,
-    /// The kernel has lost frames since it was given the one that it has: the echo may be among them.
-    echo_lost: Option<Instant>,
+    echo: EchoWatch,
+    /// The kernel restarts the controller by itself: when to look whether it has, if it does not say so.
+    restart_due: Option<Instant>,
     /// A restart that the machine has heard of already, and of which the kernel has still to tell.
     restart_is_told: bool,
     retry_at: Option<Instant>,
@@ -63,7 +67,7 @@ impl Link {
         let interface = Interface::find(name)?;
         let has_echo = interface.has_echo();
         let mut link = Self {
-            socket: open(&interface, has_echo)?,
+            socket: presence::open(&interface, has_echo)?,
             generation: 0,
             state: State::Down(Instant::ZERO),
             interface,
@@ -79,7 +83,8 @@ impl Link {
             filters: None,
             sent: Vec::new(),
             lost: 0,
-            echo_lost: None,
+            echo: EchoWatch::new(),
+            restart_due: None,
             restart_is_told: false,
             retry_at: None,
             refusal: None,
@@ -130,78 +135,6 @@ impl Link {
         self.outbox.withdraw(token);
     }
 
-    pub(crate) fn command(&mut self, command: LinkCommand) -> Result<(), Error> {
-        match command {
-            LinkCommand::SetMode(mode) => self.set_mode(mode),
-            LinkCommand::SetFilter(filters) => {
-                // An interface with a controller has still to echo the frame that it has.
-                self.sent =
-                    self.outbox.with_kernel().map(|frame| Filter::exact(frame.id())).into_iter().collect();
-                self.filters = Some(filters);
-                self.set_filters()
-            }
-            LinkCommand::Reset => self.reset(),
-        }
-    }
-
-    fn set_mode(&mut self, mode: Mode) -> Result<(), Error> {
-        self.outbox.drop_all();
-        // That much can be done without any right: nothing is sent.
-        self.listen_only = mode.listen_only;
-        let event = match self.interface.set_mode(mode) {
-            Ok(has_changed) => {
-                if has_changed {
-                    self.renew()?;
-                }
-                LinkEvent::ModeSet(mode)
-            }
-            Err(refusal) => {
-                self.refusal = Some(refusal);
-                LinkEvent::Refused(link_core::link::LinkCommandKind::SetMode)
-            }
-        };
-        self.answer();
-        self.tell(event);
-        self.hand_over()
-    }
-
-    fn reset(&mut self) -> Result<(), Error> {
-        self.outbox.drop_all();
-        self.answer();
-        match self.interface.restart() {
-            // A controller that restarts says so by an error frame, which is then the second news of it.
-            Ok(()) => {
-                if self.state == State::BusOff {
-                    self.state = State::Up;
-                    self.restart_is_told = true;
-                }
-                if self.state == State::Up {
-                    self.tell(LinkEvent::Up);
-                }
-            }
-            Err(error) => {
-                let (name, reason) = (self.interface.name().into(), error.to_string());
-                self.refusal = Some(Refusal::Restart { name, reason });
-                self.tell(LinkEvent::Refused(link_core::link::LinkCommandKind::Reset));
-            }
-        }
-        self.hand_over()
-    }
-
-    fn set_filters(&mut self) -> Result<(), Error> {
-        let Some(filters) = &self.filters else { return Ok(()) };
-        match self.socket.set_filters(filters, &self.sent) {
-            Ok(()) => self.tell(LinkEvent::FilterSet),
-            Err(error) => {
-                let (name, reason) = (self.interface.name().into(), error.to_string());
-                self.refusal = Some(Refusal::Filter { name, reason });
-                self.filters = None;
-                self.tell(LinkEvent::Refused(link_core::link::LinkCommandKind::SetFilter));
-            }
-        }
-        Ok(())
-    }
-
     /// The next input, if there is one without waiting.
     pub(crate) fn next(&mut self) -> Result<Option<(Instant, Input)>, Error> {
         loop {
@@ -241,7 +174,8 @@ impl Link {
             State::Down(at) => Some(at),
             State::Up | State::BusOff => None,
         };
-        [look_at, self.retry_at, self.echo_lost].into_iter().flatten().min()
+        let give_up_at = self.outbox.with_kernel().and_then(|_| self.echo.give_up_at());
+        [look_at, self.retry_at, give_up_at, self.restart_due].into_iter().flatten().min()
     }
 
     /// Does what [`wake_at`](Self::wake_at) was for.
@@ -250,9 +184,12 @@ impl Link {
         if self.retry_at.take_if(|at| *at <= now).is_some() {
             self.hand_over()?;
         }
-        if self.echo_lost.take_if(|at| *at <= now).is_some() {
+        if self.outbox.with_kernel().is_some() && self.echo.give_up_at().is_some_and(|at| at <= now) {
             self.outbox.give_up();
             self.hand_over()?;
+        }
+        if self.restart_due.take_if(|at| *at <= now).is_some() {
+            self.look_for_the_restart()?;
         }
         Ok(())
     }
@@ -277,7 +214,7 @@ impl Link {
             match self.socket.send(&frame) {
                 Ok(true) if self.has_echo => {
                     self.outbox.hand_over();
-                    self.echo_lost = None;
+                    self.echo.begin(self.stamps.last());
                 }
                 Ok(true) => {
                     self.outbox.sent();
@@ -287,7 +224,7 @@ impl Link {
                     self.retry_at = Some(self.now().saturating_add(RETRY_AFTER));
                     return Ok(());
                 }
-                Err(error) if is_gone(&error) => {
+                Err(error) if presence::is_gone(&error) => {
                     self.go_down();
                     return Ok(());
                 }
@@ -295,69 +232,6 @@ impl Link {
                 Err(source) => return Err(self.failed("cannot send", source)),
             }
         }
-        Ok(())
-    }
-
-    fn let_the_echo_pass(&mut self, frame: &Frame) -> Result<(), Error> {
-        let Some(filters) = self.filters.as_ref().filter(|_| self.has_echo) else { return Ok(()) };
-        let exact = Filter::exact(frame.id());
-        if filters.accepts(frame) || self.sent.iter().any(|filter| filter.accepts(frame.id())) {
-            return Ok(());
-        }
-        if self.sent.len() < MOST_EXACT {
-            self.sent.push(exact);
-        } else {
-            self.sent = vec![Filter::ALL_STANDARD, Filter::ALL_EXTENDED];
-        }
-        self.socket
-            .set_filters(filters, &self.sent)
-            .map_err(|source| self.failed("cannot widen the acceptance filter", source))
-    }
-
-    fn go_down(&mut self) {
-        self.take_the_rest();
-        self.state = State::Down(self.now().saturating_add(LOOK_AGAIN_AFTER));
-        (self.retry_at, self.echo_lost) = (None, None);
-        // What an interface without an echo has taken is sent already.
-        self.answer();
-        self.outbox.drop_all();
-        self.tell(LinkEvent::Down);
-    }
-
-    /// Takes up work on an interface that is up.
-    fn begin(&mut self) {
-        self.restart_is_told = false;
-        let is_off = self.interface.is_bus_off();
-        self.state = if is_off { State::BusOff } else { State::Up };
-        self.tell(if is_off { LinkEvent::BusOff } else { LinkEvent::Up });
-    }
-
-    /// Whether the interface is there and up, so that the port works again.
-    fn look_for_the_interface(&mut self) -> Result<bool, Error> {
-        let now = self.now();
-        self.state = State::Down(now.saturating_add(LOOK_AGAIN_AFTER));
-        if !self.interface.is_up() || self.renew().is_err() {
-            return Ok(false);
-        }
-        self.begin();
-        Ok(true)
-    }
-
-    /// Begins with a new socket: an interface that was unplugged comes back with another index, and one that went down has
-    /// left an error in the old one.
-    fn renew(&mut self) -> Result<(), Error> {
-        let has_echo = self.interface.has_echo();
-        let socket = open(&self.interface, has_echo)?;
-        if let Some(filters) = &self.filters {
-            socket
-                .set_filters(filters, &[])
-                .map_err(|source| self.failed("cannot set the acceptance filter", source))?;
-        }
-        (self.socket, self.has_echo) = (socket, has_echo);
-        self.generation = self.generation.wrapping_add(1);
-        self.lost = 0;
-        self.sent.clear();
-        self.more = true;
         Ok(())
     }
 
@@ -377,26 +251,6 @@ impl AsFd for Link {
     }
 }
 
-fn open(interface: &Interface, has_echo: bool) -> Result<Socket, Error> {
-    let name = || interface.name().to_owned();
-    let Some(index) = interface.index() else {
-        return Err(Error::NoInterface { name: name(), present: Interface::names() });
-    };
-    Socket::open(index, has_echo).map_err(|(what, source)| match source.raw_os_error() {
-        Some(libc::EAFNOSUPPORT | libc::EPROTONOSUPPORT) => Error::NoSocketCan,
-        _ => Error::Socket { name: name(), what, source },
-    })
-}
-
-/// Down or unplugged.
-fn is_gone(error: &io::Error) -> bool {
-    matches!(error.raw_os_error(), Some(libc::ENETDOWN | libc::ENODEV | libc::ENXIO))
-}
-
 /// How long a frame waits for room in the kernel's transmit queue before it is offered again: about that of seven frames at
 /// 1 Mbit/s.
 const RETRY_AFTER: Duration = Duration::from_millis(1);
-/// How often an interface that is down is looked at.
-const LOOK_AGAIN_AFTER: Duration = Duration::from_millis(100);
-/// How many identifiers of own frames are let pass one by one. The kernel takes 512 filters.
-const MOST_EXACT: usize = 256;

@@ -84,7 +84,7 @@ impl Outbox {
     /// What became of the frame with the kernel will not be told.
     pub(crate) fn give_up(&mut self) {
         if let Some(pending) = self.handed_over.take() {
-            self.answers.push_back((pending.token, TxOutcome::Dropped));
+            self.answers.push_back((pending.token, TxOutcome::Unknown));
         }
     }
 
@@ -145,6 +145,16 @@ mod tests {
         assert_eq!(outbox.answer(), None, "the answer of the first comes when it is known");
         assert!(outbox.confirm(&frame(0x100, 1)));
         assert_eq!(outbox.answer(), Some((TxToken(1), TxOutcome::Sent)));
+    }
+
+    #[test]
+    fn what_is_given_up_is_answered_and_makes_room() {
+        let mut outbox = outbox(&[(1, 0x100), (2, 0x400)]);
+        outbox.hand_over();
+        outbox.give_up();
+        assert_eq!(outbox.answer(), Some((TxToken(1), TxOutcome::Unknown)));
+        assert!(!outbox.confirm(&frame(0x100, 1)), "a late echo answers nothing");
+        assert_eq!(outbox.next(), Some(&frame(0x400, 2)));
     }
 
     #[test]

@@ -8,6 +8,7 @@ use link_core::{Frame, Input, Instant, LinkCommand, Port};
 use crate::error::{Error, Refusal};
 use crate::interface::Interface;
 use crate::link::Link;
+use crate::socket::LONGEST_SHORT_WAIT;
 
 /// A CAN interface as a [`Port`], which waits by blocking.
 #[derive(Debug)]
@@ -16,6 +17,10 @@ pub struct SocketCanPort {
 }
 
 impl SocketCanPort {
+    /// A [`wait`](Port::wait) whose deadline is further away than this begins with a short wait in one call of the kernel, by which
+    /// a frame that comes soon costs half as many. Who looks after something else from time to time does well to look no oftener.
+    pub const ONE_CALL: Duration = Duration::from_millis(50);
+
     /// Opens an interface. One that is down is waited for: the first input is [`Up`](link_core::LinkEvent::Up).
     ///
     /// # Errors
@@ -104,8 +109,8 @@ impl Port for SocketCanPort {
 /// Whether there is time for a short wait, without asking the clock: then a frame that comes soon costs a single call of the
 /// kernel. The last known moment may be some time ago, but not so long: machines take microseconds.
 fn is_far(link: &Link, until: Option<Instant>) -> bool {
-    link.is_open() && until.is_none_or(|until| until.saturating_since(link.last()) > FAR)
+    link.is_open() && until.is_none_or(|until| until.saturating_since(link.last()) > SocketCanPort::ONE_CALL)
 }
 
-/// Several times a short wait.
-const FAR: Duration = Duration::from_millis(100);
+/// The short wait is over by then, even by the slowest clock of a kernel.
+const _: () = assert!(SocketCanPort::ONE_CALL.as_millis() > 2 * LONGEST_SHORT_WAIT.as_millis());

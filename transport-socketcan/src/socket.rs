@@ -95,7 +95,9 @@ fn kernel_filter(filter: &Filter) -> CanFilter {
     CanFilter::new(filter.value() | format, filter.mask() | libc::CAN_EFF_FLAG)
 }
 
-/// How long [`Patience::Short`] lasts. The kernel counts it in ticks, of which there are 100 a second at least: it may be 20 ms.
+/// How long [`Patience::Short`] lasts.
 const SHORT: Duration = Duration::from_millis(10);
+/// The kernel counts it in ticks, of which there are 100 a second at least.
+pub(crate) const LONGEST_SHORT_WAIT: Duration = Duration::from_millis(20);
 /// In bytes, of which a frame takes some 760 with the kernel's bookkeeping: 2700 frames.
 const RECEIVE_BUFFER: i32 = 1 << 20;

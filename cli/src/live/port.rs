@@ -307,8 +307,10 @@ fn failed(error: transport_socketcan::Error) -> PortError {
     PortError::Failed(Failure::Transport(error.to_string()))
 }
 
-/// How often an interruption is looked for. Longer than the short wait of a socket, which is one call of the kernel.
+/// How often an interruption is looked for.
 const LOOK_AFTER: Duration = Duration::from_millis(200);
+#[cfg(target_os = "linux")]
+const _: () = assert!(LOOK_AFTER.as_millis() > transport_socketcan::SocketCanPort::ONE_CALL.as_millis());
 /// An answer that is on its way, and that to the release.
 const LONGEST_GOODBYE: Duration = Duration::from_secs(3);
 /// How many frames a machine may have in flight when only listening.

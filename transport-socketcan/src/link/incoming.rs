@@ -1,10 +1,9 @@
 //! What the kernel tells, on its way to the machine.
 
-use core::time::Duration;
-
 use link_core::{Input, Instant, LinkEvent};
 
-use super::{Link, State, is_gone};
+use super::presence::is_gone;
+use super::{Link, State};
 use crate::error::Error;
 use crate::error_frame;
 use crate::frame;
@@ -40,7 +39,7 @@ impl Link {
             self.lost = self.lost.wrapping_add(lost);
             self.inputs.push_back((at, Input::Link(LinkEvent::Overrun { lost })));
             if self.outbox.with_kernel().is_some() {
-                self.echo_lost.get_or_insert(at.saturating_add(ECHO_PATIENCE));
+                self.echo.overrun(at);
             }
         }
         match frame::from_kernel(&message.raw) {
@@ -56,6 +55,7 @@ impl Link {
     }
 
     fn link_event(&mut self, at: Instant, event: LinkEvent) {
+        self.echo.hear(at, event);
         match event {
             LinkEvent::BusOff => self.bus_off(at),
             LinkEvent::Up => {
@@ -105,7 +105,5 @@ impl Link {
     }
 }
 
-/// How long the echo of a frame is waited for after the kernel has lost frames, of which it may have been one.
-const ECHO_PATIENCE: Duration = Duration::from_secs(1);
 /// More than the receive buffer holds.
 const MOST_BATCHES: usize = 256;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use link_core::{Filter, FilterSet, Input, LinkCommand, LinkEvent, Port, StandardId, TxToken};
+use link_core::{Filter, FilterSet, Input, LinkCommand, LinkEvent, Port, StandardId, TxOutcome, TxToken};
 use transport_socketcan::SocketCanPort;
 
 use crate::rig::{Interface, dropped, frame, input, run, sent, silent, wait};
@@ -31,6 +31,36 @@ fn a_frame_is_sent_when_it_has_left_the_queue() {
     let (at, done) = wait(&mut port, Duration::from_secs(5));
     assert_eq!(done, sent(1));
     assert!(at >= before + Duration::from_millis(100), "{before} {at}");
+}
+
+/// A driver has lost a frame without a word. The port goes on, and says that it does not know; a late echo is nobody's.
+#[test]
+#[ignore = "needs vcan"]
+fn a_frame_of_which_nothing_is_heard_does_not_stop_the_port() {
+    let (_bus, mut port) = slow("vcan68", "4s");
+    let before = port.now();
+    port.transmit(TxToken(1), frame(0x100, &[1])).unwrap();
+    port.transmit(TxToken(2), frame(0x200, &[2])).unwrap();
+    let (at, done) = wait(&mut port, Duration::from_secs(20));
+    assert_eq!(done, Input::TxDone(TxToken(1), TxOutcome::Unknown));
+    assert!(at >= before + Duration::from_secs(3), "{before} {at}");
+    // The second is with the kernel since then; the echo of the first, at four seconds, is not its own.
+    let (at, done) = wait(&mut port, Duration::from_secs(20));
+    assert_eq!(done, Input::TxDone(TxToken(2), TxOutcome::Unknown));
+    assert!(at >= before + Duration::from_secs(6), "{before} {at}");
+}
+
+/// Nobody acknowledges: the controller sends its frame again and again, and it is not lost.
+#[test]
+#[ignore = "needs vcan"]
+fn a_frame_of_a_controller_in_trouble_is_waited_for() {
+    let bus = Interface::new("vcan69");
+    let mut port = bus.port();
+    run("cansend", &["vcan69", "20000004#0020000000000000"]);
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::ErrorPassive));
+    run("tc", &["qdisc", "add", "dev", "vcan69", "root", "netem", "delay", "4s"]);
+    port.transmit(TxToken(1), frame(0x100, &[])).unwrap();
+    assert_eq!(input(&mut port), sent(1));
 }
 
 /// Two nodes with one MAC ID send the same duplicate MAC ID check: neither may take the other's for its own.

@@ -116,3 +116,5 @@ impl Lines {
 
 /// How often time alone is given the word.
 const LOOK_EVERY: Duration = Duration::from_millis(100);
+#[cfg(target_os = "linux")]
+const _: () = assert!(LOOK_EVERY.as_millis() > transport_socketcan::SocketCanPort::ONE_CALL.as_millis());

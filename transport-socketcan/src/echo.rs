@@ -1,0 +1,121 @@
+//! How long the echo of a frame is waited for.
+
+use core::time::Duration;
+
+use link_core::{Instant, LinkEvent};
+
+/// Watches over the frame that the kernel has. Its echo may be among frames that the receive queue has lost, and a driver may lose the
+/// frame itself, or its echo, without a word: then nobody will ever tell what became of it, and nothing else would be sent.
+///
+/// A controller that has trouble, however, repeats its frame for as long as it takes: a node that is alone on the bus waits in error-passive
+/// for another to acknowledge. Its frame is not lost.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) struct EchoWatch {
+    /// When the echo is late; a controller that was never heard of has no trouble.
+    late_at: Instant,
+    has_trouble: bool,
+    /// Frames were lost while the kernel had this one: when to give it up for that.
+    lost_at: Option<Instant>,
+}
+
+impl EchoWatch {
+    pub(crate) const fn new() -> Self {
+        Self { late_at: Instant::ZERO, has_trouble: false, lost_at: None }
+    }
+
+    /// The kernel has taken a frame.
+    pub(crate) fn begin(&mut self, now: Instant) {
+        self.late_at = now.saturating_add(LATE);
+        self.lost_at = None;
+    }
+
+    /// The receive queue has lost frames, of which the echo may have been one.
+    pub(crate) fn overrun(&mut self, at: Instant) {
+        self.lost_at.get_or_insert(at.saturating_add(AFTER_A_LOSS));
+    }
+
+    /// What the controller tells of itself.
+    pub(crate) fn hear(&mut self, at: Instant, event: LinkEvent) {
+        match event {
+            LinkEvent::ErrorWarning | LinkEvent::ErrorPassive => self.has_trouble = true,
+            LinkEvent::ErrorActive | LinkEvent::Up => {
+                self.has_trouble = false;
+                self.late_at = self.late_at.max(at.saturating_add(LATE));
+            }
+            // It tries again.
+            LinkEvent::BusError(_) => self.late_at = self.late_at.max(at.saturating_add(LATE)),
+            LinkEvent::Down
+            | LinkEvent::BusOff
+            | LinkEvent::Counters { .. }
+            | LinkEvent::Overrun { .. }
+            | LinkEvent::ModeSet(_)
+            | LinkEvent::FilterSet
+            | LinkEvent::Refused(_) => {}
+        }
+    }
+
+    /// When the frame is given up.
+    pub(crate) fn give_up_at(&self) -> Option<Instant> {
+        let late_at = (!self.has_trouble).then_some(self.late_at);
+        [late_at, self.lost_at].into_iter().flatten().min()
+    }
+}
+
+/// Many times what the most patient frame waits on a full bus.
+const LATE: Duration = Duration::from_secs(3);
+/// After frames were lost.
+const AFTER_A_LOSS: Duration = Duration::from_secs(1);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use link_core::BusErrorKind;
+
+    fn at(millis: u64) -> Instant {
+        Instant::from_millis(millis)
+    }
+
+    #[test]
+    fn a_frame_whose_echo_does_not_come_is_given_up() {
+        let mut watch = EchoWatch::new();
+        watch.begin(at(500));
+        assert_eq!(watch.give_up_at(), Some(at(3_500)));
+        watch.begin(at(600));
+        assert_eq!(watch.give_up_at(), Some(at(3_600)), "each frame has its own time");
+    }
+
+    #[test]
+    fn a_loss_of_frames_gives_it_up_sooner_and_says_nothing_of_the_next() {
+        let mut watch = EchoWatch::new();
+        watch.begin(at(0));
+        watch.overrun(at(100));
+        watch.overrun(at(900));
+        assert_eq!(watch.give_up_at(), Some(at(1_100)));
+        watch.begin(at(1_200));
+        assert_eq!(watch.give_up_at(), Some(at(4_200)));
+    }
+
+    /// Nobody acknowledges, which may last for hours.
+    #[test]
+    fn a_controller_in_trouble_keeps_its_frame() {
+        let mut watch = EchoWatch::new();
+        watch.begin(at(0));
+        watch.hear(at(20), LinkEvent::ErrorWarning);
+        watch.hear(at(30), LinkEvent::ErrorPassive);
+        assert_eq!(watch.give_up_at(), None);
+        watch.hear(at(60_000), LinkEvent::ErrorActive);
+        assert_eq!(watch.give_up_at(), Some(at(63_000)), "the echo should follow");
+        watch.hear(at(61_000), LinkEvent::BusError(BusErrorKind::Ack));
+        assert_eq!(watch.give_up_at(), Some(at(64_000)), "it is trying");
+    }
+
+    #[test]
+    fn trouble_outlasts_a_frame() {
+        let mut watch = EchoWatch::new();
+        watch.hear(at(0), LinkEvent::ErrorPassive);
+        watch.begin(at(10));
+        assert_eq!(watch.give_up_at(), None);
+        watch.hear(at(20), LinkEvent::Up);
+        assert_eq!(watch.give_up_at(), Some(at(3_020)));
+    }
+}
