@@ -104,6 +104,7 @@ impl Bus {
 
     pub(super) fn with(change: impl FnOnce(&mut Config), station: impl FnOnce(&mut Station)) -> Self {
         let mut config = Config::new(&identity(), PortByte::ZERO, Role::Device);
+        config.access.announcement = 0;
         change(&mut config);
         let mut application = Station {
             device: identity(),
@@ -183,6 +184,17 @@ impl Bus {
         assert!(self.node.deadline().is_none_or(|deadline| deadline.at >= self.now));
     }
 
+    /// The controller sends what it has.
+    pub(super) fn unstick(&mut self) {
+        self.stuck = false;
+        let mut held: Vec<_> = core::mem::take(&mut self.held);
+        held.sort_by_key(|(_, frame)| frame.arbitration_key());
+        for (token, frame) in held {
+            self.sent.push_back(frame);
+            self.input(Input::TxDone(token, TxOutcome::Sent));
+        }
+    }
+
     /// A data frame: 29 bits, or 11 below 0x800.
     pub(super) fn hears(&mut self, id: u32, data: &[u8]) {
         self.input(Input::Frame(frame(id, data)));
@@ -223,21 +235,23 @@ impl Bus {
     #[track_caller]
     pub(super) fn connects(&mut self, request: &[u8], response: &[u8]) {
         self.hears(0x1D86_0209, request);
-        self.sends_at_last(0x1D03_8609, response);
+        self.sends_besides(0x1D03_8609, response);
     }
 
-    /// The same; what is sent before the answer is first data.
+    /// Among what it sends.
     #[track_caller]
-    pub(super) fn sends_at_last(&mut self, id: u32, data: &[u8]) {
-        let sent = self.sent.pop_back().map(|frame| frame.to_string());
-        assert_eq!(sent, Some(frame(id, data).to_string()));
+    pub(super) fn sends_besides(&mut self, id: u32, data: &[u8]) {
+        let expected = frame(id, data);
+        let place = self.sent.iter().position(|sent| sent.id() == expected.id());
+        let sent = place.and_then(|place| self.sent.remove(place)).map(|frame| frame.to_string());
+        assert_eq!(sent, Some(expected.to_string()), "besides {:?}", self.trace());
     }
 
     /// The manager asks over explicit connection 1, Message ID 0.
     #[track_caller]
     pub(super) fn asks(&mut self, request: &[u8], response: &[u8]) {
         self.hears(0x1086_0205, request);
-        self.sends_at_last(0x1003_8605, response);
+        self.sends_besides(0x1003_8605, response);
     }
 
     /// With explicit connection 1, Message ID 0, EPR 0.

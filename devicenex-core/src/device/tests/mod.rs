@@ -4,5 +4,6 @@
 //! the device.
 
 mod bus;
+mod connectionless;
 pub(super) mod edges;
 mod requests;
