@@ -265,19 +265,19 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
         self.slots.iter().position(|slot| slot.is_open() && slot.connection() == connection)
     }
 
-    /// Where a new connection can be. One with the identifiers of another one of the same requester takes its place.
+    /// Where a new connection can be. For explicit messages, one with the same identifiers ends, and if need be leaves its place.
     fn room(&mut self, wish: &Wish, is_explicit: bool) -> Option<usize> {
-        let same = |slot: &Slot<A::Long, MESSAGE>| match &slot.body {
+        let has_its_identifiers = |slot: &Slot<A::Long, MESSAGE>| match &slot.body {
             Body::Explicit(explicit) => {
                 slot.is_explicit_of(wish.requester) && explicit.request == wish.at.message()
             }
             Body::Free | Body::Io(_) => false,
         };
-        if is_explicit && let Some(place) = self.slots.iter().position(same) {
+        let same = self.slots.iter().position(has_its_identifiers).filter(|_| is_explicit);
+        if let Some(place) = same {
             let _ = self.explicit_step(place, ExplicitCause::Released);
-            return Some(place);
         }
-        self.slots.iter().position(Slot::is_free)
+        self.slots.iter().position(Slot::is_free).or(same)
     }
 
     fn next_dynamic(&self) -> Option<ConnectionInstance> {

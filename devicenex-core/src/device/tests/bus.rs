@@ -280,3 +280,8 @@ pub(super) fn frame(id: u32, data: &[u8]) -> Frame {
         _ => Frame::new(extended_id(id), data).unwrap(),
     }
 }
+
+/// As a trace shows it.
+pub(super) fn id(raw: u32) -> String {
+    crate::id::Identifier::of_frame(&frame(raw, &[])).to_string()
+}

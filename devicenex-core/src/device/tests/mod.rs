@@ -6,4 +6,6 @@
 mod bus;
 mod connectionless;
 pub(super) mod edges;
+mod explicit;
+mod implicit;
 mod requests;
