@@ -15,7 +15,7 @@ use link_core::{
 };
 
 use crate::access::{Role, StateKind};
-use crate::device::{Application, Config, Device, DeviceEvent, Fragmented};
+use crate::device::{Application, Config, Device, DeviceEvent, Fragmented, Offer};
 use crate::message::{ConnectionInstance, PortByte};
 
 /// Vendor 0x03E7, product 0x2A, revision 1, serial 0x11223344; as many bytes as a test likes.
@@ -24,7 +24,7 @@ pub(super) struct Station {
     pub(super) device: DeviceIdentity,
     pub(super) inputs: Vec<u8>,
     pub(super) outputs: Vec<u8>,
-    pub(super) offer: super::super::Offer,
+    pub(super) offer: Offer,
     pub(super) selected: u16,
     /// Where [`Application::rest`] was called.
     pub(super) rests: Vec<(ConnectionInstance, IoMode)>,
@@ -34,7 +34,7 @@ impl Application for Station {
     const SELECTS_ASSEMBLIES: bool = true;
     type Long = Fragmented<32>;
 
-    fn offered(&self) -> super::super::Offer {
+    fn offered(&self) -> Offer {
         self.offer
     }
 
@@ -80,6 +80,17 @@ pub(super) fn identity() -> DeviceIdentity {
     }
 }
 
+pub(super) fn station() -> Station {
+    Station {
+        device: identity(),
+        inputs: std::vec![0x34, 0x12],
+        outputs: std::vec![0],
+        offer: Offer::all(),
+        selected: 1,
+        rests: Vec::new(),
+    }
+}
+
 pub(super) type Node = Device<Station, 40, 6>;
 
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
@@ -102,19 +113,12 @@ impl Bus {
         Self::with(|_| {}, |_| {})
     }
 
-    pub(super) fn with(change: impl FnOnce(&mut Config), station: impl FnOnce(&mut Station)) -> Self {
+    pub(super) fn with(change: impl FnOnce(&mut Config), fit: impl FnOnce(&mut Station)) -> Self {
         let mut config = Config::new(&identity(), PortByte::ZERO, Role::Device);
         config.access.announcement = 0;
         change(&mut config);
-        let mut application = Station {
-            device: identity(),
-            inputs: std::vec![0x34, 0x12],
-            outputs: std::vec![0],
-            offer: super::super::Offer::all(),
-            selected: 1,
-            rests: Vec::new(),
-        };
-        station(&mut application);
+        let mut application = station();
+        fit(&mut application);
         let mut bus = Self {
             node: Device::new(config, application).unwrap(),
             now: Instant::ZERO,

@@ -8,4 +8,7 @@ mod connectionless;
 pub(super) mod edges;
 mod explicit;
 mod implicit;
+mod network;
+mod objects;
 mod requests;
+mod storage;
