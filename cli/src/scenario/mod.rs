@@ -16,10 +16,10 @@ use std::path::Path;
 pub use check::LONGEST_RUN;
 pub use diagnostic::ScenarioError;
 pub use model::{
-    AccessNode, Action, Attribute, Bus, ConnectionName, ConnectionStateName, DeviceNode, Do, EventName,
-    Expectation, Fault, FaultKind, Kind, ManagerNode, MasterNode, ModeName, NexConnection, NexNode, Node,
-    NodeIndex, Note, Output, Pattern, Planned, PlannedIo, Protocol, Recorded, Role, ScannedSlave, Scenario,
-    Sizes, SlaveNode, SlaveStateName, StateName, WatchdogName, What, When, Write,
+    AccessNode, Action, Attribute, Bus, ConnectionName, ConnectionStateName, DeviceNode, DeviceStateName, Do,
+    EventName, Expectation, Fault, FaultKind, Kind, ManagerNode, MasterNode, ModeName, NexConnection,
+    NexNode, Node, NodeIndex, Note, Output, Pattern, Planned, PlannedIo, Protocol, Recorded, Role,
+    ScannedSlave, Scenario, Sizes, SlaveNode, SlaveStateName, StateName, WatchdogName, What, When, Write,
 };
 pub use values::{Comparison, Relation, Time, TimeError, TimeRange};
 
@@ -125,6 +125,7 @@ mod tests {
         named("`[[expect]]`", &ConnectionName::ALL.iter().map(|name| name.name()).collect::<Vec<_>>());
         named("`[[expect]]`", &ConnectionStateName::ALL.iter().map(|state| state.name()).collect::<Vec<_>>());
         named("`[[expect]]`", &ModeName::ALL.iter().map(|mode| mode.name()).collect::<Vec<_>>());
+        named("`[[expect]]`", &DeviceStateName::ALL.iter().map(|state| state.name()).collect::<Vec<_>>());
         named("`[[expect]]`", &SlaveStateName::ALL.iter().map(|state| state.name()).collect::<Vec<_>>());
         named("`[[expect]]`", &EventName::ALL.iter().map(|event| event.name()).collect::<Vec<_>>());
         named("`[[note]]`", RawNote::KEYS);

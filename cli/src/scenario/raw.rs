@@ -239,6 +239,8 @@ table! {
         slave: SlaveName,
         slave_state: String,
         status: Comparison,
+        device: SlaveName,
+        device_state: String,
     }
 }
 

@@ -6,7 +6,7 @@ use link_core::Instant;
 use transport_mock::{Change, Network, NodeId};
 
 use super::event::{Effect, NodeEvent};
-use super::machines::{MasterMachine, NexMachine, SlaveMachine, Task, ToolMachine};
+use super::machines::{DeviceMachine, ManagerMachine, MasterMachine, SlaveMachine, Task, ToolMachine};
 use crate::scenario::Do;
 
 /// Carries out an action now. What cannot be seen on the bus, or has no effect, is told.
@@ -31,7 +31,8 @@ pub(super) fn act(network: &mut Network<NodeEvent>, node: NodeId, what: &Do) {
         Do::Reset => {
             tell(network, node, what, Effect::AtOnce);
             let has_own = network.command(node, Access::reset).is_some()
-                || network.command(node, NexMachine::reset).is_some()
+                || network.command(node, DeviceMachine::reset).is_some()
+                || network.command(node, ManagerMachine::reset).is_some()
                 || network.command(node, SlaveMachine::reset).is_some();
             if !has_own {
                 network.apply(Change::PowerCycle(node));
@@ -42,6 +43,8 @@ pub(super) fn act(network: &mut Network<NodeEvent>, node: NodeId, what: &Do) {
             tell(network, node, what, if powered { Effect::AtOnce } else { Effect::AtPowerUp });
             network.command(node, |slave: &mut SlaveMachine, now| slave.set_input(now, data));
             network.alter_memory(node, |slave: &mut SlaveMachine| slave.keep_input(data));
+            network.command(node, |device: &mut DeviceMachine, now| device.set_input(now, data));
+            network.alter_memory(node, |device: &mut DeviceMachine| device.keep_input(data));
         }
         Do::SetOutput(output) => {
             let set = network.command(node, |master: &mut MasterMachine, _| master.set_output(output));

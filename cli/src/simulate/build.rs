@@ -12,7 +12,9 @@ use transport_mock::{BusConfig, Change, FaultId, Network, NodeConfig, NodeId, Re
 use super::act::{act, remember};
 use super::doors;
 use super::event::NodeEvent;
-use super::machines::{MasterMachine, NexMachine, SlaveMachine, ToolMachine, access_config};
+use super::machines::{
+    DeviceMachine, ManagerMachine, MasterMachine, SlaveMachine, ToolMachine, access_config,
+};
 use crate::scenario::{FaultKind, Node, NodeIndex, Protocol, Recorded, Role, Scenario, TimeRange};
 
 /// What a run sets otherwise than the scenario.
@@ -84,8 +86,11 @@ fn add(network: &mut Network<NodeEvent>, node: &Node, seed: u64, index: usize, i
             let (spec, machine) = (tool.clone(), ToolMachine::new(tool));
             network.add_with_memory(config, machine, move |old, fresh| *fresh = old.restarted(&spec))
         }
-        Role::Device(device) => network.add(config, NexMachine::device(device)),
-        Role::Manager(manager) => network.add(config, NexMachine::manager(manager, node.bit_rate)),
+        Role::Device(device) => {
+            let (spec, machine) = (device.clone(), DeviceMachine::new(device));
+            network.add_with_memory(config, machine, move |old, fresh| *fresh = old.restarted(&spec))
+        }
+        Role::Manager(manager) => network.add(config, ManagerMachine::new(manager, node.bit_rate)),
         Role::Replay(frames) => {
             let timed = |recorded: &Recorded| (Instant::ZERO + recorded.after, recorded.frame);
             let frames: Vec<_> = frames.iter().map(timed).collect();

@@ -10,6 +10,9 @@ use devicenet_core::tool::{self, ToolEvent};
 
 use devicenex_core::OperationalAddress;
 use devicenex_core::access as nex;
+use devicenex_core::device::DeviceEvent;
+use devicenex_core::manager::{DeviceState, ManagerEvent, PlannedEvent};
+use devicenex_core::message::ConnectionInstance;
 
 use crate::scenario::{Do, Output};
 
@@ -22,6 +25,12 @@ pub(crate) enum NodeEvent {
     NexAccess(nex::AccessEvent),
     /// The operational address of a DeviceNeX node is another one; other events say why.
     Address(OperationalAddress),
+    /// A DeviceNeX device; new outputs are told by `DeviceOutput`.
+    Device(DeviceEvent),
+    /// A network manager.
+    Manager(Box<ManagerEvent>),
+    /// A DeviceNeX device has other outputs.
+    DeviceOutput { connection: ConnectionInstance, data: Rc<[u8]> },
     /// A slave; new outputs are told by `Output`.
     Slave(SlaveEvent),
     /// A slave has other outputs.
@@ -56,6 +65,9 @@ impl NodeEvent {
             Self::Access(event) => event.to_string(),
             Self::NexAccess(event) => event.to_string(),
             Self::Address(address) => format!("OA {address}"),
+            Self::Device(event) => event.to_string(),
+            Self::Manager(event) => event.to_string(),
+            Self::DeviceOutput { connection, data } => format!("{connection}: output data {}", hex(data)),
             Self::Slave(event) => event.to_string(),
             Self::Master(event) => event.to_string(),
             Self::ScannerStatus(status) => format!("scanner status {status}"),
@@ -69,13 +81,16 @@ impl NodeEvent {
     }
 
     /// False for what the frames beside it tell, and for what happens all the time.
-    pub(crate) const fn is_news(&self) -> bool {
+    pub(crate) fn is_news(&self) -> bool {
         match self {
             Self::Slave(event) => is_news_of_slave(event),
+            Self::Device(event) => is_news_of_device(event),
+            Self::Manager(event) => is_news_of_manager(event),
             Self::Master(event) => is_news_of_master(event),
             // The change of the controller's mode tells the bit rate.
             Self::NexAccess(nex::AccessEvent::BitRateLocked(_))
             | Self::Address(_)
+            | Self::DeviceOutput { .. }
             | Self::Output { .. }
             | Self::Input { .. } => false,
             Self::Access(_)
@@ -87,7 +102,7 @@ impl NodeEvent {
     }
 
     /// Whether it tells that something is wrong.
-    pub(crate) const fn is_problem(&self) -> bool {
+    pub(crate) fn is_problem(&self) -> bool {
         match self {
             Self::Access(event) => is_problem_of_access(event),
             Self::NexAccess(event) => is_problem_of_nex_access(event),
@@ -134,7 +149,13 @@ impl NodeEvent {
                 _ => false,
             },
             Self::Action(_, effect) => matches!(effect, Effect::None(_)),
-            Self::Address(_) | Self::ScannerStatus(_) | Self::Output { .. } | Self::Input { .. } => false,
+            Self::Device(event) => is_problem_of_device(event),
+            Self::Manager(event) => is_problem_of_manager(event),
+            Self::Address(_)
+            | Self::DeviceOutput { .. }
+            | Self::ScannerStatus(_)
+            | Self::Output { .. }
+            | Self::Input { .. } => false,
         }
     }
 }
@@ -150,6 +171,78 @@ const fn is_news_of_slave(event: &SlaveEvent) -> bool {
             | SlaveEvent::Effect(_)
             | SlaveEvent::NetworkStatus(_)
     )
+}
+
+/// The responses beside them tell the others.
+const fn is_news_of_device(event: &DeviceEvent) -> bool {
+    !matches!(event, DeviceEvent::Explicit { .. } | DeviceEvent::Changed { .. } | DeviceEvent::Effect(_))
+}
+
+/// The states of a planned device say less than its other events.
+fn is_news_of_manager(event: &ManagerEvent) -> bool {
+    match event {
+        ManagerEvent::Planned(_, PlannedEvent::StateChanged { to, .. }) => match to {
+            DeviceState::Running | DeviceState::Retrying => true,
+            DeviceState::Idle
+            | DeviceState::Probing
+            | DeviceState::Missing
+            | DeviceState::Found
+            | DeviceState::Assigned
+            | DeviceState::Joining
+            | DeviceState::Connecting
+            | DeviceState::Lost
+            | DeviceState::Conflict => false,
+        },
+        _ => true,
+    }
+}
+
+fn is_problem_of_manager(event: &ManagerEvent) -> bool {
+    match event {
+        ManagerEvent::Planned(_, event) => match event {
+            PlannedEvent::StateChanged { to, .. } => *to == DeviceState::Retrying,
+            PlannedEvent::NotAddressed(_)
+            | PlannedEvent::Refused { .. }
+            | PlannedEvent::TimedOut(_)
+            | PlannedEvent::Lost(_)
+            | PlannedEvent::NoSpare
+            | PlannedEvent::Conflict(_)
+            | PlannedEvent::Read(_, Err(_)) => true,
+            PlannedEvent::Learned(_)
+            | PlannedEvent::Found(_)
+            | PlannedEvent::Addressed(_)
+            | PlannedEvent::Connected { .. }
+            | PlannedEvent::Replaced { .. }
+            | PlannedEvent::Challenged(_)
+            | PlannedEvent::Read(_, Ok(_)) => false,
+        },
+        ManagerEvent::SecondManager { .. }
+        | ManagerEvent::Misplaced { .. }
+        | ManagerEvent::Readdressed { result: Err(_), .. }
+        | ManagerEvent::RequestFailed(..)
+        | ManagerEvent::BadFrame(_) => true,
+        ManagerEvent::Node(_)
+        | ManagerEvent::Started
+        | ManagerEvent::Stopped
+        | ManagerEvent::Unknown { .. }
+        | ManagerEvent::Spare(_)
+        | ManagerEvent::StandbyLeft(_)
+        | ManagerEvent::Readdressed { result: Ok(()), .. }
+        | ManagerEvent::Response(_) => false,
+    }
+}
+
+const fn is_problem_of_device(event: &DeviceEvent) -> bool {
+    match event {
+        DeviceEvent::Mode(_, mode) => matches!(mode, IoMode::Fault),
+        DeviceEvent::Io { to, .. } => matches!(to, cip_core::connection::IoState::TimedOut),
+        DeviceEvent::Refused { .. }
+        | DeviceEvent::NotAcknowledged(_)
+        | DeviceEvent::ResponseAbandoned { .. }
+        | DeviceEvent::NotSent { .. }
+        | DeviceEvent::Ignored { .. } => true,
+        _ => false,
+    }
 }
 
 const fn is_news_of_master(event: &MasterEvent) -> bool {

@@ -11,6 +11,7 @@
 //! | `connection` | `node`, `connection` (instance of the Connection object), `from`, `to`, `cause`: a slave's connection changed its state |
 //! | `output` | `node`, `connection`, `data`: a slave has other outputs |
 //! | `slave` | `node` (the master), `slave` (MAC ID), `from`, `to`, `cause`: the master is elsewhere with a slave |
+//! | `planned` | `node` (the manager), `device` (operational address), `from`, `to`, `cause`: a planned device has another state |
 //! | `status` | `node` (the master), `slave` (absent for the scanner itself), `status`, `text`: another scanner status |
 //! | `input` | `node` (the master), `slave`, `connection`, `data`: other input data of a slave |
 //! | `scan` | `node` (the master), `missing`: a scan is over, and so many responses are missing |
@@ -26,6 +27,8 @@ use devicenet_core::access::AccessEvent;
 use devicenet_core::master::{self, MasterEvent};
 use devicenet_core::slave::SlaveEvent;
 use devicenex_core::access as nex;
+use devicenex_core::device::DeviceEvent;
+use devicenex_core::manager::{ManagerEvent, PlannedEvent};
 use link_core::{BusErrorKind, Frame, Instant};
 use serde::Serialize;
 use transport_mock::Flag;
@@ -33,7 +36,7 @@ use transport_mock::bus::{BusError, Sender, SenderOutcome};
 use transport_mock::record::{FrameRecord, Outcome};
 
 use super::event::NodeEvent;
-use super::exchange::{explicit_state, io_state, slave_state};
+use super::exchange::{device_state, explicit_state, io_state, slave_state};
 use super::expectations::Verdict;
 use super::said::Said;
 use super::shared::SharedBuffer;
@@ -93,6 +96,14 @@ enum Line<'a> {
         from: &'static str,
         to: &'static str,
         cause: String,
+    },
+    Planned {
+        t: f64,
+        node: &'a str,
+        device: u8,
+        from: &'static str,
+        to: &'static str,
+        cause: &'static str,
     },
     Status {
         t: f64,
@@ -270,6 +281,27 @@ fn node_event<'a>(t: f64, node: &'a str, event: &'a NodeEvent) -> Line<'a> {
             to: nex_state_name(*to).name(),
             cause: cause.name(),
         },
+        NodeEvent::Device(DeviceEvent::Io { connection, from, to, cause }) => Line::Connection {
+            t,
+            node,
+            connection: connection.number().0,
+            from: io_state(*from).name(),
+            to: io_state(*to).name(),
+            cause: cause.to_string(),
+        },
+        NodeEvent::Device(DeviceEvent::Explicit { connection, from, to, cause }) => Line::Connection {
+            t,
+            node,
+            connection: connection.number().0,
+            from: explicit_state(*from).name(),
+            to: explicit_state(*to).name(),
+            cause: cause.to_string(),
+        },
+        NodeEvent::Device(event) => Line::Node { t, node, text: event.to_string() },
+        NodeEvent::DeviceOutput { connection, data } => {
+            Line::Output { t, node, connection: connection.number().0, data: hex(data) }
+        }
+        NodeEvent::Manager(event) => manager_event(t, node, event),
         NodeEvent::Address(address) => Line::Node { t, node, text: format!("OA {address}") },
         NodeEvent::NexAccess(event) => Line::Node { t, node, text: event.to_string() },
         NodeEvent::Access(event) => Line::Node { t, node, text: event.to_string() },
@@ -306,6 +338,20 @@ fn node_event<'a>(t: f64, node: &'a str, event: &'a NodeEvent) -> Line<'a> {
         }
         NodeEvent::Tool(event) => Line::Node { t, node, text: event.to_string() },
         NodeEvent::Action(..) => Line::Node { t, node, text: event.words() },
+    }
+}
+
+fn manager_event<'a>(t: f64, node: &'a str, event: &ManagerEvent) -> Line<'a> {
+    match event {
+        ManagerEvent::Planned(oa, PlannedEvent::StateChanged { from, to, cause }) => Line::Planned {
+            t,
+            node,
+            device: oa.number(),
+            from: device_state(*from).name(),
+            to: device_state(*to).name(),
+            cause: cause.name(),
+        },
+        event => Line::Node { t, node, text: event.to_string() },
     }
 }
 

@@ -13,7 +13,7 @@ use super::build::{self, Settings};
 use super::doors::Doors;
 use super::event::NodeEvent;
 use super::expectations::{Status, Verdict};
-use super::machines::{MasterMachine, ScanTimes, SlaveMachine, ToolMachine};
+use super::machines::{DeviceMachine, MasterMachine, ScanTimes, SlaveMachine, ToolMachine};
 use super::sight::{Observer, View};
 use super::socketcand::Server;
 use super::summary::{Counting, Last, ScanSummary, SlaveSummary, Summary};
@@ -114,11 +114,13 @@ impl<'a> Run<'a> {
         let last = |node: NodeIndex| {
             let status = self.observer.status(node);
             let slave = self.network.machine::<SlaveMachine>(ids[node.0]);
+            let device = self.network.machine::<DeviceMachine>(ids[node.0]);
             let master = self.network.machine::<MasterMachine>(ids[node.0]);
             Last {
                 max_tec: self.observer.highest_tec(node),
                 mac: access(&self.network, ids[node.0]).map(|access| access.mac_id().into()),
                 oa: status.oa,
+                received: slave.map(SlaveMachine::received).or(device.map(DeviceMachine::received)),
                 slave: slave.map(SlaveMachine::counters),
                 scan: master.map(|master| scan(master, &status)),
                 status,

@@ -5,6 +5,8 @@ use devicenet_core::access::AccessEvent;
 use devicenet_core::master::{self, MasterEvent};
 use devicenet_core::slave::SlaveEvent;
 use devicenex_core::access as nex;
+use devicenex_core::device::DeviceEvent;
+use devicenex_core::manager::{ManagerEvent, PlannedEvent};
 use transport_mock::record::Outcome;
 
 use super::event::NodeEvent;
@@ -28,6 +30,8 @@ pub enum EventKind {
     Output,
     /// Where a master is with a slave
     Slave,
+    /// What a manager knows of a planned device
+    Planned,
     /// The scanner status
     Status,
     /// Input data that a master has received
@@ -102,12 +106,18 @@ fn kind_of(sight: &Sight<'_>) -> EventKind {
 }
 
 /// What a node tells.
-pub(super) const fn kind_of_event(event: &NodeEvent) -> EventKind {
+pub(super) fn kind_of_event(event: &NodeEvent) -> EventKind {
     match event {
         NodeEvent::Access(AccessEvent::StateChanged { .. })
         | NodeEvent::NexAccess(nex::AccessEvent::StateChanged { .. }) => EventKind::State,
         NodeEvent::Slave(SlaveEvent::Io { .. } | SlaveEvent::Explicit { .. }) => EventKind::Connection,
-        NodeEvent::Output { .. } => EventKind::Output,
+        NodeEvent::Device(DeviceEvent::Io { .. } | DeviceEvent::Explicit { .. }) => EventKind::Connection,
+        NodeEvent::Manager(event)
+            if matches!(**event, ManagerEvent::Planned(_, PlannedEvent::StateChanged { .. })) =>
+        {
+            EventKind::Planned
+        }
+        NodeEvent::Output { .. } | NodeEvent::DeviceOutput { .. } => EventKind::Output,
         NodeEvent::Input { .. } => EventKind::Input,
         NodeEvent::Master(MasterEvent::ScanDone { .. }) => EventKind::Scan,
         NodeEvent::Master(MasterEvent::Slave { event: master::SlaveEvent::StateChanged { .. }, .. }) => {
@@ -118,6 +128,8 @@ pub(super) const fn kind_of_event(event: &NodeEvent) -> EventKind {
         NodeEvent::Access(_)
         | NodeEvent::NexAccess(_)
         | NodeEvent::Address(_)
+        | NodeEvent::Device(_)
+        | NodeEvent::Manager(_)
         | NodeEvent::Slave(_)
         | NodeEvent::Master(_)
         | NodeEvent::Tool(_)

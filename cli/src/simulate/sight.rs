@@ -177,7 +177,10 @@ impl<'a> Observer<'a> {
         let happened = match event {
             NodeEvent::Access(event) => self.access_event(at, node, event).map(Happening::from),
             NodeEvent::Address(address) => return self.set_oa(at, node, Some(address.number())),
-            NodeEvent::NexAccess(event) => self.nex_access_event(at, node, event).map(Happening::from),
+            NodeEvent::NexAccess(event) => {
+                self.follow(at, node, &NodeEvent::NexAccess(*event));
+                self.nex_access_event(at, node, event).map(Happening::from)
+            }
             NodeEvent::Action(action, effect) => {
                 if matches!(action, Do::SetInput(_)) {
                     self.follow(at, node, event);

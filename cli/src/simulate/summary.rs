@@ -53,6 +53,9 @@ pub struct NodeSummary {
     pub max_tec: u16,
     /// How often the controller went bus-off.
     pub bus_offs: u64,
+    /// Of a slave or a device: frames that passed the filter that it asked for, since power-up.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub received: Option<u64>,
     /// Of a slave: what it has counted since power-up.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slave: Option<slave::Counters>,
@@ -131,6 +134,7 @@ pub(super) struct Last {
     pub(super) max_tec: u16,
     pub(super) mac: Option<u8>,
     pub(super) oa: Option<u8>,
+    pub(super) received: Option<u64>,
     pub(super) slave: Option<slave::Counters>,
     pub(super) scan: Option<ScanSummary>,
 }
@@ -150,6 +154,7 @@ impl Counting {
             rec: 0,
             max_tec: 0,
             bus_offs: 0,
+            received: None,
             slave: None,
             scan: None,
         });
@@ -197,9 +202,9 @@ impl Figures {
     /// The summary of a run that has ended.
     pub(super) fn summary(&self, end: Instant, last: impl Fn(NodeIndex) -> Last) -> Summary {
         let finish = |(place, node): (usize, &NodeSummary)| {
-            let Last { status: Status { state, tec, rec, .. }, max_tec, mac, oa, slave, scan } =
+            let Last { status: Status { state, tec, rec, .. }, max_tec, mac, oa, received, slave, scan } =
                 last(NodeIndex(place));
-            NodeSummary { mac, oa, state, tec, rec, max_tec, slave, scan, ..node.clone() }
+            NodeSummary { mac, oa, state, tec, rec, max_tec, received, slave, scan, ..node.clone() }
         };
         let percent = |nanos: u64| nanos as f64 * 100.0 / end.as_nanos().max(1) as f64;
         Summary {

@@ -35,7 +35,7 @@ at = "1s"
 node = "valve"
 do = "set_input"
 value = "01""#,
-        "11:6: `set_input` cannot be done to `valve`, whose role is `access`; expected a node with the role `slave`",
+        "11:6: `set_input` cannot be done to `valve`, whose role is `access`; expected a node with the role `slave` or `device`",
     );
     refused(
         VALVE,

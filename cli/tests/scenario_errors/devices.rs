@@ -334,7 +334,7 @@ fn what_can_be_expected_of_a_master() {
         ),
         (
             "slave = 10",
-            "18:1: nothing is expected; expected one or more of `state`, `oa`, `tec`, `rec`, `bus_off`, `connection_state`, `mode`, `input`, `output`, `slave_state`, `status` or `event`",
+            "18:1: nothing is expected; expected one or more of `state`, `oa`, `tec`, `rec`, `bus_off`, `connection_state`, `mode`, `input`, `output`, `slave_state`, `status`, `device_state` or `event`",
         ),
         (
             "slave = 10\nslave_state = \"up\"",
@@ -343,7 +343,7 @@ fn what_can_be_expected_of_a_master() {
         ("input = \"01\"", "21:9: the input of a master is that of a slave; expected `slave` too"),
         (
             "mode = \"run\"",
-            "21:8: `scanner` has the role `master` and no `mode`; expected a node with the role `slave`",
+            "21:8: `scanner` has the role `master` and no `mode`; expected a node with the role `slave` or `device`",
         ),
     ] {
         refused(MASTER, &expect(what), expected);

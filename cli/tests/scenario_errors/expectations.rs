@@ -25,7 +25,7 @@ state = "online""#,
         r#"[[expect]]
 by = "1s"
 node = "valve""#,
-        "8:1: nothing is expected; expected one or more of `state`, `oa`, `tec`, `rec`, `bus_off`, `connection_state`, `mode`, `input`, `output`, `slave_state`, `status` or `event`",
+        "8:1: nothing is expected; expected one or more of `state`, `oa`, `tec`, `rec`, `bus_off`, `connection_state`, `mode`, `input`, `output`, `slave_state`, `status`, `device_state` or `event`",
     );
     refused(
         VALVE,
@@ -56,7 +56,7 @@ tec = "<x""#,
 by = "1s"
 node = "valve"
 connection = "poll""#,
-        "8:1: nothing is expected; expected one or more of `state`, `oa`, `tec`, `rec`, `bus_off`, `connection_state`, `mode`, `input`, `output`, `slave_state`, `status` or `event`",
+        "8:1: nothing is expected; expected one or more of `state`, `oa`, `tec`, `rec`, `bus_off`, `connection_state`, `mode`, `input`, `output`, `slave_state`, `status`, `device_state` or `event`",
     );
     refused(
         VALVE,

@@ -70,7 +70,7 @@ role = "babbler""#,
         TOOL,
         "[[expect]]
 whatever = 1",
-        "6:1: there is no key `whatever`; expected `by`, `at`, `from`, `to`, `never`, `always`, `node`, `state`, `oa`, `tec`, `rec`, `bus_off`, `event`, `connection`, `connection_state`, `mode`, `input`, `output`, `slave`, `slave_state` or `status`",
+        "6:1: there is no key `whatever`; expected `by`, `at`, `from`, `to`, `never`, `always`, `node`, `state`, `oa`, `tec`, `rec`, `bus_off`, `event`, `connection`, `connection_state`, `mode`, `input`, `output`, `slave`, `slave_state`, `status`, `device` or `device_state`",
     );
     refused(BUS, "rate = 1", "2:1: there is no key `rate`; expected `bit_rate`, `seed` or `duration`");
 }

@@ -7,7 +7,10 @@
     clippy::unwrap_used,
     reason = "a test may panic: that is how it fails"
 )]
-//! DeviceNeX: network access on the simulated bus.
+//! DeviceNeX: devices and network access on the simulated bus.
 
 mod access;
+mod block;
+mod connectionless;
 mod plant;
+mod silence;

@@ -125,6 +125,9 @@ impl Checker<'_> {
                 let why = "as the longest connection of the slave produces";
                 Ok(Do::SetInput(self.data("value", &data, slave.input.len(), why)?))
             }
+            Some(Role::Device(device)) => {
+                Ok(Do::SetInput(self.data("value", &data, device.input.len(), "as the device produces")?))
+            }
             Some(_) | None => Ok(Do::SetInput(Vec::new())),
         }
     }

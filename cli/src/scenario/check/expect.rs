@@ -9,8 +9,8 @@ use super::nex::OPERATIONAL_ADDRESS;
 use super::{Checker, list};
 use crate::scenario::diagnostic::ScenarioError;
 use crate::scenario::model::{
-    ConnectionName, ConnectionStateName, EventName, Expectation, Kind, ModeName, Node, Role, SlaveStateName,
-    StateName, What, When,
+    ConnectionName, ConnectionStateName, DeviceStateName, EventName, Expectation, Kind, ModeName,
+    NexConnection, Node, Protocol, Role, SlaveStateName, StateName, What, When,
 };
 use crate::scenario::raw::{RawExpect, Table};
 
@@ -138,12 +138,21 @@ impl Checker<'_> {
             tec: raw.tec.as_ref().map(|tec| *tec.get_ref()),
             rec: raw.rec.as_ref().map(|rec| *rec.get_ref()),
             bus_off: raw.bus_off.as_ref().map(|flag| *flag.get_ref()),
-            connection: self.name(
-                "connection",
-                raw.connection.as_ref(),
-                ConnectionName::ALL,
-                ConnectionName::name,
-            )?,
+            connection: match speaks(of) {
+                Some(Protocol::DeviceNex) => None,
+                Some(Protocol::DeviceNet) | None => self.name(
+                    "connection",
+                    raw.connection.as_ref(),
+                    ConnectionName::ALL,
+                    ConnectionName::name,
+                )?,
+            },
+            nex_connection: match speaks(of) {
+                Some(Protocol::DeviceNex) => {
+                    self.name("connection", raw.connection.as_ref(), NexConnection::ALL, NexConnection::name)?
+                }
+                Some(Protocol::DeviceNet) | None => None,
+            },
             connection_state: self.name(
                 "connection_state",
                 raw.connection_state.as_ref(),
@@ -170,9 +179,25 @@ impl Checker<'_> {
                 SlaveStateName::name,
             )?,
             status: raw.status.as_ref().map(|status| *status.get_ref()),
+            device: match (&raw.device, of.map(|node| &node.role)) {
+                (Some(device), Some(Role::Manager(manager))) => {
+                    Some(self.planned_oa(device, manager, nodes)?.number())
+                }
+                (Some(device), _) => {
+                    return self
+                        .fail(&device.span(), "`device` needs the `node` of a manager; expected that too");
+                }
+                (None, _) => None,
+            },
+            device_state: self.name(
+                "device_state",
+                raw.device_state.as_ref(),
+                DeviceStateName::ALL,
+                DeviceStateName::name,
+            )?,
             event: self.name("event", raw.event.as_ref(), EventName::ALL, EventName::name)?,
         };
-        if what.keys().all(|(key, _)| key == "slave") {
+        if what.keys().all(|(key, _)| key == "slave" || key == "device") {
             return self.fail(table, format!("nothing is expected; expected one or more of {}", list(WHAT)));
         }
         self.selected(raw, &what)?;
@@ -202,11 +227,21 @@ impl Checker<'_> {
                  of connections too",
             );
         }
-        if let (Some(state), None) = (&raw.connection_state, &what.connection) {
+        if let (Some(state), None, None) = (&raw.connection_state, &what.connection, &what.nex_connection) {
             return self.fail(&state.span(), "`connection_state` needs `connection`; expected that too");
         }
         if let (Some(state), None) = (&raw.slave_state, what.slave) {
             return self.fail(&state.span(), "`slave_state` needs `slave`; expected that too");
+        }
+        if let (Some(state), None) = (&raw.device_state, what.device) {
+            return self.fail(&state.span(), "`device_state` needs `device`; expected that too");
+        }
+        let is_about_device = what.device_state.is_some() || what.event.is_some_and(EventName::has_device);
+        if let (Some(device), false) = (&raw.device, is_about_device) {
+            return self.fail(
+                &device.span(),
+                "`device` says nothing alone; expected `device_state` or an event of planned devices too",
+            );
         }
         let is_about_slave = what.slave_state.is_some()
             || what.status.is_some()
@@ -222,6 +257,11 @@ impl Checker<'_> {
     }
 }
 
+/// What the node speaks, if it is one.
+fn speaks(node: Option<&Node>) -> Option<Protocol> {
+    node.and_then(|node| node.role.protocol())
+}
+
 const TIMES: &str = "one of `by`, `at`, `from` and `to`, `always = true` or `never = true`";
 const WHAT: &[&str] = &[
     "state",
@@ -235,5 +275,6 @@ const WHAT: &[&str] = &[
     "output",
     "slave_state",
     "status",
+    "device_state",
     "event",
 ];

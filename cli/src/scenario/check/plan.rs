@@ -9,7 +9,7 @@ use toml::Spanned;
 use super::Checker;
 use crate::scenario::diagnostic::ScenarioError;
 use crate::scenario::model::{
-    Attribute, NexConnection, NexNode, Node, Pattern, Planned, PlannedIo, Role, WatchdogName,
+    Attribute, ManagerNode, NexConnection, NexNode, Node, Pattern, Planned, PlannedIo, Role, WatchdogName,
 };
 use crate::scenario::raw::{RawNode, RawPlanned, RawPlannedIo};
 use crate::scenario::values::SlaveName;
@@ -189,15 +189,7 @@ impl Checker<'_> {
     ) -> Result<Option<(OperationalAddress, u8)>, ScenarioError> {
         let Some(from) = &table.get_ref().from else { return Ok(None) };
         let span = from.span();
-        let source = match from.get_ref() {
-            SlaveName::Mac(oa) => planned.iter().find(|entry| i64::from(entry.oa.number()) == *oa),
-            SlaveName::Node(name) => {
-                let first = self.nodes(name, &span)?.first().copied();
-                let node = first.and_then(|index| nodes.get(index.0)?.role.nex()).map(NexNode::on_the_wire);
-                planned.iter().find(|entry| node.is_some_and(|node| entry.device.is(&node)))
-            }
-        };
-        let Some(source) = source else {
+        let Some(source) = self.entry(from, nodes, planned)? else {
             return self.fail(
                 &span,
                 "nobody is planned there; expected the `oa` of an entry, or the name of its device",
@@ -211,6 +203,38 @@ impl Checker<'_> {
                 format!("OA {} has no connection on which it sends by itself; expected one, such as `multicast_producer`", source.oa),
             ),
         }
+    }
+
+    /// The address of a planned device, by the name of its node or as a number.
+    pub(super) fn planned_oa(
+        &self,
+        device: &Spanned<SlaveName>,
+        manager: &ManagerNode,
+        nodes: &[Node],
+    ) -> Result<OperationalAddress, ScenarioError> {
+        match self.entry(device, nodes, &manager.planned)? {
+            Some(entry) => Ok(entry.oa),
+            None => self.fail(
+                &device.span(),
+                "the manager has no such device planned; expected the `oa` of an entry, or the name of its device",
+            ),
+        }
+    }
+
+    fn entry<'p>(
+        &self,
+        device: &Spanned<SlaveName>,
+        nodes: &[Node],
+        planned: &'p [Planned],
+    ) -> Result<Option<&'p Planned>, ScenarioError> {
+        Ok(match device.get_ref() {
+            SlaveName::Mac(oa) => planned.iter().find(|entry| i64::from(entry.oa.number()) == *oa),
+            SlaveName::Node(name) => {
+                let first = self.nodes(name, &device.span())?.first().copied();
+                let node = first.and_then(|index| nodes.get(index.0)?.role.nex()).map(NexNode::on_the_wire);
+                planned.iter().find(|entry| node.is_some_and(|node| entry.device.is(&node)))
+            }
+        })
     }
 
     fn reads(&self, raw: &RawPlanned) -> Result<Vec<Attribute>, ScenarioError> {

@@ -103,7 +103,7 @@ impl Do {
             | Self::SetBitRate(_) => Kind::Any,
             Self::SetMac(_) => Kind::DeviceNet,
             Self::Reset => Kind::Access,
-            Self::SetInput(_) => Kind::Slave,
+            Self::SetInput(_) => Kind::Server,
             Self::SetOutput(_) | Self::GoRun | Self::GoIdle => Kind::Master,
             Self::Claim | Self::Release | Self::Who | Self::Identify(_) | Self::Recover(..) => Kind::Tool,
         }

@@ -4,6 +4,7 @@ use link_core::Instant;
 
 use super::device::ConnectionName;
 use super::names::names;
+use super::nex::NexConnection;
 use super::{Kind, NodeIndex, Role};
 use crate::scenario::values::Comparison;
 
@@ -48,6 +49,8 @@ pub struct What {
     pub bus_off: Option<bool>,
     /// Which connection is meant; without it the first that there is.
     pub connection: Option<ConnectionName>,
+    /// The same of a DeviceNeX device.
+    pub nex_connection: Option<NexConnection>,
     /// The state of that connection in a slave.
     pub connection_state: Option<ConnectionStateName>,
     /// What the data mean that this connection of a slave consumes.
@@ -62,6 +65,10 @@ pub struct What {
     pub slave_state: Option<SlaveStateName>,
     /// The scanner status of `slave`, or of the scanner itself.
     pub status: Option<Comparison>,
+    /// The planned device that a manager is asked about, by its operational address.
+    pub device: Option<u8>,
+    /// What the manager knows of `device`.
+    pub device_state: Option<DeviceStateName>,
     /// Something that happens in this moment.
     pub event: Option<EventName>,
 }
@@ -69,20 +76,22 @@ pub struct What {
 impl What {
     /// The keys that are given, each with the nodes that it can be expected of.
     pub fn keys(&self) -> impl Iterator<Item = (&'static str, Kind)> {
-        let input = if self.slave.is_some() { Kind::Master } else { Kind::Slave };
+        let input = if self.slave.is_some() { Kind::Master } else { Kind::Server };
         [
             ("state", self.state.is_some(), self.state.map_or(Kind::Any, StateName::kind)),
             ("oa", self.oa.is_some(), Kind::DeviceNex),
             ("tec", self.tec.is_some(), Kind::Any),
             ("rec", self.rec.is_some(), Kind::Any),
             ("bus_off", self.bus_off.is_some(), Kind::Any),
-            ("connection_state", self.connection_state.is_some(), Kind::Slave),
-            ("mode", self.mode.is_some(), Kind::Slave),
+            ("connection_state", self.connection_state.is_some(), Kind::Server),
+            ("mode", self.mode.is_some(), Kind::Server),
             ("input", self.input.is_some(), input),
-            ("output", self.output.is_some(), Kind::Slave),
+            ("output", self.output.is_some(), Kind::Server),
             ("slave", self.slave.is_some(), Kind::Master),
             ("slave_state", self.slave_state.is_some(), Kind::Master),
             ("status", self.status.is_some(), Kind::Master),
+            ("device", self.device.is_some(), Kind::Manager),
+            ("device_state", self.device_state.is_some(), Kind::Manager),
             ("event", self.event.is_some(), self.event.map_or(Kind::Any, EventName::kind)),
         ]
         .into_iter()
@@ -189,6 +198,34 @@ names! {
 }
 
 names! {
+    /// What a manager knows of a planned device.
+    DeviceStateName {
+        /// The manager is not on line, or leaves the work to another one.
+        Idle = "idle",
+        /// Whoever has its address is asked who it is.
+        Probing = "probing",
+        /// Nobody has its address; spares are left alone.
+        Missing = "missing",
+        /// It was heard without an address.
+        Found = "found",
+        /// It was sent its address.
+        Assigned = "assigned",
+        /// It says Hello with its address.
+        Joining = "joining",
+        /// It is on line, and its connections are being made.
+        Connecting = "connecting",
+        /// Its connections are as planned, and watched.
+        Running = "running",
+        /// It fell silent, and is asked again.
+        Retrying = "retrying",
+        /// It is gone: spares may take over.
+        Lost = "lost",
+        /// Somebody has its address for whom it is not planned.
+        Conflict = "conflict",
+    }
+}
+
+names! {
     /// What can happen to a node.
     EventName {
         /// It was on the bus with a frame, acknowledged.
@@ -223,9 +260,9 @@ names! {
         Allocated = "allocated",
         /// Slave: nothing is allocated any longer.
         Released = "released",
-        /// Slave: a connection changed its state.
+        /// Slave, device: a connection changed its state.
         ConnectionChanged = "connection_changed",
-        /// Slave: a connection timed out.
+        /// Slave, device: a connection timed out. Manager: that of a planned device did.
         TimedOut = "timed_out",
         /// Slave: what its outputs mean has changed.
         ModeChanged = "mode_changed",
@@ -241,7 +278,7 @@ names! {
         SlaveChanged = "slave_changed",
         /// Master: the I/O of a slave runs.
         Established = "established",
-        /// Master: a slave that ran is lost.
+        /// Master: a slave that ran is lost. Manager: a planned device is.
         Lost = "lost",
         /// Master: the scanner status of a slave has changed.
         StatusChanged = "status_changed",
@@ -255,13 +292,37 @@ names! {
         Heartbeat = "heartbeat",
         /// Master: a slave says that it goes off line.
         Shutdown = "shutdown",
-        /// Master: a new device was given the MAC ID of a slave.
+        /// Master: a new device was given the MAC ID of a slave. Manager: another device has the address of a lost one.
         Replaced = "replaced",
         /// Master: a new device was not given the MAC ID of a slave.
         NotReplaced = "not_replaced",
+        /// Device: it refused a connection; manager: a device did.
+        Refused = "refused",
+        /// Manager: a planned device has another state.
+        DeviceChanged = "device_changed",
+        /// Manager: a device that is planned nowhere.
+        Unknown = "unknown",
+        /// Manager: a device was added to the database.
+        Learned = "learned",
+        /// Manager: a device is on line with its planned address.
+        Addressed = "addressed",
+        /// Manager: a device does not take its address.
+        NotAddressed = "not_addressed",
+        /// Manager: a connection of a planned device is established.
+        Connected = "connected",
+        /// Manager: a device stands by that may stand in for one that is there.
+        Spare = "spare",
+        /// Manager: nobody can stand in for a device that is lost.
+        NoSpare = "no_spare",
+        /// Manager: somebody has the address of a planned device for whom it is not planned.
+        Conflict = "conflict",
+        /// Manager: there is another manager on the bus.
+        SecondManager = "second_manager",
+        /// Manager: an attribute of a planned device was read.
+        Read = "read",
         /// Tool: the offline connection set is its own.
         Owner = "owner",
-        /// Tool: a faulted node answered.
+        /// Tool: a faulted node answered. Manager: a planned device was heard.
         Found = "found",
         /// Tool: all faulted nodes had the time to answer.
         WhoDone = "who_done",
@@ -281,48 +342,77 @@ impl EventName {
             Self::ErrorWarning | Self::ErrorPassive | Self::ErrorActive | Self::BusOff => Kind::Any,
             Self::StateChanged | Self::Defended | Self::NotAcknowledged => Kind::Access,
             Self::DuplicateMacId | Self::MacIdAssigned => Kind::DeviceNet,
-            Self::OwnIdentity | Self::AddressTaken => Kind::DeviceNex,
+            Self::OwnIdentity | Self::AddressTaken | Self::Refused => Kind::DeviceNex,
             Self::AddressAssigned | Self::RoamRefused => Kind::Device,
-            Self::BitRateDetected => Kind::Server,
-            Self::Allocated
-            | Self::Released
-            | Self::ConnectionChanged
-            | Self::TimedOut
+            Self::Allocated | Self::Released => Kind::Slave,
+            Self::ConnectionChanged
             | Self::ModeChanged
             | Self::OutputChanged
             | Self::Reset
-            | Self::Ignored => Kind::Slave,
+            | Self::BitRateDetected
+            | Self::Ignored => Kind::Server,
+            Self::TimedOut => Kind::Watcher,
             Self::SlaveChanged
             | Self::Established
-            | Self::Lost
             | Self::StatusChanged
             | Self::InputChanged
             | Self::ScanDone
             | Self::ResponseMissing
             | Self::Heartbeat
             | Self::Shutdown
-            | Self::Replaced
             | Self::NotReplaced => Kind::Master,
-            Self::Owner | Self::Found | Self::WhoDone | Self::Recovered | Self::NotRecovered => Kind::Tool,
+            Self::Lost | Self::Replaced => Kind::Supervisor,
+            Self::Found => Kind::Searcher,
+            Self::Owner | Self::WhoDone | Self::Recovered | Self::NotRecovered => Kind::Tool,
+            Self::DeviceChanged
+            | Self::Unknown
+            | Self::Learned
+            | Self::Addressed
+            | Self::NotAddressed
+            | Self::Connected
+            | Self::NoSpare
+            | Self::Spare
+            | Self::Conflict
+            | Self::SecondManager
+            | Self::Read => Kind::Manager,
         }
     }
 
     /// Whether it is about one slave of a master.
     #[must_use]
     pub const fn has_slave(self) -> bool {
-        match self.kind() {
-            Kind::Master => !matches!(self, Self::ScanDone | Self::ResponseMissing | Self::NotReplaced),
-            Kind::Any
-            | Kind::Sender
-            | Kind::Access
-            | Kind::DeviceNet
-            | Kind::DeviceNex
-            | Kind::Slave
-            | Kind::Tool
-            | Kind::Device
-            | Kind::Manager
-            | Kind::Server => false,
-        }
+        matches!(
+            self,
+            Self::SlaveChanged
+                | Self::Established
+                | Self::StatusChanged
+                | Self::InputChanged
+                | Self::Heartbeat
+                | Self::Shutdown
+                | Self::Lost
+                | Self::Replaced
+        )
+    }
+
+    /// Whether it is about one planned device of a manager.
+    #[must_use]
+    pub const fn has_device(self) -> bool {
+        matches!(
+            self,
+            Self::DeviceChanged
+                | Self::Learned
+                | Self::Found
+                | Self::Addressed
+                | Self::NotAddressed
+                | Self::Connected
+                | Self::Refused
+                | Self::TimedOut
+                | Self::Lost
+                | Self::Replaced
+                | Self::NoSpare
+                | Self::Conflict
+                | Self::Read
+        )
     }
 
     /// Whether it is about one connection.
@@ -335,6 +425,7 @@ impl EventName {
                 | Self::ModeChanged
                 | Self::OutputChanged
                 | Self::InputChanged
+                | Self::Connected
         )
     }
 }

@@ -15,7 +15,8 @@ use link_core::{BitRate, Frame, Instant};
 pub use action::{Action, Do, Output};
 pub use device::{AccessNode, ConnectionName, MasterNode, ScannedSlave, Sizes, SlaveNode, Write};
 pub use expect::{
-    ConnectionStateName, EventName, Expectation, ModeName, SlaveStateName, StateName, What, When,
+    ConnectionStateName, DeviceStateName, EventName, Expectation, ModeName, SlaveStateName, StateName, What,
+    When,
 };
 pub use fault::{Fault, FaultKind};
 pub use nex::{
@@ -222,6 +223,12 @@ pub enum Kind {
     Manager,
     /// Those that exchange I/O when they are told to: slaves and devices.
     Server,
+    /// Those that watch connections: slaves, devices, managers.
+    Watcher,
+    /// Those that watch others: masters and managers.
+    Supervisor,
+    /// Those that look for others: tools and managers.
+    Searcher,
 }
 
 impl Kind {
@@ -245,6 +252,9 @@ impl Kind {
             Self::Device => &["device"],
             Self::Manager => &["manager"],
             Self::Server => &["slave", "device"],
+            Self::Watcher => &["slave", "device", "manager"],
+            Self::Supervisor => &["master", "manager"],
+            Self::Searcher => &["tool", "manager"],
         }
     }
 }

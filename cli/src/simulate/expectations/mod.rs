@@ -333,7 +333,8 @@ fn describe(expectation: &Expectation) -> String {
 
 /// What is expected of connections and data.
 fn exchanged(what: &What) -> Vec<String> {
-    let connection = what.connection.map_or_else(String::new, |name| format!("{name} "));
+    let nex = what.nex_connection.map_or_else(String::new, |name| format!("{name} "));
+    let connection = what.connection.map_or(nex, |name| format!("{name} "));
     let of_slave = what.slave.map_or_else(String::new, |mac| format!(" of slave {mac}"));
     let hex = |data: &Vec<u8>| data.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
     let mut words = Vec::new();
@@ -342,6 +343,10 @@ fn exchanged(what: &What) -> Vec<String> {
     words.extend(what.input.as_ref().map(|input| format!("{connection}input {}{of_slave}", hex(input))));
     words.extend(what.output.as_ref().map(|output| format!("{connection}output {}", hex(output))));
     words.extend(what.slave_state.map(|state| format!("slave{} {state}", of_slave.replace(" of slave", ""))));
+    words.extend(what.device_state.map(|state| match what.device {
+        Some(oa) => format!("device {oa} {state}"),
+        None => format!("device {state}"),
+    }));
     words.extend(what.status.map(|status| format!("status {status}{of_slave}")));
     words
 }

@@ -21,7 +21,7 @@ use crate::simulate::event::NodeEvent;
 
 /// A master of a scenario.
 #[derive(Clone, Debug)]
-pub(in crate::simulate) struct MasterMachine {
+pub(crate) struct MasterMachine {
     master: Box<Master<63, MESSAGE>>,
     /// The MAC ID is kept without power.
     mac: MacId,
@@ -102,7 +102,7 @@ impl MasterMachine {
         }
     }
 
-    pub(in crate::simulate) const fn access(&self) -> &Access {
+    pub(crate) const fn access(&self) -> &Access {
         self.master.access()
     }
 
@@ -122,7 +122,7 @@ impl MasterMachine {
         self.master.set_run(run);
     }
 
-    pub(in crate::simulate) fn set_output(&mut self, output: &Output) -> Result<(), CommandError> {
+    pub(crate) fn set_output(&mut self, output: &Output) -> Result<(), CommandError> {
         match output {
             Output::Slave(mac, data) => self.master.set_output(mac_id(*mac), data),
             Output::StrobeBit(mac, bit) => self.master.set_strobe_bit(mac_id(*mac), *bit),

@@ -7,10 +7,11 @@ mod nex;
 mod slave;
 mod tool;
 
+pub(crate) use master::MasterMachine;
+pub(super) use master::ScanTimes;
 pub(crate) use master::release;
-pub(super) use master::{MasterMachine, ScanTimes};
-pub(super) use nex::NexMachine;
-pub(super) use slave::SlaveMachine;
+pub(crate) use nex::{DeviceMachine, ManagerMachine};
+pub(crate) use slave::SlaveMachine;
 pub(super) use tool::{Task, ToolMachine};
 
 use devicenet_core::MacId;

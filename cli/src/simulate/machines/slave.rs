@@ -15,7 +15,7 @@ use crate::simulate::event::NodeEvent;
 
 /// A slave of a scenario.
 #[derive(Clone, Debug)]
-pub(in crate::simulate) struct SlaveMachine {
+pub(crate) struct SlaveMachine {
     slave: Server,
     kept: Kept,
     /// The rate that the controller has at power-up, by its switch.
@@ -26,6 +26,8 @@ pub(in crate::simulate) struct SlaveMachine {
     told: [Vec<u8>; 4],
     /// Connections whose outputs are to be looked at.
     due: Vec<IoKind>,
+    /// Frames that passed its filter, since power-up.
+    received: u64,
 }
 
 /// What is kept without power.
@@ -105,15 +107,20 @@ impl SlaveMachine {
         }
         let told = IoKind::ALL.map(|kind| with!(&slave, slave => slave.application().output(kind).to_vec()));
         let mode_due = switch != kept.bit_rate && !node.detects_bit_rate;
-        Self { slave, kept, switch, mode_due, told, due: Vec::new() }
+        Self { slave, kept, switch, mode_due, told, due: Vec::new(), received: 0 }
     }
 
-    pub(in crate::simulate) fn access(&self) -> &Access {
+    pub(crate) fn access(&self) -> &Access {
         with!(&self.slave, slave => slave.access())
     }
 
     pub(in crate::simulate) fn counters(&self) -> Counters {
         with!(&self.slave, slave => *slave.counters())
+    }
+
+    /// Frames that passed the filter that it asked for, since power-up.
+    pub(crate) const fn received(&self) -> u64 {
+        self.received
     }
 
     pub(in crate::simulate) fn reset(&mut self, now: Instant) {
@@ -129,7 +136,7 @@ impl SlaveMachine {
         (self.switch, self.kept.bit_rate) = (rate, rate);
     }
 
-    pub(in crate::simulate) fn set_input(&mut self, now: Instant, data: &[u8]) {
+    pub(crate) fn set_input(&mut self, now: Instant, data: &[u8]) {
         self.keep_input(data);
         with!(&mut self.slave, slave => {
             if slave.application().input != data {
@@ -196,6 +203,7 @@ impl Machine for SlaveMachine {
     type Event = NodeEvent;
 
     fn input(&mut self, now: Instant, input: Input) {
+        self.received += u64::from(matches!(input, Input::Frame(_)));
         with!(&mut self.slave, slave => slave.input(now, input));
     }
 

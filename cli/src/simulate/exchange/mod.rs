@@ -1,4 +1,6 @@
-//! What a slave or a master has, as far as it can be expected: followed event by event.
+//! What a slave or a master, a device or a manager has, as far as it can be expected: followed event by event.
+
+mod nex;
 
 use std::collections::BTreeMap;
 
@@ -10,6 +12,8 @@ use super::event::NodeEvent;
 use crate::scenario::{
     ConnectionName, ConnectionStateName, Do, EventName, ModeName, Node, Role, SlaveStateName, What,
 };
+use nex::NexExchange;
+pub(super) use nex::device_state;
 
 /// Connections, data, and what a master has of its slaves.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
@@ -28,6 +32,8 @@ pub struct Exchange {
     slaves: BTreeMap<u8, Seen>,
     /// Master: its own status.
     status: ScannerStatus,
+    /// The same of DeviceNeX.
+    nex: NexExchange,
 }
 
 /// A slave as its master sees it.
@@ -47,11 +53,15 @@ pub(super) struct Happening {
     pub(super) slave: Option<u8>,
     /// By instance.
     pub(super) connection: Option<u8>,
+    /// The same of a DeviceNeX node.
+    pub(super) nex_connection: Option<u16>,
+    /// The planned device of a manager, by its operational address.
+    pub(super) device: Option<u8>,
 }
 
 impl From<EventName> for Happening {
     fn from(event: EventName) -> Self {
-        Self { event, slave: None, connection: None }
+        Self { event, slave: None, connection: None, nex_connection: None, device: None }
     }
 }
 
@@ -68,8 +78,13 @@ impl Happening {
     pub(super) fn is(self, what: &What) -> bool {
         what.event == Some(self.event)
             && (self.slave.is_none() || what.slave.is_none() || what.slave == self.slave)
+            && (self.device.is_none() || what.device.is_none() || what.device == self.device)
             && match (self.connection, what.connection) {
                 (Some(own), Some(wanted)) => own == wanted.instance(),
+                _ => true,
+            }
+            && match (self.nex_connection, what.nex_connection) {
+                (Some(own), Some(wanted)) => wanted.is(own),
                 _ => true,
             }
     }
@@ -110,18 +125,27 @@ impl Exchange {
                 let slaves = master.scan.iter().map(|slave| (slave.entry.mac_id.number(), seen.clone()));
                 exchange.slaves = slaves.collect();
             }
-            _ => {}
+            Role::Device(_) | Role::Manager(_) => exchange.nex = NexExchange::of(&node.role),
+            Role::Access(_)
+            | Role::Tool(_)
+            | Role::Replay(_)
+            | Role::Listener
+            | Role::Babbler { .. }
+            | Role::External => {}
         }
         exchange
     }
 
     /// Of the same node when it has lost its power: what is at its sensors does not depend on it.
     pub(super) fn without_power(&self, node: &Node) -> Self {
-        Self { input: self.input.clone(), ..Self::of(node) }
+        Self { input: self.input.clone(), nex: self.nex.without_power(&node.role), ..Self::of(node) }
     }
 
     /// Whether it has everything that is expected.
     pub(super) fn holds(&self, what: &What) -> bool {
+        if self.nex.is_some() {
+            return self.nex.holds(what);
+        }
         let connection = what.connection;
         what.connection_state.is_none_or(|state| self.connection_state(connection) == state)
             && what.mode.is_none_or(|mode| self.mode(connection) == mode)
@@ -139,6 +163,9 @@ impl Exchange {
 
     /// Of it that which is asked for, in words.
     pub(super) fn show(&self, what: &What) -> Vec<String> {
+        if self.nex.is_some() {
+            return self.nex.show(what);
+        }
         let mut words = Vec::new();
         let named = |name: Option<ConnectionName>| name.map_or_else(String::new, |name| format!("{name} "));
         let hex = |data: Option<&[u8]>| match data {
@@ -181,11 +208,12 @@ impl Exchange {
     pub(super) fn has_io(&self) -> bool {
         self.has_io_in(ConnectionStateName::Established)
             || self.slaves.values().any(|seen| seen.state == SlaveStateName::Running)
+            || self.nex.has_io()
     }
 
     /// Whether an I/O connection of a slave has timed out.
     pub(super) fn has_timed_out(&self) -> bool {
-        self.has_io_in(ConnectionStateName::TimedOut)
+        self.has_io_in(ConnectionStateName::TimedOut) || self.nex.has_timed_out()
     }
 
     fn has_io_in(&self, state: ConnectionStateName) -> bool {
@@ -216,13 +244,14 @@ impl Exchange {
             }
             NodeEvent::Action(Do::SetInput(data), _) => {
                 self.input.clone_from(data);
+                self.nex.set_input(data);
                 None
             }
-            NodeEvent::Access(_)
-            | NodeEvent::NexAccess(_)
-            | NodeEvent::Address(_)
-            | NodeEvent::Tool(_)
-            | NodeEvent::Action(..) => None,
+            NodeEvent::Device(_)
+            | NodeEvent::DeviceOutput { .. }
+            | NodeEvent::Manager(_)
+            | NodeEvent::NexAccess(_) => self.nex.follow(event),
+            NodeEvent::Access(_) | NodeEvent::Address(_) | NodeEvent::Tool(_) | NodeEvent::Action(..) => None,
         }
     }
 
@@ -366,7 +395,7 @@ pub(super) const fn explicit_state(state: ExplicitState) -> ConnectionStateName 
     }
 }
 
-const fn mode_name(mode: IoMode) -> ModeName {
+pub(super) const fn mode_name(mode: IoMode) -> ModeName {
     match mode {
         IoMode::Inactive => ModeName::Inactive,
         IoMode::Run => ModeName::Run,
