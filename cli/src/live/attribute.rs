@@ -8,7 +8,7 @@ use cip_core::code::{AttributeId, ClassId, InstanceId};
 use cip_core::names::{AttributeInfo, attribute_info};
 use cip_core::value::AttributeValue;
 
-use crate::text::{hex_bytes, unsigned};
+use crate::text::{UPPER, hex_bytes, push_hex, unsigned};
 
 /// `CLASS/INSTANCE/ATTRIBUTE`
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -48,16 +48,20 @@ impl AttributePath {
         });
         let Some((size, ranges)) = known else {
             return Err(format!(
-                "`{text}`: the type of {self} is not known here; give the bytes as they are on the wire, such as hex:0C00"
+                "`{text}`: {self} takes no number; give its bytes as they are on the wire, such as hex:0C00"
             ));
         };
-        let number =
-            number(text).filter(|number| ranges.iter().any(|range| range.contains(number))).ok_or_else(|| {
+        let number = number(text)
+            .filter(|number| ranges.iter().any(|range| range.contains(number)))
+            .ok_or_else(|| {
                 let ranges: Vec<String> = ranges.iter().map(words).collect();
-                let zeros = "00".repeat(size);
+                let bytes = number_of(text, size).unwrap_or_default().to_le_bytes();
+                let mut hex = Vec::new();
+                push_hex(&mut hex, &bytes[..size], UPPER);
                 format!(
-                    "`{text}`: {self} takes {}; what else must be sent is given as its bytes, such as hex:{zeros}",
-                    ranges.join(" or ")
+                    "`{text}`: {self} takes {}; what else must be sent is given as its bytes, such as hex:{}",
+                    ranges.join(" or "),
+                    String::from_utf8_lossy(&hex),
                 )
             })?;
         Ok(number.to_le_bytes()[..size].to_vec())
@@ -70,6 +74,12 @@ fn words(range: &RangeInclusive<i128>) -> String {
         (first, last) if first == last => first.to_string(),
         (first, last) => format!("{first} to {last}"),
     }
+}
+
+/// A number that so many bytes can hold, signed or not.
+fn number_of(text: &str, size: usize) -> Option<i128> {
+    let bits = 8 * size as u32;
+    number(text).filter(|number| (-(1 << (bits - 1))..1 << bits).contains(number))
 }
 
 /// `12`, `0x0C`, `-3`.

@@ -20,6 +20,11 @@ pub(super) fn enter(
     what: &str,
     max_in_flight: usize,
 ) -> Result<(LivePort, Heard), Failure> {
+    if let Endpoint::Recording(_) = endpoint {
+        return Err(Failure::Usage(format!(
+            "{endpoint} is a recording, which cannot be asked: name an interface such as can0, or sim:FILE"
+        )));
+    }
     let interrupted = simulate::interruption()?;
     let mut port = LivePort::open(endpoint, max_in_flight)?;
     port.set_interruption(interrupted);
@@ -46,9 +51,6 @@ fn announce(
     what: &str,
 ) -> Result<(), Failure> {
     match endpoint {
-        Endpoint::Recording(_) => Err(Failure::Usage(format!(
-            "{endpoint} is a recording, which cannot be asked: name an interface such as can0, or sim:FILE"
-        ))),
         Endpoint::Interface(_) if !args.allow_tx => Err(Failure::Refused(format!(
             "would send on {endpoint} as MAC ID {own}: duplicate MAC ID checks, then {what}; say --allow-tx to do it"
         ))),
@@ -56,7 +58,7 @@ fn announce(
             "{endpoint} is listen-only, so it sends nothing; as root: ip link set {endpoint} down && ip link set {endpoint} type \
              can listen-only off && ip link set {endpoint} up"
         ))),
-        Endpoint::Interface(_) | Endpoint::Scenario(_) => {
+        Endpoint::Interface(_) | Endpoint::Scenario(_) | Endpoint::Recording(_) => {
             output::note(format_args!(
                 "sends on {endpoint} as MAC ID {own}: duplicate MAC ID checks, then {what}"
             ));

@@ -199,6 +199,15 @@ impl LivePort {
         }
     }
 
+    /// Whether it is an interface that is down, or gone.
+    pub(super) fn is_down(&self) -> bool {
+        match &self.bus {
+            #[cfg(target_os = "linux")]
+            Bus::Interface(port) => !port.interface().is_up(),
+            Bus::Simulated(_) | Bus::Recorded(_) => false,
+        }
+    }
+
     /// Whether its controller was told to neither send nor acknowledge.
     pub(super) fn is_listen_only(&self) -> bool {
         match &self.bus {

@@ -140,13 +140,17 @@ fn what_cannot_be_is_said_before_anything_is_sent() {
         (&["get", "lo", "10", "1/1/1", "--allow-tx"], 3, "lo is not a CAN interface"),
         (&["get", "two.toml", "10", "1/1/1"], 2, "two.toml is a file: write log:two.toml"),
         (&["get", "sim:none.toml", "10", "1/1/1"], 2, "none.toml: the scenario cannot be read"),
-        (&["get", "log:two.toml", "10", "1/1/1"], 2, "two.toml: not a recording"),
+        (&["get", "log:two.toml", "10", "1/1/1"], 2, "log:two.toml is a recording, which cannot be asked"),
         (
             &["set", "sim:two.toml", "10", "5/2/9", "65536"],
             2,
             "`65536`: Connection 2 expected_packet_rate takes 0 to 65535",
         ),
-        (&["set", "sim:two.toml", "10", "100/1/1", "1"], 2, "give the bytes as they are on the wire"),
+        (
+            &["set", "sim:two.toml", "10", "100/1/1", "1"],
+            2,
+            "class 0x64 1 attribute 1 takes no number; give its bytes as they are on the wire",
+        ),
     ] {
         let run = devicenet(arguments);
         assert_eq!(run.code(), code, "{arguments:?} {}", run.err());

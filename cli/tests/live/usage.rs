@@ -104,9 +104,13 @@ fn malformed_values() {
         (
             "3/1/1",
             "64",
-            "`64`: DeviceNet 1 MAC ID takes 0 to 63; what else must be sent is given as its bytes, such as hex:00",
+            "`64`: DeviceNet 1 MAC ID takes 0 to 63; what else must be sent is given as its bytes, such as hex:40",
         ),
-        ("3/1/1", "-1", "`-1`: DeviceNet 1 MAC ID takes 0 to 63"),
+        (
+            "3/1/1",
+            "-1",
+            "`-1`: DeviceNet 1 MAC ID takes 0 to 63; what else must be sent is given as its bytes, such as hex:FF",
+        ),
         ("5/2/9", "-1", "`-1`: Connection 2 expected_packet_rate takes 0 to 65535"),
         ("5/2/5", "0x800", "`0x800`: Connection 2 consumed_connection_id takes 0 to 2047 or 65535"),
         ("3/1/3", "one", "`one`: DeviceNet 1 Bus-off interrupt takes 0 to 1"),

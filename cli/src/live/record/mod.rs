@@ -58,7 +58,6 @@ pub fn record(args: &RecordArgs, json: bool) -> Result<Exit, Failure> {
         ring: Ring::new(args.before.0, MOST_FRAMES),
         begin: now,
         zero: zero(&args.endpoint, now),
-        is_down: true,
         capture: None,
         captured: 0,
         watch: Watch::new(triggers.clone()),
@@ -82,7 +81,7 @@ pub fn record(args: &RecordArgs, json: bool) -> Result<Exit, Failure> {
         Err(PortError::Failed(failure)) => return Err(failure),
         Ok(()) | Err(PortError::Over) => finished?,
     }
-    if recorder.is_down && matches!(args.endpoint, Endpoint::Interface(_)) {
+    if port.is_down() {
         return Err(permit::down(&args.endpoint));
     }
     Ok(if recorder.captured > 0 { Exit::Findings } else { Exit::Done })
@@ -134,8 +133,6 @@ struct Recorder<'a> {
     begin: Instant,
     /// What to add to a moment of the port for the time of day.
     zero: Duration,
-    /// The interface was not up yet, or went down.
-    is_down: bool,
     capture: Option<Capture>,
     captured: u32,
 }
@@ -168,11 +165,6 @@ impl Recorder<'_> {
     fn see(&mut self, at: Instant, input: Input) -> Result<(), Failure> {
         if self.capture.as_ref().is_some_and(|capture| capture.until < at) {
             self.finish(at)?;
-        }
-        match input {
-            Input::Link(LinkEvent::Down) => self.is_down = true,
-            Input::Link(LinkEvent::Up) => self.is_down = false,
-            _ => {}
         }
         if let Some(content) = content(input) {
             self.keep(at, content)?;

@@ -60,7 +60,7 @@ fn nodes_are_listed_and_asked() {
     let scan = devicenet(&["scan", bus.0, "--allow-tx", "--listen", "1ms", "--json"]);
     assert_eq!(scan.code(), 0, "{}", scan.err());
     let [object] = &scan.json()[..] else { panic!("{}", scan.out()) };
-    assert_eq!((&object["mac"], &object["product_name"]), (&11.into(), &"\"gauge\"".into()));
+    assert_eq!((&object["mac"], &object["product_name"]), (&11.into(), &"gauge".into()));
     let get = devicenet(&["get", bus.0, "11", "1/1/6", "--allow-tx", "--listen", "1ms"]);
     assert_eq!(
         (get.out().as_str(), get.code()),
@@ -120,6 +120,13 @@ fn an_interface_that_is_down_is_told_with_what_to_do() {
     ] {
         let run = devicenet(&[command, &["--listen", "1ms"]].concat());
         assert_eq!((run.code(), run.out().as_str()), (3, ""), "{command:?} {}", run.err());
+        assert_eq!(run.error(), "vcan75 is down; as root: ip link set vcan75 up");
+    }
+    // All is not well on a bus of which nothing can be heard.
+    let file = crate::record::file("down.log");
+    for command in [&["record", "--output", file.to_str().unwrap()][..], &["monitor"]] {
+        let run = devicenet(&[&[command[0], bus.0, "--for", "10ms"], &command[1..]].concat());
+        assert_eq!(run.code(), 3, "{command:?} {}", run.err());
         assert_eq!(run.error(), "vcan75 is down; as root: ip link set vcan75 up");
     }
 }
