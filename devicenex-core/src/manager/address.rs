@@ -13,7 +13,7 @@ use crate::message::DeviceIdentity;
 impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTIONS> {
     /// Asks who has the address.
     pub(super) fn begin_probe(&mut self, place: usize, cause: Cause) {
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         slot.device = None;
         slot.was = None;
         slot.open = false;
@@ -26,7 +26,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     /// A part of the identity of whoever has the address; `None` if it does not tell.
     pub(super) fn probed(&mut self, place: usize, value: Option<&[u8]>) {
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         if value.and_then(|value| slot.probe.take(value)).is_none() {
             return self.conflict(place, None);
         }
@@ -47,7 +47,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     fn begin_spare_wait(&mut self, place: usize) {
         let span = self.config.spare_wait;
-        if let Some(slot) = self.slots.get_mut(place) {
+        if let Some(slot) = self.slot(place) {
             slot.timers.set_after_millis(SlotTimer::Wait, span);
         }
     }
@@ -57,12 +57,13 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     pub(super) fn found(&mut self, place: usize, device: DeviceIdentity) {
         let stands_by = self.timers.at(Timer::Answers).is_some() || self.config.early_roam;
         let wait = u32::from(self.config.hello_wait).saturating_add(self.config.settle.into());
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let tries = self.config.roam_tries;
+        let Some(slot) = self.slot(place) else { return };
         let known = slot.device == Some(device) && !slot.state.is_absent();
         slot.device = Some(device);
         match slot.state {
             DeviceState::Found => {}
-            DeviceState::Assigned if slot.roams >= self.config.roam_tries => return self.not_taken(place),
+            DeviceState::Assigned if slot.roams >= tries => return self.not_taken(place),
             DeviceState::Assigned => self.enter(place, DeviceState::Found, Cause::HelloWithoutAddress),
             _ => {
                 slot.roams = 0;
@@ -73,7 +74,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         if !known {
             self.tell(place, PlannedEvent::Found(device));
         }
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         if stands_by {
             slot.roam_due = true;
             slot.timers.clear(SlotTimer::Wait);
@@ -86,7 +87,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     /// The ROAM is on the bus, or is not.
     pub(super) fn roam_done(&mut self, address: OperationalAddress, outcome: TxOutcome) {
         let Some(place) = self.place(address) else { return };
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         if slot.state != DeviceState::Found {
             return;
         }
@@ -98,14 +99,14 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         count_wide(&mut self.counters.roams);
         self.enter(place, DeviceState::Assigned, Cause::RoamSent);
         let span = self.config.roam_wait.into();
-        if let Some(slot) = self.slots.get_mut(place) {
+        if let Some(slot) = self.slot(place) {
             slot.timers.set_after_millis(SlotTimer::Wait, span);
         }
     }
 
     /// It says Hello with the address, for the first time.
     pub(super) fn joins(&mut self, place: usize, device: DeviceIdentity) {
-        if let Some(slot) = self.slots.get_mut(place) {
+        if let Some(slot) = self.slot(place) {
             slot.device = Some(device);
             slot.hellos = 1;
         }
@@ -122,7 +123,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     fn begin_hello_wait(&mut self, place: usize, waits: u32) {
         let wait = u32::from(self.config.hello_wait).saturating_mul(waits);
         let span = wait.saturating_add(self.config.settle.into());
-        if let Some(slot) = self.slots.get_mut(place) {
+        if let Some(slot) = self.slot(place) {
             slot.timers.set_after_millis(SlotTimer::Wait, span);
         }
     }
@@ -130,7 +131,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     /// A device has the address, and is on line.
     pub(super) fn on_line(&mut self, place: usize, cause: Cause) {
         self.enter(place, DeviceState::Connecting, cause);
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         slot.open = false;
         slot.no_spare = Tell::No;
         slot.roams = 0;
@@ -149,13 +150,14 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     /// The wait of the state is over.
     pub(super) fn wait_over(&mut self, place: usize) {
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let tries = self.config.roam_tries;
+        let Some(slot) = self.slot(place) else { return };
         match slot.state {
             DeviceState::Found => slot.roam_due = true,
-            DeviceState::Assigned if slot.roams >= self.config.roam_tries => self.not_taken(place),
+            DeviceState::Assigned if slot.roams >= tries => self.not_taken(place),
             DeviceState::Assigned => {
                 self.enter(place, DeviceState::Found, Cause::WaitOver);
-                if let Some(slot) = self.slots.get_mut(place) {
+                if let Some(slot) = self.slot(place) {
                     slot.roam_due = true;
                 }
             }
@@ -178,7 +180,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     /// It did not take the address: it is gone, or does not obey.
     fn not_taken(&mut self, place: usize) {
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         let device = core::mem::replace(&mut slot.device, slot.was);
         let open = slot.open;
         self.enter(place, if open { DeviceState::Lost } else { DeviceState::Missing }, Cause::NotTaken);
@@ -193,7 +195,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     /// The device does not answer any more: whoever may have its address gets it.
     pub(super) fn lost(&mut self, place: usize) {
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         let device = slot.device;
         slot.was = device;
         slot.open = true;
@@ -205,13 +207,13 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     }
 
     pub(super) fn conflict(&mut self, place: usize, device: Option<DeviceIdentity>) {
-        if let Some(slot) = self.slots.get_mut(place) {
+        if let Some(slot) = self.slot(place) {
             slot.device = None;
         }
         self.enter(place, DeviceState::Conflict, Cause::OtherIdentity);
         self.tell(place, PlannedEvent::Conflict(device));
         let span = self.config.retry_wait;
-        if let Some(slot) = self.slots.get_mut(place) {
+        if let Some(slot) = self.slot(place) {
             slot.timers.set_after_millis(SlotTimer::Wait, span);
         }
         self.plan_mini_who();

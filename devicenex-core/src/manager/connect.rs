@@ -79,7 +79,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             Some(task) => self.begin(place, task),
             None if slot.is_complete() => {
                 self.enter(place, DeviceState::Running, Cause::Connected);
-                if let Some(slot) = self.slots.get_mut(place) {
+                if let Some(slot) = self.slot(place) {
                     slot.explicit = None;
                 }
                 self.begin_poll_wait(place);
@@ -104,7 +104,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             Task::None | Task::Probe => {}
             Task::Connect(number) => self.ask_for(place, number),
             Task::OpenExplicit(_) => {
-                let asked = self.explicit_request();
+                let asked = self.explicit_request(slot.dynamic);
                 self.ask_for_connection(place, task, &asked);
             }
             Task::Write(number, setting) => self.write(place, number, setting),
@@ -120,8 +120,10 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         }
     }
 
-    fn explicit_request(&self) -> ConnectionRequest {
-        explicit_request(self.config.message, EXPLICIT_RATE)
+    /// The explicit connection of the predefined set; or a dynamic one, if another client has that.
+    pub(super) fn explicit_request(&self, dynamic: bool) -> ConnectionRequest {
+        let predefined = explicit_request(self.config.message, EXPLICIT_RATE);
+        if dynamic { ConnectionRequest { predefined: false, target: None, ..predefined } } else { predefined }
     }
 
     /// What is asked for; the same for the answer to be read by.
@@ -143,10 +145,8 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     }
 
     fn ask_for_connection(&mut self, place: usize, task: Task, asked: &ConnectionRequest) {
-        let (own, waits, tries, now) =
-            (self.own(), self.config.waits, self.config.connect_tries, self.timers.now());
-        let Some(slot) = self.slots.get_mut(place) else { return };
-        slot.timers.advance(now);
+        let (own, waits, tries) = (self.own(), self.config.waits, self.config.connect_tries);
+        let Some(slot) = self.slot(place) else { return };
         slot.conversation.reroute(Route::connection(own, slot.plan.address), waits);
         let started = slot.conversation.start_message(asked, tries);
         debug_assert_eq!(started, Ok(()));
@@ -156,7 +156,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     /// Reads an attribute without a connection.
     pub(super) fn read(&mut self, place: usize, task: Task, (class, instance, attribute): (u16, u16, u8)) {
-        let (own, waits, now) = (self.own(), self.config.waits, self.timers.now());
+        let (own, waits) = (self.own(), self.config.waits);
         let tries = match task {
             // A device that is there answers; and one that does not is asked once more before it counts as lost.
             Task::Probe | Task::Poll(_) => 1,
@@ -167,8 +167,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             | Task::Check(..)
             | Task::Alive => self.config.connect_tries,
         };
-        let Some(slot) = self.slots.get_mut(place) else { return };
-        slot.timers.advance(now);
+        let Some(slot) = self.slot(place) else { return };
         slot.conversation.reroute(Route::connectionless(own, slot.plan.address), waits);
         let request =
             AttributeRequest::get(ClassId(class), InstanceId(instance), AttributeId(attribute.into()));
@@ -179,11 +178,10 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     }
 
     fn write(&mut self, place: usize, number: u8, setting: Setting) {
-        let (waits, now) = (self.config.waits, self.timers.now());
+        let waits = self.config.waits;
         let planned = self.slots.get(place).and_then(|slot| slot.planned(number));
         let source = planned.and_then(|plan| plan.consumes).and_then(|source| self.source_id(source));
-        let (Some(plan), Some(slot)) = (planned, self.slots.get_mut(place)) else { return };
-        slot.timers.advance(now);
+        let (Some(plan), Some(slot)) = (planned, self.slot(place)) else { return };
         let Some(instance) = slot.made(number).and_then(|made| made.instance) else { return };
         let mut value = Vec::<u8, 4>::new();
         let fits = match (setting, source) {
@@ -247,7 +245,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         if is_retried {
             self.enter(place, DeviceState::Connecting, Cause::Answered);
         }
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         let address = slot.address();
         let Some(plan) = slot.planned(number) else { return };
         let Some(made) = slot.made_mut(number) else { return };
@@ -270,10 +268,17 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     fn opened(&mut self, place: usize, number: u8, answer: &Answer) {
         let own = self.own();
-        let asked = self.explicit_request();
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(dynamic) = self.slots.get(place).map(|slot| slot.dynamic) else { return };
+        let asked = self.explicit_request(dynamic);
+        let Some(slot) = self.slot(place) else { return };
+        // The next time it is again the other kind.
+        slot.dynamic = false;
         let data = match answer {
             Ok(data) => data,
+            Err(_) if !dynamic => {
+                slot.dynamic = true;
+                return;
+            }
             Err(status) => return self.refused(place, number, Some(*status)),
         };
         let response = Response::Success { service: ServiceCode::ALLOCATE, data };
@@ -285,7 +290,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     }
 
     fn written(&mut self, place: usize, number: u8, setting: Setting) {
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         slot.reopened = false;
         let Some(plan) = slot.planned(number) else { return };
         let next = setting.next().and_then(|next| plan.next_setting(next));
@@ -300,7 +305,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         let source =
             self.slots.get(place).and_then(|slot| slot.planned(number)).and_then(|plan| plan.consumes);
         let source_id = source.and_then(|source| self.source_id(source));
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         let Some(plan) = slot.planned(number) else { return };
         let Some(made) = slot.made_mut(number) else { return };
         let next = match (looked, value) {
@@ -333,7 +338,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     /// A connection is as planned.
     fn established(&mut self, place: usize, number: u8) {
         let now = self.timers.now();
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         let Some(plan) = slot.planned(number) else { return };
         let Some(made) = slot.made_mut(number) else { return };
         made.set(Stage::Established);
@@ -354,7 +359,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     fn follow_producer(&mut self, source: Source) {
         let Some(id) = self.source_id(source) else { return };
         for place in 0..self.slots.len() {
-            let Some(slot) = self.slots.get_mut(place) else { return };
+            let Some(slot) = self.slot(place) else { return };
             let mut waits = false;
             let mut disturbed = false;
             for (_, plan, made) in slot.connections_mut().filter(|(_, plan, _)| plan.consumes == Some(source))
@@ -385,7 +390,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     pub(super) fn refused(&mut self, place: usize, number: u8, status: Option<GeneralStatus>) {
         let span = self.config.retry_wait;
         count(&mut self.counters.refused);
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         let Some(made) = slot.made_mut(number) else { return };
         let instance = made.instance.map(InstanceId);
         made.set(Stage::Refused(status));
@@ -397,7 +402,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     }
 
     pub(super) fn retry_over(&mut self, place: usize) {
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         for made in &mut slot.made {
             if matches!(made.stage, Stage::Refused(_)) {
                 made.set(Stage::Idle);
@@ -407,7 +412,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     }
 
     pub(super) fn set_stage(&mut self, place: usize, number: u8, stage: Stage) {
-        if let Some(made) = self.slots.get_mut(place).and_then(|slot| slot.made_mut(number)) {
+        if let Some(made) = self.slot(place).and_then(|slot| slot.made_mut(number)) {
             made.set(stage);
         }
     }
@@ -415,7 +420,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     /// A transaction with a device came to nothing.
     pub(super) fn failed(&mut self, place: usize, task: Task, failure: Failure) {
         let silent = matches!(failure, Failure::NoResponse | Failure::NotAcknowledged);
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         match task {
             Task::None => {}
             Task::Probe if silent && slot.probe == super::slot::Probe::default() => self.nobody(place),

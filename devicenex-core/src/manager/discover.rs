@@ -191,7 +191,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     /// Somebody is on line with a planned address.
     fn has_address(&mut self, place: usize, device: DeviceIdentity) {
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         let same = slot.device == Some(device);
         match slot.state {
             DeviceState::Idle => {}

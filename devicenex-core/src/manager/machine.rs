@@ -230,6 +230,13 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         (place != NOWHERE).then(|| place.into())
     }
 
+    /// What is kept for a device, with the present moment in its timers.
+    pub(super) fn slot(&mut self, place: usize) -> Option<&mut Slot<CONNECTIONS>> {
+        let slot = self.slots.get_mut(place)?;
+        slot.timers.advance(self.timers.now());
+        Some(slot)
+    }
+
     pub(super) fn raise(&mut self, event: ManagerEvent) {
         if self.events.push(event).is_err() {
             count(&mut self.counters.events_lost);
@@ -245,9 +252,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     /// The state of a device changes.
     pub(super) fn enter(&mut self, place: usize, next: DeviceState, cause: Cause) {
-        let now = self.timers.now();
-        let Some(slot) = self.slots.get_mut(place) else { return };
-        slot.timers.advance(now);
+        let Some(slot) = self.slot(place) else { return };
         let event = slot.enter(next, cause);
         self.tell(place, event);
     }
@@ -317,7 +322,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
                 continue;
             }
             if let Some(place) = self.slots.iter().position(|slot| slot.no_spare == Tell::Due) {
-                if let Some(slot) = self.slots.get_mut(place) {
+                if let Some(slot) = self.slot(place) {
                     slot.no_spare = Tell::Told;
                 }
                 self.tell(place, PlannedEvent::NoSpare);
@@ -332,9 +337,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     }
 
     fn expire_slot(&mut self, place: usize, until: Instant) {
-        let now = self.timers.now();
-        let Some(slot) = self.slots.get_mut(place) else { return };
-        slot.timers.advance(now);
+        let Some(slot) = self.slot(place) else { return };
         if let Some(timer) = slot.timers.take_expired(until) {
             return match timer {
                 SlotTimer::Conversation => self.conversation_over(place),

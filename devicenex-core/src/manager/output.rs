@@ -50,7 +50,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             Carried::Roam(address) => {
                 let place = self.place(address)?;
                 self.lanes.roam_turn = place.saturating_add(1);
-                let slot = self.slots.get_mut(place)?;
+                let slot = self.slot(place)?;
                 slot.roam_due = false;
                 Roam { target: slot.device?, requested: address }.frame()?
             }
@@ -82,7 +82,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             Carried::Request(address) => {
                 let place = self.place(address)?;
                 self.lanes.request_turn = place.saturating_add(1);
-                self.slots.get_mut(place)?.conversation.poll()?
+                self.slot(place)?.conversation.poll()?
             }
             Carried::Talk | Carried::MiniWho | Carried::Roam(_) | Carried::Abandoned => {
                 self.talk.conversation.poll()?
@@ -113,9 +113,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     }
 
     fn request_done(&mut self, address: OperationalAddress, outcome: TxOutcome) {
-        let now = self.timers.now();
-        if let Some(slot) = self.place(address).and_then(|place| self.slots.get_mut(place)) {
-            slot.timers.advance(now);
+        if let Some(slot) = self.place(address).and_then(|place| self.slot(place)) {
             slot.conversation.tx_done(outcome);
             slot.keep_time();
         }
@@ -135,9 +133,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     /// Whether it is an answer to what the manager asked a planned device.
     fn answer_of_slot(&mut self, place: usize, frame: &Frame) -> bool {
-        let now = self.timers.now();
-        let Some(slot) = self.slots.get_mut(place) else { return false };
-        slot.timers.advance(now);
+        let Some(slot) = self.slot(place) else { return false };
         let answer: Result<Answer, _> = match slot.conversation.frame(frame) {
             Progress::NotMine | Progress::Ignored(_) => return false,
             Progress::Pending => {
@@ -161,7 +157,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     /// No answer came in time.
     pub(super) fn conversation_over(&mut self, place: usize) {
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         let failure = slot.conversation.timer_expired();
         slot.keep_time();
         if let Some(failure) = failure {

@@ -37,6 +37,8 @@ pub(super) struct Slot<const CONNECTIONS: usize> {
     pub(super) probe: Probe,
     pub(super) conversation: Conversation<MESSAGE>,
     pub(super) task: Task,
+    /// The explicit connection of the predefined set was refused: a dynamic one is asked for.
+    pub(super) dynamic: bool,
     /// The explicit connection with the device, while it is being configured.
     pub(super) explicit: Option<Route>,
     /// In the order of the plan.
@@ -205,6 +207,7 @@ impl<const CONNECTIONS: usize> Slot<CONNECTIONS> {
             hellos: 0,
             probe: Probe::default(),
             task: Task::None,
+            dynamic: false,
             explicit: None,
             made: [const { Made::NEW }; CONNECTIONS],
             timed_out: None,
@@ -310,6 +313,7 @@ impl<const CONNECTIONS: usize> Slot<CONNECTIONS> {
         self.conversation.cancel();
         self.task = Task::None;
         self.explicit = None;
+        self.dynamic = false;
         self.keep_time();
     }
 

@@ -13,7 +13,7 @@ use super::event::{ManagerEvent, PlannedEvent, RequestFailure, Value};
 use super::machine::{Manager, Timer};
 use super::slot::Task;
 use super::state::DeviceState;
-use crate::client::{Conversation, Route, connection_response, explicit_request};
+use crate::client::{Conversation, Route, connection_response};
 use crate::id::OperationalAddress;
 
 /// One request at a time.
@@ -21,6 +21,8 @@ use crate::id::OperationalAddress;
 pub(super) struct Talk {
     pub(super) conversation: Conversation<MESSAGE>,
     stage: Stage,
+    /// The explicit connection of the predefined set was refused.
+    dynamic: bool,
     purpose: Purpose,
     address: OperationalAddress,
     request: Stored,
@@ -86,6 +88,7 @@ impl Talk {
         Self {
             conversation: Conversation::new(Route::connectionless(own, own), waits),
             stage: Stage::Idle,
+            dynamic: false,
             purpose: Purpose::Application,
             address: OperationalAddress::NONE,
             request: Stored {
@@ -212,15 +215,21 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         let (own, waits, to) = (self.own(), self.config.waits, self.talk.address);
         if self.talk.request.connected {
             self.talk.stage = Stage::Opening;
+            self.talk.dynamic = false;
             self.talk.conversation.reroute(Route::connection(own, to), waits);
-            let asked = explicit_request(self.config.message, EXPLICIT_RATE);
-            let started = self.talk.conversation.start_message(&asked, self.config.connect_tries);
-            debug_assert_eq!(started, Ok(()));
-            self.keep_talk_time();
+            self.open();
         } else {
             self.talk.conversation.reroute(Route::connectionless(own, to), waits);
             self.ask();
         }
+    }
+
+    /// Asks for the explicit connection.
+    fn open(&mut self) {
+        let asked = self.explicit_request(self.talk.dynamic);
+        let started = self.talk.conversation.start_message(&asked, self.config.connect_tries);
+        debug_assert_eq!(started, Ok(()));
+        self.keep_talk_time();
     }
 
     fn next_read(&mut self) {
@@ -261,7 +270,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     /// Whether it is an answer to the request.
     pub(super) fn answer_of_talk(&mut self, frame: &Frame) -> bool {
         let (own, to) = (self.own(), self.talk.address);
-        let asked = explicit_request(self.config.message, EXPLICIT_RATE);
+        let asked = self.explicit_request(self.talk.dynamic);
         let talk = &mut self.talk;
         let result = match talk.conversation.frame(frame) {
             Progress::NotMine | Progress::Ignored(_) => return false,
@@ -270,6 +279,12 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
                 return true;
             }
             Progress::Response(response) if talk.stage == Stage::Opening => match response {
+                // Another client has it: there are dynamic ones.
+                Response::Error { .. } if !talk.dynamic => {
+                    talk.dynamic = true;
+                    self.open();
+                    return true;
+                }
                 Response::Error { status, .. } => Err(RequestFailure::Refused(status)),
                 Response::Success { .. } => {
                     let granted = connection_response(&asked, &response);
@@ -335,7 +350,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             }
             Some(Response::Error { .. }) | None => Err(RequestFailure::Failed(Failure::Malformed)),
         });
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         slot.reads = number.saturating_add(1);
         if let Some(attribute) = slot.plan.reads.get(usize::from(number)).copied() {
             self.tell(place, PlannedEvent::Read(attribute, value));
@@ -357,8 +372,6 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
 /// The longest request and response of the application.
 const MESSAGE: usize = 128;
-/// Of the explicit connection, in ms.
-const EXPLICIT_RATE: u16 = 2500;
 /// The link object, and its attribute that is the address.
 const LINK: ClassId = ClassId(0x03);
 const LINK_ADDRESS: u8 = 1;

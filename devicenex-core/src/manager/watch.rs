@@ -16,7 +16,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     pub(super) fn data(&mut self, source: OperationalAddress, frame: &Frame) {
         let now = self.timers.now();
         let id = connection_id(Identifier::of_frame(frame));
-        let Some(slot) = self.place(source).and_then(|place| self.slots.get_mut(place)) else { return };
+        let Some(slot) = self.place(source).and_then(|place| self.slot(place)) else { return };
         for (_, plan, made) in slot.connections_mut() {
             if made.stage == Stage::Established && made.produces == Some(id) && plan.is_heard() {
                 made.feed(now, core::time::Duration::ZERO);
@@ -26,7 +26,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     /// Nothing was heard of a producer for four packet rates.
     pub(super) fn fell_silent(&mut self, place: usize, number: u8) {
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         let Some(made) = slot.made_mut(number) else { return };
         let instance = InstanceId(made.instance.unwrap_or_default());
         made.set(Stage::Idle);
@@ -41,7 +41,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     }
 
     fn retry_with(&mut self, place: usize, number: Option<u8>) {
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         match slot.state {
             DeviceState::Connecting | DeviceState::Running => {
                 slot.timed_out = number;
@@ -68,7 +68,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     pub(super) fn begin_poll_wait(&mut self, place: usize) {
         let span = self.config.poll_interval;
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         slot.poll_due = false;
         if span != 0 && slot.timers.at(SlotTimer::Poll).is_none() {
             slot.timers.set_after_millis(SlotTimer::Poll, span.into());
@@ -76,7 +76,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     }
 
     pub(super) fn poll_over(&mut self, place: usize) {
-        if let Some(slot) = self.slots.get_mut(place) {
+        if let Some(slot) = self.slot(place) {
             slot.poll_due = true;
         }
         self.advance_slot(place);
@@ -84,7 +84,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     /// Asks for the state of the next connection that is not heard.
     pub(super) fn poll_next(&mut self, place: usize) {
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         slot.poll_due = false;
         let is_asked = |(number, plan, made): (u8, &super::PlannedConnection, &mut super::slot::Made)| {
             let is_heard = plan.is_heard() && made.rate != 0;
@@ -110,7 +110,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         if value == Some(&[super::connect::ESTABLISHED]) {
             return self.begin_poll_wait(place);
         }
-        let Some(slot) = self.slots.get_mut(place) else { return };
+        let Some(slot) = self.slot(place) else { return };
         let Some(made) = slot.made_mut(number) else { return };
         let instance = InstanceId(made.instance.unwrap_or_default());
         made.set(Stage::Idle);

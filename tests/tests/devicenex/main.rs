@@ -7,10 +7,12 @@
     clippy::unwrap_used,
     reason = "a test may panic: that is how it fails"
 )]
-//! DeviceNeX: devices and network access on the simulated bus.
+//! DeviceNeX: network access, devices and their manager on the simulated bus.
 
 mod access;
 mod block;
 mod connectionless;
+mod manager;
 mod plant;
 mod silence;
+mod works;
