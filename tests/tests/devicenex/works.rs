@@ -5,7 +5,6 @@ use std::time::Duration;
 use cip_core::code::{DeviceType, VendorId};
 use cip_core::identity::{DeviceIdentity, ProductName, Revision};
 use cip_core::object::Identity;
-use devicenex_core::access::AccessEvent;
 use devicenex_core::access::Role;
 use devicenex_core::device::{self, Application, Device, DeviceEvent};
 use devicenex_core::manager::{
@@ -28,8 +27,7 @@ pub(crate) type Block = Device<Blank, 64, 6>;
 #[derive(Clone, Debug)]
 pub(crate) enum Told {
     Chief(ManagerEvent),
-    Block(DeviceEvent),
-    Access(AccessEvent),
+    Block,
 }
 
 impl From<ManagerEvent> for Told {
@@ -39,14 +37,8 @@ impl From<ManagerEvent> for Told {
 }
 
 impl From<DeviceEvent> for Told {
-    fn from(event: DeviceEvent) -> Self {
-        Self::Block(event)
-    }
-}
-
-impl From<AccessEvent> for Told {
-    fn from(event: AccessEvent) -> Self {
-        Self::Access(event)
+    fn from(_: DeviceEvent) -> Self {
+        Self::Block
     }
 }
 
@@ -153,15 +145,7 @@ impl Works {
             }
             Record::Frame(frame) => spoilt.push(frame.end),
             Record::Event { at, node, event: Told::Chief(event) } => {
-                if std::env::var_os("TRACE").is_some() {
-                    println!("{at:.4} {node} {event}");
-                }
                 told.push((*at, *node, event.clone()));
-            }
-            Record::Event { at, node, event } => {
-                if std::env::var_os("TRACE").is_some() {
-                    println!("{at:.4} {node} {event:?}");
-                }
             }
             _ => {}
         });
