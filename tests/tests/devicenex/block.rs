@@ -17,12 +17,16 @@ pub(crate) struct Block {
 
 pub(crate) type Node = Device<Block, 64, 4>;
 
-/// The vendor is fictitious.
 pub(crate) fn identity(serial: u32) -> DeviceIdentity {
+    identity_of(7, serial)
+}
+
+/// The vendor is fictitious.
+pub(crate) fn identity_of(product_code: u16, serial: u32) -> DeviceIdentity {
     DeviceIdentity {
         vendor: VendorId(0x1234),
         device_type: DeviceType::GENERAL_PURPOSE_DISCRETE_IO,
-        product_code: 7,
+        product_code,
         revision: Revision::new(1, 1).unwrap(),
         serial,
         name: ProductName::new("Example Block").unwrap(),
@@ -31,9 +35,13 @@ pub(crate) fn identity(serial: u32) -> DeviceIdentity {
 
 /// A device without power.
 pub(crate) fn node(serial: u32) -> Node {
-    let identity = identity(serial);
+    node_of(identity(serial), [0x34, 0x12])
+}
+
+/// A device without power that produces these inputs.
+pub(crate) fn node_of(identity: DeviceIdentity, inputs: [u8; 2]) -> Node {
     let config = Config::new(&identity, PortByte::ZERO, Role::Device);
-    Device::new(config, Block { identity, inputs: [0x34, 0x12], outputs: [0; 2] }).unwrap()
+    Device::new(config, Block { identity, inputs, outputs: [0; 2] }).unwrap()
 }
 
 impl Application for Block {

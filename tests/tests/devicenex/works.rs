@@ -2,26 +2,21 @@
 
 use std::time::Duration;
 
-use cip_core::code::{DeviceType, VendorId};
-use cip_core::identity::{DeviceIdentity, ProductName, Revision};
-use cip_core::object::Identity;
-use devicenex_core::access::Role;
-use devicenex_core::device::{self, Application, Device, DeviceEvent};
+use devicenex_core::device::DeviceEvent;
 use devicenex_core::manager::{
     Config, DeviceState, IdentityPattern, Manager, ManagerEvent, PlannedConnection, PlannedDevice,
     PlannedEvent, Source,
 };
-use devicenex_core::message::{ConnectionInstance, PortByte};
 use devicenex_core::{Identifier, message};
 use link_core::{BitRate, Frame, Instant};
 use transport_mock::record::Outcome;
 use transport_mock::{BusConfig, Network, NodeConfig, NodeId, Record};
 
+use super::block::{Node, identity_of, node_of};
 use super::plant::oa;
 
 /// Room for a full network.
 pub(crate) type Chief = Manager<126, 4>;
-pub(crate) type Block = Device<Blank, 64, 6>;
 
 /// What any node of the network tells.
 #[derive(Clone, Debug)]
@@ -42,45 +37,9 @@ impl From<DeviceEvent> for Told {
     }
 }
 
-/// Two bytes out of the plant, two bytes into it.
-#[derive(Clone, PartialEq, Eq, Hash, Debug)]
-pub(crate) struct Blank {
-    device: DeviceIdentity,
-    pub(crate) inputs: [u8; 2],
-    pub(crate) outputs: [u8; 2],
-}
-
-impl Application for Blank {
-    type Long = ();
-
-    fn identity(&self) -> Identity<'_> {
-        Identity::new(&self.device)
-    }
-
-    fn produced(&self, _: ConnectionInstance) -> &[u8] {
-        &self.inputs
-    }
-
-    fn consumed(&mut self, _: ConnectionInstance) -> &mut [u8] {
-        &mut self.outputs
-    }
-}
-
-/// Of a fictitious vendor.
-pub(crate) fn identity(product_code: u16, serial: u32) -> DeviceIdentity {
-    DeviceIdentity {
-        vendor: VendorId(0x1234),
-        device_type: DeviceType::GENERAL_PURPOSE_DISCRETE_IO,
-        product_code,
-        revision: Revision::new(1, 1).unwrap(),
-        serial,
-        name: ProductName::new("Example Device").unwrap(),
-    }
-}
-
 /// The same as Hello tells it.
 pub(crate) fn who(product_code: u16, serial: u32) -> message::DeviceIdentity {
-    (&identity(product_code, serial)).into()
+    (&identity_of(product_code, serial)).into()
 }
 
 pub(crate) struct Works {
@@ -105,7 +64,7 @@ impl Works {
     }
 
     pub(crate) fn config(&self, serial: u32, address: u8) -> Config {
-        Config::new(identity(1, serial), oa(address), self.rate)
+        Config::new(identity_of(1, serial), oa(address), self.rate)
     }
 
     pub(crate) fn manager(
@@ -126,15 +85,12 @@ impl Works {
 
     /// A device whose controller is at the wrong rate at power-up.
     pub(crate) fn device(&mut self, name: &str, product_code: u16, serial: u32, power_up: u64) -> NodeId {
-        let device = identity(product_code, serial);
-        let config = device::Config::new(&device, PortByte::ZERO, Role::Device);
-        let [_, _, high, low] = serial.to_be_bytes();
-        let blank = Blank { device, inputs: [low, high], outputs: [0; 2] };
+        let [low, high, ..] = serial.to_le_bytes();
         let mut node = NodeConfig::named(name);
         node.power_up = Some(Instant::from_millis(power_up));
         node.bit_rate = Some(BitRate::M1);
         node.listen_only = true;
-        self.network.add(node, Block::new(config, blank).unwrap())
+        self.network.add(node, node_of(identity_of(product_code, serial), [low, high]))
     }
 
     pub(crate) fn run(&mut self, until: Instant) {
@@ -171,7 +127,7 @@ impl Works {
         self.network.machine(node).unwrap()
     }
 
-    pub(crate) fn block(&self, node: NodeId) -> &Block {
+    pub(crate) fn block(&self, node: NodeId) -> &Node {
         self.network.machine(node).unwrap()
     }
 
