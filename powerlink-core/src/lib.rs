@@ -6,6 +6,8 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod cycle;
+pub mod error;
 pub mod ethernet;
 pub mod nmt;
 pub mod node_id;

@@ -1,0 +1,157 @@
+//! The cycle state machine of a controlled node.
+
+use super::edges::CYCLE_EDGES;
+use super::{CycleEvent, CycleMode, CycleState, Losses};
+
+/// The cycle state machine: it notices frames that do not come.
+///
+/// It answers nothing: a PReq is answered in every state of the cycle.
+///
+/// ```
+/// use powerlink_core::cycle::{Cycle, CycleEvent, CycleMode, Losses, PollWithoutSoc, Supervision};
+///
+/// let watched = Supervision { is_timed: true, is_preq_due: true };
+/// let mut cycle = Cycle::new(PollWithoutSoc::Stay);
+/// let losses = [CycleEvent::Soc, CycleEvent::Preq, CycleEvent::Soa, CycleEvent::Soc, CycleEvent::Soa]
+///     .map(|event| cycle.apply(CycleMode::Polled, event, watched));
+/// assert_eq!(losses, [Losses::empty(), Losses::empty(), Losses::empty(), Losses::empty(), Losses::PREQ]);
+/// ```
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Cycle {
+    state: CycleState,
+    poll_without_soc: PollWithoutSoc,
+    soc_loss: SocLoss,
+}
+
+/// What a PReq or PRes in `WaitSoc` leads to: the SoC before it was lost.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum PollWithoutSoc {
+    /// The node stays in `WaitSoc`, as EPSG DS 301 says.
+    #[default]
+    Stay,
+    /// It waits for SoA, as openPOWERLINK does.
+    WaitSoa,
+}
+
+/// What the node knows about the frames that are due.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Supervision {
+    /// The time until the next SoC is supervised.
+    pub is_timed: bool,
+    /// A PReq was due in this cycle.
+    pub is_preq_due: bool,
+}
+
+/// How the loss of the present SoC was noticed: it counts once.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+enum SocLoss {
+    /// It was not.
+    Unnoticed,
+    /// By a frame that should not come before a SoC.
+    ByOrder,
+    /// By time.
+    ByTime,
+}
+
+impl Cycle {
+    /// A node outside of the cycle.
+    #[must_use]
+    pub const fn new(poll_without_soc: PollWithoutSoc) -> Self {
+        Self { state: CycleState::NonCyclic, poll_without_soc, soc_loss: SocLoss::Unnoticed }
+    }
+
+    /// The state.
+    #[must_use]
+    pub const fn state(&self) -> CycleState {
+        self.state
+    }
+
+    /// The NMT state has no cycle.
+    pub const fn leave(&mut self) {
+        *self = Self::new(self.poll_without_soc);
+    }
+
+    /// Follows what happened, and says what is missing.
+    pub fn apply(&mut self, mode: CycleMode, event: CycleEvent, supervision: Supervision) -> Losses {
+        let Some((to, losses)) = self.next(mode, event, supervision) else { return Losses::empty() };
+        debug_assert!(
+            CYCLE_EDGES.iter().any(|edge| {
+                (edge.mode, edge.from, edge.event, edge.losses, edge.to)
+                    == (mode, self.state, event, losses, to)
+            }),
+            "{} -> {to} by {event} is not in the table",
+            self.state
+        );
+        #[cfg(test)]
+        super::tests::record((mode, self.state, event, losses, to));
+        self.state = to;
+        self.once(event, losses, supervision)
+    }
+
+    fn next(
+        &self,
+        mode: CycleMode,
+        event: CycleEvent,
+        supervision: Supervision,
+    ) -> Option<(CycleState, Losses)> {
+        use CycleEvent::{Asnd, Preq, Pres, Soa, Soc, SocTimeout};
+        use CycleState::*;
+        const NOTHING: Losses = Losses::empty();
+        const SOC_AND_SOA: Losses = Losses::SOC.union(Losses::SOA);
+        let begun = match mode {
+            CycleMode::Polled => WaitPreq,
+            CycleMode::Stopped => WaitSoa,
+        };
+        Some(match (self.state, event, mode) {
+            (NonCyclic | WaitSoc, Soc, _) => (begun, NOTHING),
+            (NonCyclic, ..) => return None,
+            (WaitSoc, Preq | Pres, CycleMode::Polled) => match self.poll_without_soc {
+                PollWithoutSoc::Stay => (WaitSoc, Losses::SOC),
+                PollWithoutSoc::WaitSoa => (WaitSoa, Losses::SOC),
+            },
+            (WaitSoc, Preq, CycleMode::Stopped) | (WaitSoc, Soa | SocTimeout, _) => (WaitSoc, Losses::SOC),
+            (WaitSoc, Asnd, CycleMode::Polled) => (WaitSoc, NOTHING),
+            (WaitPreq, Preq, _) => (WaitSoa, NOTHING),
+            (WaitPreq, Soa, CycleMode::Polled) if supervision.is_preq_due => (WaitSoc, Losses::PREQ),
+            (WaitPreq | WaitSoa, Soa, _) => (WaitSoc, NOTHING),
+            (WaitPreq, Soc | Asnd, _) => (WaitPreq, Losses::SOA),
+            (WaitPreq | WaitSoa, SocTimeout, _) => (WaitSoc, SOC_AND_SOA),
+            (WaitSoa, Preq, CycleMode::Polled) => (WaitSoc, SOC_AND_SOA),
+            (WaitSoa, Soc, _) => (begun, Losses::SOA),
+            (WaitSoa, Asnd, _) => (WaitSoa, Losses::SOA),
+            (WaitPreq | WaitSoa, Pres, CycleMode::Polled) => (self.state, NOTHING),
+            (WaitSoc, Pres | Asnd, CycleMode::Stopped)
+            | (WaitPreq | WaitSoa, Pres, CycleMode::Stopped)
+            | (WaitSoa, Preq, CycleMode::Stopped) => return None,
+        })
+    }
+
+    /// A lost SoC counts once, however often it is noticed.
+    ///
+    /// Noticed by order, the next timeout is about the same SoC. Noticed by time, the timer counts each that follows, and
+    /// order tells nothing new until a SoC comes. Where time is not supervised, the SoA begins another cycle.
+    fn once(&mut self, event: CycleEvent, mut losses: Losses, supervision: Supervision) -> Losses {
+        if losses.contains(Losses::SOC) {
+            let is_by_time = event == CycleEvent::SocTimeout;
+            let is_new = match self.soc_loss {
+                SocLoss::Unnoticed => true,
+                SocLoss::ByOrder => false,
+                SocLoss::ByTime => is_by_time,
+            };
+            losses.set(Losses::SOC, is_new);
+            self.soc_loss = if is_by_time || self.soc_loss == SocLoss::ByTime {
+                SocLoss::ByTime
+            } else {
+                SocLoss::ByOrder
+            };
+        }
+        if event == CycleEvent::Soc || (event == CycleEvent::Soa && !supervision.is_timed) {
+            self.soc_loss = SocLoss::Unnoticed;
+        }
+        losses
+    }
+}
