@@ -7,10 +7,14 @@
 extern crate std;
 
 pub mod cycle;
+pub mod dictionary;
 pub mod error;
 pub mod ethernet;
+pub mod indicator;
+pub mod machine;
 pub mod nmt;
 pub mod node_id;
+pub mod pdo;
 pub mod wire;
 
 pub use ethernet::MacAddress;

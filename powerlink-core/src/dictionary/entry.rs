@@ -1,0 +1,254 @@
+//! What an object is: address, type, access.
+
+use core::fmt;
+
+use crate::wire::AbortCode;
+
+/// Where an object is.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct ObjectAddress {
+    /// Index.
+    pub index: u16,
+    /// Sub-index.
+    pub sub: u8,
+}
+
+impl ObjectAddress {
+    /// An address.
+    #[must_use]
+    pub const fn new(index: u16, sub: u8) -> Self {
+        Self { index, sub }
+    }
+}
+
+/// `0x1006/0`
+impl fmt::Display for ObjectAddress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "0x{:04X}/{}", self.index, self.sub)
+    }
+}
+
+/// The type of an object's value.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+pub enum ObjectType {
+    /// One byte, 0 or 1.
+    Boolean,
+    /// Unsigned, of so many bytes.
+    Unsigned(u8),
+    /// Signed, of so many bytes.
+    Signed(u8),
+    /// Floating point, of so many bytes.
+    Real(u8),
+    /// Characters, at most so many.
+    Text(u16),
+    /// Bytes, at most so many.
+    Bytes(u16),
+}
+
+impl ObjectType {
+    /// The length of the value in bytes; `None` where it varies.
+    #[must_use]
+    pub fn fixed_len(self) -> Option<usize> {
+        match self {
+            Self::Boolean => Some(1),
+            Self::Unsigned(len) | Self::Signed(len) | Self::Real(len) => Some(len.into()),
+            Self::Text(_) | Self::Bytes(_) => None,
+        }
+    }
+
+    /// Whether a value may have so many bytes.
+    ///
+    /// # Errors
+    /// Why it may not.
+    pub fn check_len(self, len: usize) -> Result<(), AbortCode> {
+        match self {
+            Self::Boolean | Self::Unsigned(_) | Self::Signed(_) | Self::Real(_) => {
+                if self.fixed_len() == Some(len) { Ok(()) } else { Err(AbortCode::LENGTH) }
+            }
+            Self::Text(most) | Self::Bytes(most) => {
+                if len <= usize::from(most) {
+                    Ok(())
+                } else {
+                    Err(AbortCode::TOO_LONG)
+                }
+            }
+        }
+    }
+}
+
+/// Who may do what with an object.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+pub enum Access {
+    /// Read, and it never changes.
+    Constant,
+    /// Read.
+    ReadOnly,
+    /// Read and written.
+    ReadWrite,
+    /// Written.
+    WriteOnly,
+}
+
+/// Into which PDOs an object may be mapped.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+pub enum Mappable {
+    /// Into none.
+    #[default]
+    No,
+    /// Into those that the node receives: an output of the managing node.
+    Receive,
+    /// Into that which it sends.
+    Transmit,
+    /// Into both.
+    Both,
+}
+
+impl Mappable {
+    /// Whether it may be mapped in a direction.
+    #[must_use]
+    pub const fn allows(self, transmit: bool) -> bool {
+        match self {
+            Self::No => false,
+            Self::Receive => !transmit,
+            Self::Transmit => transmit,
+            Self::Both => true,
+        }
+    }
+}
+
+/// One object, or several alike in a row: a line of an object dictionary.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Entry {
+    /// The first and the last index.
+    pub indices: (u16, u16),
+    /// The first and the last sub-index.
+    pub subs: (u8, u8),
+    /// The name.
+    pub name: &'static str,
+    /// The type.
+    pub object_type: ObjectType,
+    /// Who may do what.
+    pub access: Access,
+    /// Into which PDOs it may be mapped.
+    pub mappable: Mappable,
+    /// The least and the greatest value, of unsigned ones.
+    pub range: (u32, u32),
+}
+
+impl Entry {
+    /// One object that cannot be mapped, with any value.
+    #[must_use]
+    pub const fn new(
+        index: u16,
+        sub: u8,
+        name: &'static str,
+        object_type: ObjectType,
+        access: Access,
+    ) -> Self {
+        Self {
+            indices: (index, index),
+            subs: (sub, sub),
+            name,
+            object_type,
+            access,
+            mappable: Mappable::No,
+            range: (0, u32::MAX),
+        }
+    }
+
+    /// The same for all sub-indices up to `last`.
+    #[must_use]
+    pub const fn up_to_sub(mut self, last: u8) -> Self {
+        let (first, _) = self.subs;
+        self.subs = (first, last);
+        self
+    }
+
+    /// The same for all indices up to `last`.
+    #[must_use]
+    pub const fn up_to_index(mut self, last: u16) -> Self {
+        let (first, _) = self.indices;
+        self.indices = (first, last);
+        self
+    }
+
+    /// The same, to be mapped into PDOs.
+    #[must_use]
+    pub const fn mapped(mut self, mappable: Mappable) -> Self {
+        self.mappable = mappable;
+        self
+    }
+
+    /// The same with a least and a greatest value.
+    #[must_use]
+    pub const fn within(mut self, least: u32, greatest: u32) -> Self {
+        self.range = (least, greatest);
+        self
+    }
+
+    /// The line of an address.
+    ///
+    /// # Errors
+    /// Whether the object or only the sub-index is missing.
+    pub fn find(entries: &'static [Self], at: ObjectAddress) -> Result<&'static Self, AbortCode> {
+        let mut missing = AbortCode::NO_OBJECT;
+        for entry in entries {
+            let ((first, last), (first_sub, last_sub)) = (entry.indices, entry.subs);
+            if !(first..=last).contains(&at.index) {
+                continue;
+            }
+            if (first_sub..=last_sub).contains(&at.sub) {
+                return Ok(entry);
+            }
+            missing = AbortCode::NO_SUB_INDEX;
+        }
+        Err(missing)
+    }
+
+    /// Whether it may be read.
+    ///
+    /// # Errors
+    /// Why it may not.
+    pub const fn check_read(&self) -> Result<(), AbortCode> {
+        match self.access {
+            Access::Constant | Access::ReadOnly | Access::ReadWrite => Ok(()),
+            Access::WriteOnly => Err(AbortCode::WRITE_ONLY),
+        }
+    }
+
+    /// Whether a value may be written.
+    ///
+    /// # Errors
+    /// Why it may not.
+    pub fn check_write(&self, data: &[u8]) -> Result<(), AbortCode> {
+        match self.access {
+            Access::Constant | Access::ReadOnly => return Err(AbortCode::READ_ONLY),
+            Access::ReadWrite | Access::WriteOnly => {}
+        }
+        self.object_type.check_len(data.len())?;
+        let (least, greatest) = self.range;
+        match (self.object_type, unsigned(data)) {
+            (ObjectType::Boolean, Some(2..)) => Err(AbortCode::VALUE_TOO_HIGH),
+            (ObjectType::Unsigned(_), Some(value)) if value > greatest => Err(AbortCode::VALUE_TOO_HIGH),
+            (ObjectType::Unsigned(_), Some(value)) if value < least => Err(AbortCode::VALUE_TOO_LOW),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A little-endian number of up to four bytes.
+pub(crate) fn unsigned(data: &[u8]) -> Option<u32> {
+    let mut bytes = [0; 4];
+    bytes.get_mut(..data.len())?.copy_from_slice(data);
+    Some(u32::from_le_bytes(bytes))
+}

@@ -1,0 +1,59 @@
+//! The values that can be written.
+
+use crate::wire::ConfigurationStamp;
+
+/// The parameters of a node that a managing node writes, with their power-on values.
+///
+/// Those of the cycle count from the next `ResetConfiguration` on.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Values {
+    /// 0x1006, µs; 0 while it is not known: then the loss of SoC is not noticed by time.
+    pub cycle_length: u32,
+    /// 0x1020/1 and /2.
+    pub configuration: ConfigurationStamp,
+    /// 0x1020/3.
+    pub configuration_id: u32,
+    /// 0x1300, ms.
+    pub sequence_timeout: u32,
+    /// 0x1C13, ns.
+    pub jitter_range: u32,
+    /// 0x1C14, ns; 0 if the loss of SoC is not to be noticed by time.
+    pub loss_of_soc_tolerance: u32,
+    /// 0x1F98/4: the most process data of a PReq.
+    pub preq_limit: u16,
+    /// 0x1F98/5: the process data of every PRes, mapped or not.
+    pub pres_limit: u16,
+    /// 0x1F98/7: polled in every so many cycles; 0 for each.
+    pub multiplexed_cycles: u8,
+    /// 0x1F98/8
+    pub async_mtu: u16,
+    /// 0x1F98/9
+    pub prescaler: u16,
+    /// 0x1F99, µs; 0 for never.
+    pub basic_ethernet_timeout: u32,
+    /// 0x1F9A: digits, letters and hyphens, padded with zeros.
+    pub host_name: [u8; 32],
+}
+
+impl Default for Values {
+    /// The defaults of EPSG DS 301, and 15 s for 0x1300, as openPOWERLINK has it.
+    fn default() -> Self {
+        Self {
+            cycle_length: 0,
+            configuration: ConfigurationStamp { date: 0, time: 0 },
+            configuration_id: 0,
+            sequence_timeout: 15_000,
+            jitter_range: 2_000,
+            loss_of_soc_tolerance: 100_000,
+            preq_limit: 36,
+            pres_limit: 36,
+            multiplexed_cycles: 0,
+            async_mtu: 300,
+            prescaler: 2,
+            basic_ethernet_timeout: 5_000_000,
+            host_name: [0; 32],
+        }
+    }
+}

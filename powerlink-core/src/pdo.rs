@@ -1,0 +1,253 @@
+//! PDO: objects in the process data of PReq and PRes.
+
+use heapless::Vec;
+
+use crate::NodeId;
+use crate::dictionary::{Entry, ObjectAddress, ObjectSet};
+use crate::ethernet::MAX_PROCESS_DATA;
+use crate::wire::{AbortCode, PdoVersion};
+
+/// An object in process data, as it stands in a mapping object.
+///
+/// | Bits | Content |
+/// |---|---|
+/// | 15-0 | index |
+/// | 23-16 | sub-index |
+/// | 31-24 | reserved |
+/// | 47-32 | offset, in bits |
+/// | 63-48 | length, in bits |
+///
+/// ```
+/// use powerlink_core::dictionary::ObjectAddress;
+/// use powerlink_core::pdo::MappingEntry;
+///
+/// // What openPOWERLINK's managing node writes to 0x1600/1 of its demo.
+/// let entry = MappingEntry::of(u64::from_le_bytes([0x00, 0x62, 0x01, 0x00, 0x00, 0x00, 0x08, 0x00]));
+/// assert_eq!(entry, MappingEntry { object: ObjectAddress::new(0x6200, 1), offset: 0, length: 8 });
+/// ```
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct MappingEntry {
+    /// The object.
+    pub object: ObjectAddress,
+    /// Where it begins, in bits.
+    pub offset: u16,
+    /// How long it is, in bits.
+    pub length: u16,
+}
+
+impl MappingEntry {
+    /// Reads the number of a mapping object.
+    #[must_use]
+    pub const fn of(number: u64) -> Self {
+        let [i0, i1, sub, _, o0, o1, l0, l1] = number.to_le_bytes();
+        Self {
+            object: ObjectAddress::new(u16::from_le_bytes([i0, i1]), sub),
+            offset: u16::from_le_bytes([o0, o1]),
+            length: u16::from_le_bytes([l0, l1]),
+        }
+    }
+
+    /// The number of a mapping object.
+    #[must_use]
+    pub const fn number(self) -> u64 {
+        let ([i0, i1], sub) = (self.object.index.to_le_bytes(), self.object.sub);
+        let ([o0, o1], [l0, l1]) = (self.offset.to_le_bytes(), self.length.to_le_bytes());
+        u64::from_le_bytes([i0, i1, sub, 0, o0, o1, l0, l1])
+    }
+
+    /// Where it is, in bytes.
+    fn bytes(self) -> core::ops::Range<usize> {
+        let start = usize::from(self.offset >> 3);
+        start..start.saturating_add(usize::from(self.length >> 3))
+    }
+}
+
+/// What is in the process data of one direction, or of one other node: a communication object (0x1400, 0x1800) and a
+/// mapping object (0x1600, 0x1A00).
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Mapping {
+    /// Whose process data: nobody's own number for PReq and PRes of the node itself, else that of another node.
+    pub node: NodeId,
+    /// Its version.
+    pub version: PdoVersion,
+    entries: [u64; MAX_MAPPED],
+    /// The entries that count: sub-index 0.
+    count: u8,
+    /// The bytes that they need.
+    len: u16,
+}
+
+impl Mapping {
+    /// Nothing is mapped.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { node: NodeId::NONE, version: PdoVersion(0), entries: [0; MAX_MAPPED], count: 0, len: 0 }
+    }
+
+    /// A mapping of the manufacturer.
+    ///
+    /// # Errors
+    /// Why an entry cannot be mapped.
+    pub fn with<O: ObjectSet>(
+        entries: &[MappingEntry],
+        transmit: bool,
+        limit: usize,
+    ) -> Result<Self, AbortCode> {
+        let mut mapping = Self::new();
+        if entries.len() > MAX_MAPPED {
+            return Err(AbortCode::PDO_LENGTH);
+        }
+        for (slot, entry) in mapping.entries.iter_mut().zip(entries) {
+            *slot = entry.number();
+        }
+        let count = u8::try_from(entries.len()).map_err(|_| AbortCode::PDO_LENGTH)?;
+        mapping.activate::<O>(count, transmit, limit)?;
+        Ok(mapping)
+    }
+
+    /// Sub-index 0.
+    #[must_use]
+    pub const fn count(&self) -> u8 {
+        self.count
+    }
+
+    /// The bytes of process data that it needs.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.len.into()
+    }
+
+    /// Whether nothing is mapped.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// The entries that count.
+    pub fn entries(&self) -> impl Iterator<Item = MappingEntry> {
+        self.entries.iter().take(self.count.into()).map(|&number| MappingEntry::of(number))
+    }
+
+    /// One entry, whether it counts or not: sub-indices 1 and up.
+    #[must_use]
+    pub fn entry(&self, sub: u8) -> Option<u64> {
+        self.entries.get(usize::from(sub.checked_sub(1)?)).copied()
+    }
+
+    /// Writes an entry, sub-indices 1 and up.
+    ///
+    /// # Errors
+    /// While the mapping is in use, or where there is no such entry.
+    pub fn set_entry(&mut self, sub: u8, number: u64) -> Result<(), AbortCode> {
+        if self.count != 0 {
+            return Err(AbortCode::UNSUPPORTED_ACCESS);
+        }
+        let slot = sub.checked_sub(1).and_then(|index| self.entries.get_mut(usize::from(index)));
+        *slot.ok_or(AbortCode::NO_SUB_INDEX)? = number;
+        Ok(())
+    }
+
+    /// Writes sub-index 0: 0 takes the mapping out of use, a number puts so many entries into use.
+    ///
+    /// # Errors
+    /// Why an entry cannot be mapped; the mapping stays out of use.
+    pub fn activate<O: ObjectSet>(
+        &mut self,
+        count: u8,
+        transmit: bool,
+        limit: usize,
+    ) -> Result<(), AbortCode> {
+        (self.count, self.len) = (0, 0);
+        if usize::from(count) > MAX_MAPPED {
+            return Err(AbortCode::VALUE_TOO_HIGH);
+        }
+        let mut len = 0;
+        for &number in self.entries.iter().take(count.into()) {
+            let entry = MappingEntry::of(number);
+            check::<O>(entry, transmit)?;
+            len = entry.bytes().end.max(len);
+        }
+        if len > limit.min(MAX_PROCESS_DATA) {
+            return Err(AbortCode::PDO_LENGTH);
+        }
+        self.len = u16::try_from(len).map_err(|_| AbortCode::PDO_LENGTH)?;
+        self.count = count;
+        Ok(())
+    }
+
+    /// Whether process data of this version fit: the main version counts, the sub version may differ.
+    #[must_use]
+    pub const fn fits(&self, version: PdoVersion) -> bool {
+        self.version.main() == version.main()
+    }
+
+    /// Gives the objects what is in `data`.
+    pub fn unpack<O: ObjectSet>(&self, data: &[u8], objects: &mut O) {
+        for entry in self.entries() {
+            if let Some(value) = data.get(entry.bytes()) {
+                // An object that does not take a value in a PDO keeps its own: nobody could be told.
+                let _ = objects.write(entry.object, value);
+            }
+        }
+    }
+
+    /// Takes the values of the objects into `data`. What cannot be read stays as it was.
+    pub fn pack<O: ObjectSet>(&self, objects: &O, data: &mut [u8]) {
+        for entry in self.entries() {
+            if let Some(value) = data.get_mut(entry.bytes()) {
+                let _ = objects.read(entry.object, &mut link_core::codec::Writer::new(value));
+            }
+        }
+    }
+}
+
+impl Default for Mapping {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The mappings of a node: PReq and other nodes' PRes, and its own PRes.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Mappings {
+    /// 0x1600 and up. One of node 0 is for PReq.
+    pub receive: Vec<Mapping, RECEIVE_CHANNELS>,
+    /// 0x1A00.
+    pub transmit: Mapping,
+}
+
+impl Mappings {
+    /// Nothing is mapped.
+    #[must_use]
+    pub fn new() -> Self {
+        Self {
+            receive: core::iter::repeat_n(Mapping::new(), RECEIVE_CHANNELS).collect(),
+            transmit: Mapping::new(),
+        }
+    }
+}
+
+impl Default for Mappings {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Whether an object may be mapped so.
+fn check<O: ObjectSet>(entry: MappingEntry, transmit: bool) -> Result<(), AbortCode> {
+    let line = Entry::find(O::ENTRIES, entry.object)?;
+    if !line.mappable.allows(transmit) || entry.offset & 0x07 != 0 {
+        return Err(AbortCode::NOT_MAPPABLE);
+    }
+    let bits = line.object_type.fixed_len().and_then(|len| u16::try_from(len.checked_mul(8)?).ok());
+    if bits == Some(entry.length) { Ok(()) } else { Err(AbortCode::NOT_MAPPABLE) }
+}
+
+/// Entries of one mapping.
+pub const MAX_MAPPED: usize = 32;
+/// PReq, and the PRes of so many other nodes less one.
+pub const RECEIVE_CHANNELS: usize = 3;
