@@ -15,6 +15,7 @@ pub mod machine;
 pub mod nmt;
 pub mod node_id;
 pub mod pdo;
+pub mod sdo;
 pub mod wire;
 
 pub use ethernet::MacAddress;

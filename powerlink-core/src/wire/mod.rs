@@ -42,3 +42,5 @@ pub use ident::{ConfigurationStamp, FeatureFlags, IdentResponse, Identity, IpPar
 pub use nmt::{MAX_COMMAND_DATA, NmtCommand, NmtRequest, NodeList};
 pub use sdo::{Con, InitiateSize, Sdo, SdoCommand, SdoSequence, Segmentation, SequenceHalf};
 pub use status::{EntryType, ErrorEntry, MAX_ENTRIES, MIN_ENTRIES, StatusResponse};
+
+pub(crate) use sdo::TOTAL_SIZE;

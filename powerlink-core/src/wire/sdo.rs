@@ -342,7 +342,7 @@ impl fmt::Display for Sdo<'_> {
 /// The header of the command layer.
 const COMMAND_HEADER: usize = 8;
 /// The size of all data, in the first part of several.
-const TOTAL_SIZE: usize = 4;
+pub(crate) const TOTAL_SIZE: usize = 4;
 
 const NUMBER: u8 = 0x3F;
 const CON: u8 = 0x03;
