@@ -82,8 +82,8 @@ request that a response answers. Every channel of the recording is a bus of its 
     after_long_help = "\
 Exit codes:
   0  every line was read, and no frame shown has a problem; also when there is no frame, or none passes the filters,
-     which a note on standard error says
-  1  some frame shown has a problem, some line could not be read, or the summary has a warning or an error
+     which a note on standard error says; with --summary: the verdict is healthy or silent
+  1  some frame shown has a problem, or some line could not be read; with --summary: the verdict is another one
   2  wrong usage, not a recording, cut off or damaged; with --strict also a line that could not be read; what was read
      before is shown, summed up and recorded
 

@@ -37,6 +37,7 @@ mod standard;
 mod table;
 mod text;
 pub mod trace;
+mod verdict;
 
 use args::{Cli, Command};
 use exit::{Exit, Failure};

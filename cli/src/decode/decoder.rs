@@ -4,7 +4,7 @@ use core::fmt;
 use core::time::Duration;
 
 use devicenet_core::MacId;
-use devicenet_core::doctor::Doctor;
+use devicenet_core::doctor::{Doctor, Severity};
 use devicenet_core::monitor::{Detail, Kind, Monitor, MonitorConfig, Reading};
 use link_core::{BitRate, Instant};
 
@@ -193,8 +193,9 @@ impl Decoder {
         verdict
     }
 
-    /// Appends the summary, if that is what is wanted. `file` names a bus that has no name.
-    pub fn finish(&mut self, out: &mut Vec<u8>, channels: &Channels, file: &str) {
+    /// Appends the summary, if that is what is wanted. `file` names a bus that has no name; so many of its lines or records could not be
+    /// read.
+    pub fn finish(&mut self, out: &mut Vec<u8>, channels: &Channels, file: &str, unread: u64) {
         if let View::ScanLists(lists) = &self.view {
             let start = out.len();
             for (bus, monitor) in self.monitors.iter().enumerate() {
@@ -216,17 +217,18 @@ impl Decoder {
         for (bus, doctor) in self.doctors.iter().enumerate() {
             summary.diagnose(bus, doctor, self.filter.mac);
         }
+        summary.conclude(unread);
         let name = |bus| channels.iter().nth(bus).unwrap_or(file).to_owned();
         let text = if *json { summary.json(name) } else { summary.text(name) };
         out.extend_from_slice(text.as_bytes());
     }
 
-    /// How many findings of the summary are more than worth knowing; none before [`finish`](Self::finish).
+    /// Whether something is or was wrong, as the summary says; `None` without one, and before [`finish`](Self::finish).
     #[must_use]
-    pub fn bad_findings(&self) -> u64 {
+    pub fn is_bad(&self) -> Option<bool> {
         match &self.view {
-            View::Summary { summary, .. } => summary.bad_findings(),
-            View::Text { .. } | View::Json | View::ScanLists(_) | View::Silent => 0,
+            View::Summary { summary, .. } => summary.is_bad(),
+            View::Text { .. } | View::Json | View::ScanLists(_) | View::Silent => None,
         }
     }
 
@@ -304,6 +306,14 @@ impl Meaning<'_> {
         match self {
             Self::Read(reading) => reading.problem.is_some(),
             Self::Outside(_) => true,
+        }
+    }
+
+    /// What its problem says of the network. What stands outside, the rules of the doctor judge.
+    pub(super) fn severity(&self) -> Severity {
+        match self {
+            Self::Read(reading) => reading.problem.as_ref().map_or(Severity::Info, Severity::of),
+            Self::Outside(_) => Severity::Info,
         }
     }
 

@@ -58,7 +58,7 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
     let read = session.read(&mut recording, args.strict);
     let tally = session.tally;
     let file = session.file.clone();
-    let (bad_findings, closed) = session.close(&recording);
+    let (is_bad, closed) = session.close(&recording);
     note_the_rest(&file, recording.notes());
     if tally.bad_lines > 0 {
         let what = count(tally.bad_lines, recording.format().entry());
@@ -81,7 +81,8 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
         }
         _ => {}
     }
-    Ok(if tally.bad_lines + tally.problems + bad_findings > 0 { Exit::Findings } else { Exit::Done })
+    let is_bad = is_bad.unwrap_or(tally.bad_lines + tally.problems > 0);
+    Ok(if is_bad { Exit::Findings } else { Exit::Done })
 }
 
 /// What the reader should know besides the frames.
@@ -208,18 +209,18 @@ impl Session {
         }
     }
 
-    /// Shows what was still to be shown, however reading has ended, and tells how many findings of the summary are bad.
-    fn close(mut self, recording: &Recording) -> (u64, Result<(), Failure>) {
+    /// Shows what was still to be shown, however reading has ended, and tells whether the summary says that something is wrong.
+    fn close(mut self, recording: &Recording) -> (Option<bool>, Result<(), Failure>) {
         let mut output = self.output.borrow_mut();
-        self.decoder.finish(&mut output.buffer, recording.channels(), &self.file);
-        let bad_findings = self.decoder.bad_findings();
+        self.decoder.finish(&mut output.buffer, recording.channels(), &self.file, self.tally.bad_lines);
+        let is_bad = self.decoder.is_bad();
         let written = output.flush();
         drop(output);
         self.progress.finish();
         self.decoder.note_unused_sheets();
         let written = self.written(written);
         let copied = self.copy.take().map_or(Ok(()), Copy::finish);
-        (bad_findings, written.and(copied))
+        (is_bad, written.and(copied))
     }
 
     /// Whoever closes the pipe that the words go to does not want more of them, but the copy is to be complete.

@@ -52,13 +52,15 @@ With --json every line has `event` and `t`, in seconds since the beginning; load
   finding     change: begins, escalates, ends; id, rule, severity, mac, since, last, until,
               count, evidence, scanner_status, facts, first_cause, text, advice
   lost        frames, 0 if they were not counted
-  summary     bit_rate and bit_rate_source (known; least: loads are the most that they can be), link, tec, rec, frames, error_frames, lost, problems, span; load of the
-              span and load_total, by purpose; nodes with connections, loads, response times
-              and their limit; findings; in the end last: true
+  summary     verdict: state (healthy, silent, wrong, was_wrong, unread) and its counts; bit_rate and
+              bit_rate_source (known; least: loads are the most that they can be), link, tec, rec,
+              frames, error_frames, lost, problems, problems_by_kind, span; load of the span and
+              load_total, by purpose; nodes with connections, loads, response times and their limit;
+              findings; in the end last: true
 
 Exit codes:
-  0  healthy until --for, Ctrl-C, or the end
-  1  something is or was wrong, or some line of a recording could not be read
+  0  the verdict is healthy, until --for, Ctrl-C, or the end; or silent: there was no frame
+  1  something is or was wrong, or some line of a recording could not be read; infos are nothing wrong
   2  wrong usage or bad file
   3  the interface failed, is down, or is bus-off
 

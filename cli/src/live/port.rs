@@ -118,6 +118,26 @@ impl LivePort {
         }
     }
 
+    /// The number of the entry of a recording that was told last, as `decode` counts them; `None` on any other bus.
+    pub(super) fn entry(&self) -> Option<u64> {
+        match &self.bus {
+            Bus::Recorded(recorded) => Some(recorded.entry()).filter(|entry| *entry > 0),
+            #[cfg(target_os = "linux")]
+            Bus::Interface(_) => None,
+            Bus::Simulated(_) => None,
+        }
+    }
+
+    /// A frame of CAN FD that a recording has had by now, and its number.
+    pub(super) fn can_fd(&mut self) -> Option<(Instant, u64)> {
+        match &mut self.bus {
+            Bus::Recorded(recorded) => recorded.can_fd(),
+            #[cfg(target_os = "linux")]
+            Bus::Interface(_) => None,
+            Bus::Simulated(_) => None,
+        }
+    }
+
     /// How many lines or records of a recording could not be read so far.
     pub(super) fn bad_entries(&self) -> u64 {
         match &self.bus {

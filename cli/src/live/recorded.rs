@@ -34,6 +34,12 @@ pub(super) struct Recorded {
     ahead: VecDeque<(Instant, Input)>,
     /// Of standard input, whose end is none when this is set.
     interrupted: Option<&'static AtomicBool>,
+    /// Time stamps and numbers of frames of CAN FD, which no node of this network hears as a frame.
+    can_fd: VecDeque<(Instant, u64)>,
+    /// The number of the entry that these are of.
+    ahead_entry: u64,
+    /// That of the last one that was told.
+    entry: u64,
 }
 
 impl Recorded {
@@ -60,11 +66,35 @@ impl Recorded {
             patience: PATIENCE,
             bad_entries: 0,
             ahead: VecDeque::new(),
+            can_fd: VecDeque::new(),
+            ahead_entry: 0,
+            entry: 0,
         })
     }
 
     pub(super) const fn now(&self) -> Instant {
         self.now
+    }
+
+    /// A frame of CAN FD that was there by now, and its number.
+    pub(super) fn can_fd(&mut self) -> Option<(Instant, u64)> {
+        let &(stamp, n) = self.can_fd.front()?;
+        let at = self.moment(stamp, self.last?);
+        if at > self.now && !self.ahead.is_empty() {
+            return None;
+        }
+        self.can_fd.pop_front();
+        Some((self.now.max(at), n))
+    }
+
+    /// When an entry with this time stamp is: from its first frame on, as on a bus that one has just come to.
+    fn moment(&self, stamp: Instant, last: Instant) -> Instant {
+        self.heard + stamp.saturating_since(last)
+    }
+
+    /// The number of the entry that was told last.
+    pub(super) const fn entry(&self) -> u64 {
+        self.entry
     }
 
     /// Plays a silence for so long at least.
@@ -97,8 +127,7 @@ impl Recorded {
             return Ok((self.now, Input::Link(LinkEvent::Up)));
         };
         let Some((stamp, input)) = self.peek()? else { return Err(PortError::Over) };
-        // From its first frame on, as on a bus that one has just come to.
-        let at = self.heard + stamp.saturating_since(last);
+        let at = self.moment(stamp, last);
         if let Some(deadline) = deadline.filter(|deadline| deadline.at < at) {
             self.now = if deadline.at <= self.heard.saturating_add(self.patience) {
                 self.now.max(deadline.at)
@@ -108,6 +137,7 @@ impl Recorded {
             return Ok((self.now, Input::Tick));
         }
         self.ahead.pop_front();
+        self.entry = self.ahead_entry;
         // Where the clock was set back, time goes on; where two entries have changed places, it waits.
         if stamp >= last || last.saturating_since(stamp) >= SET_BACK {
             (self.last, self.heard) = (Some(stamp), at);
@@ -138,14 +168,16 @@ impl Recorded {
             match entry {
                 None => return Ok(None),
                 Some(Ok(RecordedFrame { channel, .. })) if !self.is_heard(channel) => {}
-                Some(Ok(RecordedFrame { at, content, .. })) => match content {
-                    Content::Classic(frame) => self.ahead.push_back((at, Input::Frame(frame))),
-                    Content::Error(error) => {
-                        self.ahead.extend(error.link_events().map(|event| (at, Input::Link(event))));
+                Some(Ok(RecordedFrame { n, at, content, .. })) => {
+                    self.ahead_entry = n;
+                    match content {
+                        Content::Classic(frame) => self.ahead.push_back((at, Input::Frame(frame))),
+                        Content::Error(error) => {
+                            self.ahead.extend(error.link_events().map(|event| (at, Input::Link(event))));
+                        }
+                        Content::Fd(_) => self.can_fd.push_back((at, n)),
                     }
-                    // No node of this network hears it as a frame.
-                    Content::Fd(_) => {}
-                },
+                }
                 Some(Err(error)) if error.is_fatal() => {
                     return Err(PortError::Failed(Failure::Usage(format!("{}: {error}", self.file))));
                 }

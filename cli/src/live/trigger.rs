@@ -289,17 +289,17 @@ impl Watch {
     }
 }
 
-/// Four times the expected packet rate, as far as it is known.
+/// How long its polls may go unanswered.
 fn patience(monitor: &Monitor, slave: MacId) -> Duration {
-    let rates =
+    let times =
         monitor.connections().filter(|connection| connection.server == slave).filter_map(|connection| {
             let is_poll = matches!(
                 connection.name,
                 ConnectionName::Predefined(devicenet_core::monitor::Predefined::Poll)
             );
-            connection.epr.filter(|rate| is_poll && *rate > 0)
+            connection.time_out.filter(|_| is_poll)
         });
-    rates.min().map_or(UNKNOWN_RATE, |rate| Duration::from_millis(u64::from(rate) * 4))
+    times.min().unwrap_or(UNKNOWN_RATE)
 }
 
 fn of_frame(trigger: &Trigger, reading: &Reading<'_>) -> Option<Cause> {

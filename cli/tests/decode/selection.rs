@@ -122,6 +122,7 @@ fn nothing_found_is_said_on_standard_error() {
     let header = "\
 can0: 0 frames in 0.003 s, 0 with a problem
 bus load at most 0.00 % at 125 kbit/s or more (--bit-rate says which), stuff bits and intermission included
+verdict: silent: no frame was heard
 ";
     assert_eq!(stdout(&output), header);
     let objects = json_lines(&run_with_input(&["decode", "--summary", "--json", "-"], ""));

@@ -9,6 +9,7 @@ fn the_summary_counts_nodes_and_connections() {
     let expected = "\
 can0: 30 frames in 4.210 s, 0 with a problem
 bus load 0.45 % at 125 kbit/s, stuff bits and intermission included
+verdict: healthy
 
 node  frames  bytes  problems    load  response p50      p99       max  access  device
    1      15     50         0  0.22 %             -        -         -  online
@@ -137,17 +138,17 @@ fn the_summary_tells_which_problems_there_are() {
     let output = run_with_input(&["decode", "--summary", "-"], log);
     assert_exit(&output, 1);
     let expected = "
-problem              frames  first frame  first time  first in words
-extended_identifier       2            2    1.500000  29-bit identifier
-invalid_identifier        1            1    1.000000  identifier that must not be used
-error_frame               1            4    2.000000  error frame: controller problem
+problem              severity  frames  first frame  first time  first in words
+extended_identifier  info           2            2    1.500000  29-bit identifier
+invalid_identifier   info           1            1    1.000000  identifier that must not be used
+error_frame          info           1            4    2.000000  error frame: controller problem
 ";
     assert!(stdout(&output).ends_with(expected), "{}", stdout(&output));
     let objects = json_lines(&run_with_input(&["decode", "--summary", "--json", "-"], log));
     let problems: Vec<_> = objects.iter().filter(|object| object["summary"] == "problem").collect();
     assert_eq!(problems.len(), 3);
     let expected = serde_json::json!({
-        "summary": "problem", "channel": "can0", "problem": "extended_identifier", "frames": 2,
+        "summary": "problem", "channel": "can0", "problem": "extended_identifier", "severity": "info", "frames": 2,
         "first": { "n": 2, "t": 1.5, "text": "29-bit identifier" },
     });
     assert_eq!(*problems[0], expected);

@@ -13,6 +13,8 @@ macro_rules! assert_lines {
     };
 }
 
+const RECORDING: &str = "log:../../../tests/captures/slave-01-startup-poll.log";
+
 #[test]
 fn a_node_that_stops_answering_in_words() {
     let run = devicenet(&["monitor", "sim:drop.toml", "--for", "25s", "--interval", "13s"]);
@@ -26,7 +28,7 @@ fn a_node_that_stops_answering_in_words() {
 
 #[test]
 fn a_recording_as_objects() {
-    let run = devicenet(&["monitor", "log:../../../tests/captures/slave-01-startup-poll.log", "--json"]);
+    let run = devicenet(&["monitor", RECORDING, "--json"]);
     assert_eq!(run.err(), "");
     assert_lines!(
         "monitor__recording_json",
@@ -38,6 +40,93 @@ fn a_recording_as_objects() {
         (&last["event"], &last["last"], &last["frames"]),
         (&"summary".into(), &true.into(), &30.into())
     );
+}
+
+/// Finding by finding: `decode` and `monitor` see the same in the same recording, and name the same frames.
+#[test]
+fn evidence_is_numbered_as_decode_counts() {
+    let path = concat!(env!("CARGO_TARGET_TMPDIR"), "/mixed.log");
+    // An error frame, a line that cannot be read, a frame of CAN FD; a fault, polls without an answer, a node that checks twice.
+    let mut log = String::from(
+        "(1.000000) can0 20000088#0000040A00000000\n(1.010000) can0 20000088#0000040A00000000\nno frame\n\
+         (1.020000) can0 123##1aabb\n(1.030000) can0 00000455#\n(1.040000) can0 45B#0BCD010004010000\n",
+    );
+    for second in 2..7 {
+        log += &format!("({second}.000000) can0 455#01\n({second}.100000) can0 20000088#0000040A00000000\n");
+    }
+    log += "(8.000000) can0 457#00341201000000\n(8.100000) can0 457#00341202000000\n(9.000000) can0 44D#01\n";
+    std::fs::write(path, log).unwrap();
+    let evidence = |objects: Vec<serde_json::Value>| -> Vec<(String, String)> {
+        let findings = objects.iter().map(|found| (found["rule"].to_string(), found["evidence"].to_string()));
+        findings.collect()
+    };
+    let monitored = devicenet(&["monitor", &format!("log:{path}"), "--json"]).json().pop().unwrap();
+    let monitored = evidence(monitored["findings"].as_array().unwrap().clone());
+    let decoded = devicenet(&["decode", "--summary", "--json", path]).json();
+    let decoded = evidence(decoded.into_iter().filter(|object| object["summary"] == "finding").collect());
+    assert_eq!(monitored, decoded);
+    let silent = ("\"not_answering\"".to_owned(), "[6,8]".to_owned());
+    assert!(monitored.len() == 4 && monitored.contains(&silent), "{monitored:?}");
+}
+
+/// The verdict, its words and the exit code are the same, whoever is asked.
+#[test]
+fn monitor_and_decode_have_one_verdict() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/captures");
+    let mut states = std::collections::BTreeSet::new();
+    let empty = concat!(env!("CARGO_TARGET_TMPDIR"), "/empty.log");
+    std::fs::write(empty, "").unwrap();
+    let restart = concat!(env!("CARGO_TARGET_TMPDIR"), "/restart.log");
+    let checks = [1, 2, 10, 11].map(|second| format!("({second}.0) can0 457#00341201000000\n"));
+    std::fs::write(restart, checks.concat()).unwrap();
+    let captures =
+        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path().display().to_string());
+    let recordings = captures.filter(|path| path.ends_with(".log") && !path.ends_with("mixed.log"));
+    for path in recordings.chain([empty.to_owned(), restart.to_owned()]) {
+        let monitored = devicenet(&["monitor", &format!("log:{path}"), "--json"]);
+        let decoded = devicenet(&["decode", "--summary", "--json", &path]);
+        let verdict = monitored.json().pop().unwrap()["verdict"].clone();
+        assert_eq!(verdict, decoded.json()[0]["verdict"], "{path}");
+        assert_eq!(monitored.code(), decoded.code(), "{path}: {verdict}");
+        let is_well = verdict["state"] == "healthy" || verdict["state"] == "silent";
+        assert_eq!(monitored.code() == 0, is_well, "{path}: {verdict}");
+        let words =
+            |text: String| text.lines().rfind(|line| line.starts_with("verdict: ")).map(str::to_owned);
+        let shown = words(devicenet(&["monitor", &format!("log:{path}")]).out());
+        assert_eq!(shown, words(devicenet(&["decode", "--summary", &path]).out()), "{path}");
+        states.insert(verdict["state"].to_string());
+        if path == restart {
+            assert_eq!((shown.as_deref(), monitored.code()), (Some("verdict: healthy, 1 info"), 0));
+        }
+    }
+    assert_eq!(states.len(), 4, "{states:?}");
+}
+
+/// Nothing was wrong, because nothing was there.
+#[test]
+fn a_recording_without_a_frame_is_told() {
+    let path = concat!(env!("CARGO_TARGET_TMPDIR"), "/nothing.log");
+    std::fs::write(path, "").unwrap();
+    let run = devicenet(&["monitor", &format!("log:{path}")]);
+    assert_eq!((run.code(), run.err()), (0, format!("note: {path}: no frames\n")));
+    assert!(run.out().contains("verdict: silent: no frame was heard\n"), "{}", run.out());
+}
+
+/// A frame that is destroyed for one node in its last bit is sent again: the others have it twice, which makes no second sender.
+#[test]
+fn frames_that_are_sent_again_have_no_second_sender() {
+    let path = concat!(env!("CARGO_TARGET_TMPDIR"), "/again.toml");
+    let scenario =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/live/drop.toml")).unwrap();
+    let fault =
+        "\n[[fault]]\nkind = \"lost_frame\"\nfrom = \"0s\"\nto = \"6s\"\nrate = 0.05\nnode = \"scanner\"\n";
+    std::fs::write(path, scenario + fault).unwrap();
+    let last =
+        devicenet(&["monitor", &format!("sim:{path}"), "--json", "--for", "10s"]).json().pop().unwrap();
+    let rules: Vec<_> =
+        last["findings"].as_array().unwrap().iter().map(|found| found["rule"].clone()).collect();
+    assert!(last["problems"].as_u64() > Some(9) && last["frames"].as_u64() > Some(1_000), "{last}");
+    assert_eq!(rules, [] as [serde_json::Value; 0]);
 }
 
 /// Every object has its kind and its time, and a summary comes at every interval.

@@ -220,6 +220,18 @@ impl<const N: usize> Clinic<'_, N> {
         }
     }
 
+    /// An answer that came twice: one can have been sent again, nearly all are those of a second sender that has the same to say.
+    pub(super) fn doubled(&mut self, mac: MacId, reading: &Reading<'_>) {
+        let patient = self.patient(mac);
+        if patient.is_late() {
+            return;
+        }
+        patient.doubled = patient.doubled.saturating_add(TWICE).min(MOST_TWICE);
+        if patient.doubled == MOST_TWICE {
+            self.second_sender(mac, reading, Seen { n: reading.n, at: reading.at });
+        }
+    }
+
     /// The identifier of a frame, which belongs to a node, has another sender, too; `first` is the first frame that shows it.
     pub(super) fn second_sender(&mut self, mac: MacId, reading: &Reading<'_>, first: Seen) {
         let identifier = u16::try_from(reading.frame.raw_id()).unwrap_or(u16::MAX);
@@ -347,4 +359,7 @@ const SOUGHT: Duration = Duration::from_secs(5);
 const MOST_UNASKED: u16 = 3;
 /// Of a node of which no command was ever seen.
 const MOST_UNASKED_AT_ALL: u16 = 10;
+/// An answer that came twice weighs as much as two that did not.
+const TWICE: u8 = 2;
+const MOST_TWICE: u8 = 8;
 const UNASKED_WITHIN: Duration = Duration::from_secs(10);

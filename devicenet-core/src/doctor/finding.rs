@@ -109,6 +109,7 @@ pub enum Exchange {
     /// Bit-strobe commands.
     BitStrobe,
     /// It does not send its change-of-state or cyclic messages.
+    #[cfg_attr(feature = "serde", serde(rename = "cos_cyclic"))]
     ChangeOfState,
     /// Multicast poll commands.
     MulticastPoll,

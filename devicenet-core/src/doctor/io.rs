@@ -20,8 +20,14 @@ impl<const N: usize> Clinic<'_, N> {
         let is_part = reading.frag.is_some() && reading.message.is_none();
         let seen = Seen { n: reading.n, at: reading.at };
         let before = lane_of(identifier.purpose()).and_then(|which| self.patient(mac).peek(which).last);
+        let is_again = self.patient(mac).repeats(seen.at, &reading.frame);
         // An error since the last answer: this can be that one again, or the answer to a command that was lost.
-        let is_excused = self.last_error.is_some_and(|error| before.is_none_or(|before| before.at <= error));
+        let has_error = self.last_error.is_some_and(|error| before.is_none_or(|before| before.at <= error));
+        let doubt = match (is_again, has_error) {
+            (_, true) => Doubt::Error,
+            (true, false) => Doubt::Again,
+            (false, false) => Doubt::None,
+        };
         match identifier.purpose() {
             Purpose::PollCommand if !is_part => self.command(mac, Predefined::Poll, seen),
             Purpose::PollResponse if !is_part => self.answer(mac, Predefined::Poll, seen),
@@ -33,22 +39,22 @@ impl<const N: usize> Clinic<'_, N> {
             Purpose::MulticastPollResponse if !is_part => self.answer(mac, Predefined::MulticastPoll, seen),
             Purpose::ChangeOfState => {
                 if !is_part {
-                    self.produced(mac, reading, is_excused);
+                    self.produced(mac, reading, doubt);
                 }
                 self.answer(mac, Predefined::CosCyclic, seen);
             }
             _ => {}
         }
-        self.io_problem(reading, mac, is_excused);
+        self.io_problem(reading, mac, doubt);
     }
 
     /// A change-of-state or cyclic message of a slave.
-    fn produced(&mut self, mac: MacId, reading: &Reading<'_>, is_excused: bool) {
+    fn produced(&mut self, mac: MacId, reading: &Reading<'_>, doubt: Doubt) {
         let Some(rhythm) = self.records.rhythm(mac) else { return };
         let seen = Seen { n: reading.n, at: reading.at };
         // What is not acknowledged is sent again.
-        let is_again =
-            is_excused || matches!(reading.problem, Some(Problem::Flaw(Flaw::Unacknowledged { .. })));
+        let is_again = doubt != Doubt::None
+            || matches!(reading.problem, Some(Problem::Flaw(Flaw::Unacknowledged { .. })));
         let data = reading.value().unwrap_or_default();
         if let Some(first) = self.patient(mac).rhythm.message(seen, data, &rhythm, is_again) {
             self.second_sender(mac, reading, first);
@@ -73,6 +79,10 @@ impl<const N: usize> Clinic<'_, N> {
 
     fn answer(&mut self, mac: MacId, which: Predefined, seen: Seen) {
         let first = self.patient(mac).lane(which).answer(seen);
+        if first.is_some() {
+            let doubled = &mut self.patient(mac).doubled;
+            *doubled = doubled.saturating_sub(1);
+        }
         let is_waited_for =
             |facts: Facts| matches!(facts, Facts::Silence { exchange, .. } if exchange == exchange_of(which));
         if let Some(first) = first {
@@ -136,10 +146,12 @@ impl<const N: usize> Clinic<'_, N> {
         });
     }
 
-    fn io_problem(&mut self, reading: &Reading<'_>, mac: MacId, is_excused: bool) {
+    fn io_problem(&mut self, reading: &Reading<'_>, mac: MacId, doubt: Doubt) {
         let seen = Seen { n: reading.n, at: reading.at };
         let (rule, facts) = match reading.problem {
-            Some(Problem::Flaw(Flaw::OutOfSequence { after, found })) if is_excused && after == found => {
+            Some(Problem::Flaw(Flaw::OutOfSequence { after, found }))
+                if doubt != Doubt::None && after == found =>
+            {
                 return;
             }
             Some(Problem::Flaw(Flaw::IoLength { expected, found })) => {
@@ -148,7 +160,10 @@ impl<const N: usize> Clinic<'_, N> {
             Some(Problem::Flaw(Flaw::OutOfSequence { after, found })) => {
                 (Rule::FragmentSequence, Facts::Fragments { after, found })
             }
-            Some(Problem::Flaw(Flaw::UnexpectedIoResponse)) if !is_excused => {
+            Some(Problem::Flaw(Flaw::UnexpectedIoResponse)) if doubt == Doubt::Again => {
+                return self.doubled(mac, reading);
+            }
+            Some(Problem::Flaw(Flaw::UnexpectedIoResponse)) if doubt == Doubt::None => {
                 return self.unasked(mac, reading);
             }
             _ if is_unasked_from_the_start(reading) => return self.unasked(mac, reading),
@@ -240,6 +255,16 @@ impl<const N: usize> Clinic<'_, N> {
             (last.at > active).then_some(active)
         })
     }
+}
+
+/// Whether a frame is what it seems.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Doubt {
+    None,
+    /// It is the one before again.
+    Again,
+    /// There was an error since the last answer of the slave.
+    Error,
 }
 
 /// A master, and a slave that it leaves alone.

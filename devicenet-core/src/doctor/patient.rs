@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use link_core::Instant;
+use link_core::{Frame, Instant};
 
 use super::config::ExpectedNode;
 use super::rhythm::Rhythm;
@@ -65,6 +65,15 @@ pub(super) struct Unasked {
     pub(super) count: u16,
 }
 
+/// The last frame of the I/O between a slave and its master.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Sent {
+    at: Instant,
+    id: u32,
+    data: [u8; 8],
+    len: u8,
+}
+
 /// What the doctor keeps in mind of a node.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct Patient {
@@ -76,6 +85,9 @@ pub(super) struct Patient {
     pub(super) owner: Option<MacId>,
     pub(super) refused: Option<Refused>,
     pub(super) unasked: Option<Unasked>,
+    sent: Option<Sent>,
+    /// How many answers came twice of late: more for one that did, less for one that did not.
+    pub(super) doubled: u8,
     /// What it has produced by change of state or cyclic.
     pub(super) rhythm: Rhythm,
     pub(super) setup: Option<Setup>,
@@ -142,6 +154,8 @@ impl Patient {
         owner: None,
         refused: None,
         unasked: None,
+        sent: None,
+        doubled: 0,
         rhythm: Rhythm::NEW,
         setup: None,
         rejected: None,
@@ -172,6 +186,15 @@ impl Patient {
         }
     }
 
+    /// Takes note of a frame of its I/O. True if it is the one before again, at once: for somebody it was destroyed in its last bit, or
+    /// somebody else sends the same.
+    pub(super) fn repeats(&mut self, at: Instant, frame: &Frame) -> bool {
+        let mut sent = Sent { at, id: frame.raw_id(), data: [0; 8], len: frame.dlc() };
+        sent.data.iter_mut().zip(frame.data()).for_each(|(byte, &value)| *byte = value);
+        let before = self.sent.replace(sent);
+        before.is_some_and(|before| Sent { at, ..before } == sent && at.saturating_since(before.at) <= AGAIN)
+    }
+
     /// Whether an answer without a command is one to a command that was overtaken.
     pub(super) fn is_late(&mut self) -> bool {
         self.lanes.iter_mut().any(Lane::is_late)
@@ -185,7 +208,7 @@ impl Patient {
     /// Nothing was heard for a while: what waited for an answer waits no longer.
     pub(super) fn wait_anew(&mut self) {
         self.begin_anew();
-        (self.asked, self.unasked, self.setup) = (None, None, None);
+        (self.asked, self.unasked, self.setup, self.sent) = (None, None, None, None);
         self.rhythm = Rhythm::NEW;
     }
 
@@ -198,6 +221,8 @@ impl Patient {
     }
 }
 
+/// A frame is sent again at once, at the lowest bit rate after a millisecond, and another one can have come in between.
+const AGAIN: Duration = Duration::from_millis(3);
 /// Answers that may be late at a time: a slave has hardly room for more commands.
 const MOST_LATE: u16 = 8;
 /// So many answers in time end the finding of slow ones.

@@ -2,7 +2,10 @@
 
 use core::fmt;
 
+use cip_core::monitor::Flaw;
+
 use crate::master::ScannerStatus;
+use crate::monitor::Problem;
 
 /// How bad a finding is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -25,6 +28,71 @@ impl Severity {
             Self::Info => "info",
             Self::Warning => "warning",
             Self::Error => "error",
+        }
+    }
+}
+
+impl Severity {
+    /// What a problem of a single frame says of the network.
+    ///
+    /// [`Info`](Self::Info) where a rule judges what becomes of it, or where somebody was late or asked for too much, as happens on a
+    /// network in order. [`Warning`](Self::Warning) where a device breaks the protocol, which none in order does.
+    #[must_use]
+    pub const fn of(problem: &Problem) -> Self {
+        match problem {
+            Problem::Flaw(flaw) => Self::of_flaw(flaw),
+            // Rules judge them.
+            Problem::ExtendedIdentifier
+            | Problem::RemoteFrame
+            | Problem::InvalidIdentifier
+            | Problem::ReservedIdentifier
+            | Problem::DuplicateMacId { .. }
+            | Problem::TwoIdentities { .. }
+            | Problem::NotOwner { .. }
+            | Problem::Refused { .. }
+            | Problem::StrobeUnanswered { .. }
+            | Problem::MulticastPollUnanswered { .. } => Self::Info,
+            // A late frame, or a client that asks for too much.
+            Problem::OpenRefused { .. }
+            | Problem::WrongRequester { .. }
+            | Problem::HeartbeatEvent
+            | Problem::HeartbeatMissing { .. } => Self::Info,
+            Problem::HeaderRepeatsIdentifier { .. }
+            | Problem::HeaderNotSender { .. }
+            | Problem::MisplacedPollResponse
+            | Problem::WrongConnectionId { .. } => Self::Warning,
+        }
+    }
+
+    const fn of_flaw(flaw: &Flaw) -> Self {
+        match flaw {
+            // Rules judge them.
+            Flaw::OutOfSequence { .. }
+            | Flaw::PollUnanswered { .. }
+            | Flaw::Unacknowledged { .. }
+            | Flaw::UnexpectedIoResponse
+            | Flaw::IoLength { .. } => Self::Info,
+            // A late frame, or a message that is too much for its receiver.
+            Flaw::UnexpectedResponse
+            | Flaw::ServiceMismatch { .. }
+            | Flaw::TransactionMismatch
+            | Flaw::FragmentUnacknowledged { .. }
+            | Flaw::LateAcknowledge { .. }
+            | Flaw::FragmentRefused => Self::Info,
+            Flaw::DataLengthCode { .. }
+            | Flaw::Length { .. }
+            | Flaw::TooShort { .. }
+            | Flaw::ReservedBits { .. }
+            | Flaw::ReservedValue { .. }
+            | Flaw::UnexpectedService { .. }
+            | Flaw::ResponseBitOnRequest
+            | Flaw::RequestBitOnResponse
+            | Flaw::NoFirstFragment { .. }
+            | Flaw::FirstNotZero { .. }
+            | Flaw::FragmentNotAllowed
+            | Flaw::TransactionChanged
+            | Flaw::TooLong { .. }
+            | Flaw::UnknownAcknowledge { .. } => Self::Warning,
         }
     }
 }

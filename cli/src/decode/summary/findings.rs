@@ -3,11 +3,12 @@
 use core::fmt;
 
 use devicenet_core::MacId;
-use devicenet_core::doctor::{Doctor, Finding, Severity};
+use devicenet_core::doctor::{Doctor, Finding};
 use link_core::Instant;
 use serde::Serialize;
 
 use crate::text::push_seconds;
+use crate::verdict::{self, Seen, Verdict};
 
 /// The findings of the doctor of a bus.
 #[derive(Debug, Default)]
@@ -27,18 +28,15 @@ impl Findings {
             is_node && finding.since <= span.1 && finding.until.is_none_or(|until| until >= span.0)
         };
         let found = doctor.findings().filter(is_shown).copied().collect();
-        let forgotten = doctor.forgotten();
-        Self { found, digits, forgotten: forgotten.past + forgotten.present }
+        Self { found, digits, forgotten: verdict::forgotten(doctor) }
     }
 
     pub(super) fn is_empty(&self) -> bool {
         self.found.is_empty() && self.forgotten == 0
     }
 
-    /// How many are more than worth knowing.
-    pub(super) fn bad(&self) -> u64 {
-        let bad = self.found.iter().filter(|finding| finding.severity >= Severity::Warning).count();
-        bad as u64 + self.forgotten
+    pub(super) fn verdict(&self, seen: Seen) -> Verdict {
+        Verdict::new(&self.found, self.forgotten, seen)
     }
 
     pub(super) fn records<'a>(&'a self, channel: &'a str) -> impl Iterator<Item = Record<'a>> {

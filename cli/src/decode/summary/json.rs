@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::{Connection, Count, Node, Summary};
 use crate::text::product_name;
+use crate::verdict::Verdict;
 
 impl Summary {
     /// As JSON, one object a line: first the bus, then its nodes, its connections, its findings, its problems.
@@ -18,8 +19,9 @@ impl Summary {
             let rate = self.rate(bus);
             let load = |count: &Count| bus.load(count, rate);
             let bit_rate = Some(rate.rate().0);
+            let bit_rate_source = Some(rate.source());
             let bus_record =
-                Record { seconds, bit_rate, bit_rate_source: Some(rate.source()), ..record("bus") };
+                Record { seconds, bit_rate, bit_rate_source, verdict: bus.verdict, ..record("bus") };
             push(&bus_record.with_count(&bus.total, load(&bus.total)));
             for (node, Node { count, record: known }) in bus.senders() {
                 let node = Record { node, ..record("node") }.with_count(count, load(count));
@@ -66,6 +68,8 @@ struct Record<'a> {
     bit_rate: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     bit_rate_source: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    verdict: Option<Verdict>,
     frames: u64,
     bytes: u64,
     problems: u64,

@@ -18,6 +18,7 @@ use crate::bus_rate::{BusRate, LeastRate};
 use crate::bus_time;
 use crate::histogram::Histogram;
 use crate::recording::{Content, RecordedFrame};
+use crate::verdict::{Seen, Verdict};
 use connection::ConnectionKey;
 use findings::Findings;
 use problems::Problems;
@@ -46,6 +47,8 @@ struct Bus {
     connections: Vec<(ConnectionKey, Connection)>,
     problems: Problems,
     findings: Findings,
+    /// In the end.
+    verdict: Option<Verdict>,
 }
 
 #[derive(Debug, Default)]
@@ -64,7 +67,7 @@ struct Count {
 }
 
 /// What is counted of a frame.
-struct Seen {
+struct Counted {
     /// Bits on the wire with stuff bits and intermission, 0 where they are not known.
     bits: u32,
     bytes: usize,
@@ -114,7 +117,7 @@ impl Summary {
     /// Counts a frame of a bus.
     pub(super) fn observe(&mut self, bus: usize, frame: &RecordedFrame, meaning: &Meaning<'_>) {
         let bus = self.bus(bus);
-        let seen = Seen::new(frame, meaning);
+        let seen = Counted::new(frame, meaning);
         bus.total.add(&seen);
         bus.problems.observe(frame, meaning);
         bus.nodes[meaning.source().map_or(NODES, usize::from)].count.add(&seen);
@@ -152,9 +155,18 @@ impl Summary {
         }
     }
 
-    /// How many findings are more than worth knowing.
-    pub(super) fn bad_findings(&self) -> u64 {
-        self.buses.iter().map(|bus| bus.findings.bad()).sum()
+    /// Judges the buses by what is shown of them. So many lines or records could not be read.
+    pub(super) fn conclude(&mut self, unread: u64) {
+        for bus in &mut self.buses {
+            let (frames, faulty_frames) = (bus.total.frames, bus.problems.faulty());
+            bus.verdict = Some(bus.findings.verdict(Seen { frames, faulty_frames, unread }));
+        }
+    }
+
+    /// Whether something is or was wrong; `None` before it was judged.
+    pub(super) fn is_bad(&self) -> Option<bool> {
+        let mut verdicts = self.buses.iter().map(|bus| bus.verdict);
+        verdicts.try_fold(false, |is_bad, verdict| verdict.map(|verdict| is_bad || verdict.is_bad()))
     }
 
     fn bus(&mut self, index: usize) -> &mut Bus {
@@ -178,6 +190,7 @@ impl Bus {
             connections: Vec::new(),
             problems: Problems::default(),
             findings: Findings::default(),
+            verdict: None,
         }
     }
 
@@ -228,7 +241,7 @@ fn bits_of(content: &Content) -> u32 {
     }
 }
 
-impl Seen {
+impl Counted {
     fn new(frame: &RecordedFrame, meaning: &Meaning<'_>) -> Self {
         let bytes = match &frame.content {
             Content::Classic(frame) => frame.data().len(),
@@ -257,7 +270,7 @@ impl Connection {
 }
 
 impl Count {
-    fn add(&mut self, seen: &Seen) {
+    fn add(&mut self, seen: &Counted) {
         self.frames += 1;
         self.bytes += seen.bytes as u64;
         self.bits += u64::from(seen.bits);

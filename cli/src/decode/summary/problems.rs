@@ -1,5 +1,6 @@
 //! Which problems a bus has: of each kind how many, and the first.
 
+use devicenet_core::doctor::Severity;
 use serde::Serialize;
 
 use crate::decode::decoder::Meaning;
@@ -14,6 +15,7 @@ pub(super) struct Problems(Vec<Entry>);
 #[derive(Debug)]
 struct Entry {
     code: &'static str,
+    severity: Severity,
     count: u64,
     first: First,
 }
@@ -49,11 +51,22 @@ impl Problems {
         let mut time = Vec::new();
         push_seconds(&mut time, frame.at, frame.digits);
         let time = String::from_utf8_lossy(&time).into_owned();
-        self.0.push(Entry { code, count: 1, first: First { n: frame.n, time, words } });
+        self.0.push(Entry {
+            code,
+            severity: meaning.severity(),
+            count: 1,
+            first: First { n: frame.n, time, words },
+        });
     }
 
     pub(super) fn is_empty(&self) -> bool {
         self.0.is_empty()
+    }
+
+    /// Frames that break the protocol.
+    pub(super) fn faulty(&self) -> u64 {
+        let faulty = self.0.iter().filter(|entry| entry.severity > Severity::Info);
+        faulty.map(|entry| entry.count).sum()
     }
 
     /// The most frequent first; equally frequent ones as they came.
@@ -64,10 +77,12 @@ impl Problems {
     }
 
     pub(super) fn table(&self) -> Table {
-        let mut table = Table::new(&["problem", "frames", "first frame", "first time", "first in words"]);
-        for Entry { code, count, first } in self.sorted() {
+        let mut table =
+            Table::new(&["problem", "severity", "frames", "first frame", "first time", "first in words"]);
+        for Entry { code, severity, count, first } in self.sorted() {
             table.row(vec![
                 Cell::left(*code),
+                Cell::left(severity.name()),
                 Cell::right(count.to_string()),
                 Cell::right(first.n.to_string()),
                 Cell::right(first.time.clone()),
@@ -78,10 +93,11 @@ impl Problems {
     }
 
     pub(super) fn records<'a>(&'a self, channel: &'a str) -> impl Iterator<Item = Record<'a>> {
-        self.sorted().into_iter().map(move |Entry { code, count, first }| Record {
+        self.sorted().into_iter().map(move |Entry { code, severity, count, first }| Record {
             summary: "problem",
             channel,
             problem: code,
+            severity: *severity,
             frames: *count,
             first: FirstRecord { n: first.n, t: first.time.parse().unwrap_or_default(), text: &first.words },
         })
@@ -94,6 +110,7 @@ pub(super) struct Record<'a> {
     summary: &'static str,
     channel: &'a str,
     problem: &'static str,
+    severity: Severity,
     frames: u64,
     first: FirstRecord<'a>,
 }

@@ -28,6 +28,9 @@ impl Summary {
                 rate,
                 if rate.known().is_some() { "" } else { " (--bit-rate says which)" },
             );
+            if let Some(verdict) = &bus.verdict {
+                out += &format!("verdict: {verdict}\n");
+            }
             if bus.total.frames > 0 {
                 out += &format!("\n{}\n{}", self.node_table(bus), self.connection_table(bus));
             }

@@ -20,9 +20,10 @@ use super::permit;
 use super::port::LivePort;
 use crate::exit::{Exit, Failure};
 use crate::health;
-use crate::output::Output;
+use crate::output::{self, Output};
 use crate::scenario::Scenario;
 use crate::simulate;
+use crate::standard::shown;
 use model::{LinkState, Model};
 use screen::Theme;
 
@@ -57,17 +58,22 @@ pub fn monitor(args: &MonitorArgs, json: bool) -> Result<Exit, Failure> {
         ended.and(told)
     };
     port.warn_of_bad_entries();
+    if let Endpoint::Recording(path) = &args.endpoint
+        && model.is_silent()
+    {
+        output::note(format_args!("{}: no frames", shown(path, "<stdin>")));
+    }
     port.note_early_end(&args.endpoint, args.span);
     ended?;
-    conclude(&args.endpoint, &port, &model)
+    conclude(&args.endpoint, &model)
 }
 
 /// How it ends.
-fn conclude(endpoint: &Endpoint, port: &LivePort, model: &Model) -> Result<Exit, Failure> {
+fn conclude(endpoint: &Endpoint, model: &Model) -> Result<Exit, Failure> {
     match (endpoint, model.link()) {
         (Endpoint::Interface(_), LinkState::Down) => Err(permit::down(endpoint)),
         (Endpoint::Interface(_), LinkState::BusOff) => Err(permit::bus_off(endpoint)),
-        _ if model.has_findings() || port.bad_entries() > 0 => Ok(Exit::Findings),
+        _ if model.verdict().is_bad() => Ok(Exit::Findings),
         _ => Ok(Exit::Done),
     }
 }

@@ -50,7 +50,7 @@ pub(super) fn fit(text: &str, width: usize) -> String {
     cut
 }
 
-/// `poll, COS (timed out), explicit`: those that exist; a state only where something is to be said of it.
+/// `poll, COS/cyclic (timed out), explicit`: those that exist; a state only where something is to be said of it.
 pub(super) fn connections(node: &NodePicture) -> String {
     let is_io =
         |connection: &&ConnectionRecord| connection.name != ConnectionName::Predefined(Predefined::Explicit);
@@ -74,7 +74,7 @@ pub(super) fn short(name: &ConnectionName) -> String {
             Predefined::Explicit => "explicit",
             Predefined::Poll => "poll",
             Predefined::BitStrobe => "strobe",
-            Predefined::CosCyclic => "COS",
+            Predefined::CosCyclic => "COS/cyclic",
             Predefined::MulticastPoll => "multicast",
         }
         .into(),

@@ -89,7 +89,7 @@ impl Finding {
         let node = Node(self.node);
         match (self.rule, self.facts) {
             (Rule::NotAnswering, Facts::Silence { exchange: Exchange::ChangeOfState, patience }) => {
-                write!(f, "{node} has sent no change-of-state message for more than {}", Millis(patience))
+                write!(f, "{node} has sent no COS/cyclic message for more than {}", Millis(patience))
             }
             (Rule::NotAnswering, Facts::Silence { exchange, patience }) => {
                 write!(f, "{node} has not answered its {exchange} for more than {}", Millis(patience))

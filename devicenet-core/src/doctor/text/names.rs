@@ -69,7 +69,7 @@ impl fmt::Display for Exchange {
         f.write_str(match self {
             Self::Poll => "polls",
             Self::BitStrobe => "bit-strobes",
-            Self::ChangeOfState => "change-of-state messages",
+            Self::ChangeOfState => "COS/cyclic messages",
             Self::MulticastPoll => "multicast polls",
             Self::Explicit => "explicit requests",
         })
@@ -82,7 +82,7 @@ impl Exchange {
         match self {
             Self::Poll => "poll connection",
             Self::BitStrobe => "bit-strobe connection",
-            Self::ChangeOfState => "change-of-state connection",
+            Self::ChangeOfState => "COS/cyclic connection",
             Self::MulticastPoll => "multicast poll connection",
             Self::Explicit => "explicit connection",
         }

@@ -45,6 +45,10 @@ pub(super) fn event(at: Duration, what: &Happening, begin: Instant) -> Value {
 }
 
 pub(super) fn summary(picture: &Picture, is_last: bool) -> Value {
+    let problems =
+        picture.problems.sorted().into_iter().map(
+            |count| json!({ "problem": count.code, "severity": count.severity, "frames": count.frames }),
+        );
     let mut object = json!({
         "event": "summary",
         "t": seconds(picture.at),
@@ -59,6 +63,8 @@ pub(super) fn summary(picture: &Picture, is_last: bool) -> Value {
         "load": load(&picture.load),
         "load_total": load(&picture.total),
         "nodes": picture.nodes.iter().map(node).collect::<Vec<_>>(),
+        "verdict": picture.verdict,
+        "problems_by_kind": problems.collect::<Vec<_>>(),
         "findings": picture.findings.iter().map(|found| finding(&found.finding, picture.begin)).collect::<Vec<_>>(),
     });
     if is_last {

@@ -33,11 +33,11 @@ pub(super) fn run(
                 if at >= report_at {
                     // Of a silence that was passed over there is one summary, however many intervals it has.
                     report_at = last_report(report_at, at, args.interval.0);
-                    lines.see(model, report_at, Input::Tick);
+                    lines.see(model, port, report_at, Input::Tick);
                     lines.report(&model.report(), false)?;
                     report_at = report_at.saturating_add(args.interval.0);
                 }
-                lines.see(model, at, input);
+                lines.see(model, port, at, input);
                 now = now.max(at);
                 lines.show(input)?;
             }
@@ -46,7 +46,8 @@ pub(super) fn run(
     };
     // The silence before the end counts.
     let end = args.span.map_or(Instant::MAX, |span| begin.saturating_add(span.0));
-    lines.see(model, port.now().min(end), Input::Tick);
+    let now = port.now().min(end);
+    lines.see(model, port, now, Input::Tick);
     lines.report(&model.report(), true)?;
     match ended {
         PortError::Over => Ok(()),
@@ -74,9 +75,9 @@ struct Lines {
 }
 
 impl Lines {
-    fn see(&mut self, model: &mut Model, at: Instant, input: Input) {
+    fn see(&mut self, model: &mut Model, port: &mut LivePort, at: Instant, input: Input) {
         let begin = model.begin().unwrap_or(at);
-        model.see(at, input, |event: Event| {
+        model.see_port(port, at, input, |event: Event| {
             let at = event.at.saturating_since(begin);
             let line = if self.json {
                 json::event(at, &event.what, begin).to_string()

@@ -23,7 +23,7 @@ pub(super) fn summary(picture: &Picture, is_last: bool) -> String {
         .map(|(purpose, share)| format!("{} {}", purpose.words(), say::percent(share)))
         .collect();
     let mut text = format!(
-        "\n{:.3} s, {title}: {}, load {}{} of {}{}{}\n{}, {}, {} lost, {} with a problem\n",
+        "\n{:.3} s, {title}: {}, load {}{} of {}{}{}\n{}, {}, {} lost, {} with a problem{}{}\nverdict: {}\n",
         picture.at.as_secs_f64(),
         picture.link,
         picture.bit_rate.at_most(),
@@ -35,6 +35,9 @@ pub(super) fn summary(picture: &Picture, is_last: bool) -> String {
         count(counters.error_frames, "error frame"),
         counters.lost,
         counters.problems,
+        if counters.problems > 0 { ": " } else { "" },
+        picture.problems,
+        picture.verdict,
     );
     if !picture.nodes.is_empty() {
         text += &nodes(picture, is_last).to_string();

@@ -12,22 +12,25 @@ mod event;
 mod link;
 mod load;
 mod picture;
+mod problems;
 mod purpose;
 mod times;
 
 use core::time::Duration;
 
 use devicenet_core::MacId;
-use devicenet_core::doctor::{Doctor, Finding, Forgotten, Severity};
+use devicenet_core::doctor::{Doctor, Severity};
 use devicenet_core::monitor::{
     ConnectionName, ConnectionRecord, ConnectionState, Kind, Monitor, MonitorConfig, NodeRecord, Predefined,
-    Reading,
+    Problem, Reading,
 };
 use link_core::{BitRate, Frame, Input, Instant, LinkEvent};
 
 use crate::bus_rate::{BusRate, LeastRate};
 use crate::bus_time;
 use crate::histogram::Histogram;
+use crate::live::port::LivePort;
+use crate::verdict::{self, Verdict};
 use changes::Changes;
 use load::{History, Tally, Window};
 
@@ -36,6 +39,7 @@ pub(super) use link::LinkState;
 pub(super) use load::Load;
 use picture::Counters;
 pub(super) use picture::{FindingPicture, NodePicture, Picture};
+use problems::Problems;
 pub(super) use purpose::Purpose;
 pub(super) use times::Times;
 
@@ -52,6 +56,7 @@ pub(super) struct Model {
     now: Instant,
     link: LinkState,
     counters: Counters,
+    problems: Problems,
     total: Tally,
     /// Since the last report.
     interval: Tally,
@@ -83,6 +88,7 @@ impl Model {
             now: Instant::ZERO,
             link: LinkState::Down,
             counters: Counters::default(),
+            problems: Problems::default(),
             total: Tally::default(),
             interval: Tally::default(),
             interval_began: Instant::ZERO,
@@ -94,13 +100,33 @@ impl Model {
         }
     }
 
-    /// Takes an input of the interface, and tells what follows.
-    pub(super) fn see(&mut self, at: Instant, input: Input, mut tell: impl FnMut(Event)) {
+    /// Looks at a port after it has told of an input, and tells what follows.
+    pub(super) fn see_port(
+        &mut self,
+        port: &mut LivePort,
+        at: Instant,
+        input: Input,
+        mut tell: impl FnMut(Event),
+    ) {
+        while let Some((at, n)) = port.can_fd() {
+            self.pass(at);
+            self.counters.frames += 1;
+            self.counters.problems += 1;
+            self.problems.add(CAN_FD, Severity::Info);
+            self.doctor.can_fd(at, n);
+        }
+        self.counters.unread = port.bad_entries();
+        self.see(at, port.entry(), input, &mut tell);
+    }
+
+    /// Takes an input of the interface, and tells what follows. `n` is the number of the entry of a recording that it comes from;
+    /// without one, frames and error frames are counted.
+    fn see(&mut self, at: Instant, n: Option<u64>, input: Input, mut tell: impl FnMut(Event)) {
         self.pass(at);
         let is_news = match input {
             Input::Frame(frame) => {
                 self.counters.frames += 1;
-                let n = self.counters.frames;
+                let n = n.unwrap_or(self.counters.entries());
                 let reading = self.doctor.observe(&mut self.monitor, at, n, &frame);
                 let seen = Seen::of(&reading);
                 self.deduce(at, &frame);
@@ -108,8 +134,9 @@ impl Model {
                 seen.is_news
             }
             Input::Link(event) => {
-                self.doctor.link(at, None, event);
                 self.link_event(at, event, &mut tell);
+                let is_frame = matches!(event, LinkEvent::BusError(_));
+                self.doctor.link(at, n.or(is_frame.then(|| self.counters.entries())), event);
                 false
             }
             Input::Tick | Input::TxDone(..) => {
@@ -131,14 +158,20 @@ impl Model {
         self.begin
     }
 
+    /// Whether a frame was heard, or one that was destroyed.
+    pub(super) const fn is_silent(&self) -> bool {
+        self.counters.entries() == 0
+    }
+
     pub(super) const fn link(&self) -> LinkState {
         self.link
     }
 
-    /// Whether something is or was wrong.
-    pub(super) fn has_findings(&self) -> bool {
-        let is_wrong = |finding: &Finding| finding.severity > Severity::Info;
-        self.doctor.findings().any(is_wrong) || self.doctor.forgotten() != Forgotten::default()
+    /// Whether all is well.
+    pub(super) fn verdict(&self) -> Verdict {
+        let Counters { unread, .. } = self.counters;
+        let (frames, faulty_frames) = (self.counters.entries(), self.problems.faulty());
+        Verdict::of(&self.doctor, verdict::Seen { frames, faulty_frames, unread })
     }
 
     /// What there is to show, with the load of the last second.
@@ -187,7 +220,10 @@ impl Model {
     }
 
     fn count(&mut self, at: Instant, bits: u32, seen: &Seen) {
-        self.counters.problems += u64::from(seen.has_problem);
+        if let Some(problem) = &seen.problem {
+            self.counters.problems += 1;
+            self.problems.add(problem.code(), Severity::of(problem));
+        }
         self.occupy(at, bits, seen.source.map_or(MacId::COUNT, index), seen.purpose);
         if let (Some(source), Some(latency)) = (seen.source, seen.latency) {
             let responses = &mut self.responses[index(source)];
@@ -263,6 +299,8 @@ impl Model {
             bit_rate: self.bit_rate,
             link: self.link,
             counters: self.counters,
+            verdict: self.verdict(),
+            problems: self.problems.clone(),
             span,
             load,
             total,
@@ -292,7 +330,7 @@ struct Seen {
     source: Option<MacId>,
     purpose: Purpose,
     latency: Option<Duration>,
-    has_problem: bool,
+    problem: Option<Problem>,
     /// It can change what is known of nodes and connections.
     is_news: bool,
 }
@@ -309,7 +347,7 @@ impl Seen {
             source: reading.src,
             purpose: Purpose::of(reading.kind),
             latency: reading.request.filter(|_| is_answer).map(|request| request.latency),
-            has_problem: reading.problem.is_some(),
+            problem: reading.problem,
             is_news,
         }
     }
@@ -327,13 +365,14 @@ fn limit(connections: &[ConnectionRecord]) -> Option<Duration> {
         };
         is_answering && connection.state != ConnectionState::NonExistent
     };
-    let rates = connections.iter().filter(answers).filter_map(|connection| connection.epr);
-    rates.filter(|rate| *rate > 0).min().map(|rate| Duration::from_millis(u64::from(rate) * 4))
+    connections.iter().filter(answers).filter_map(|connection| connection.time_out).min()
 }
 
 fn index(mac: MacId) -> usize {
     usize::from(mac.number())
 }
 
+/// The problem of a frame of CAN FD, which a rule judges.
+const CAN_FD: &str = "can_fd_frame";
 /// How often nodes and connections are looked at for what time alone has changed.
 const LOOK_EVERY: Duration = Duration::from_millis(100);

@@ -9,9 +9,11 @@ use link_core::Instant;
 
 use super::link::LinkState;
 use super::load::Load;
+use super::problems::Problems;
 use super::purpose::Purpose;
 use super::times::Times;
 use crate::bus_rate::BusRate;
+use crate::verdict::Verdict;
 
 /// A bus at a moment.
 #[derive(Clone, Debug)]
@@ -22,6 +24,8 @@ pub(in crate::live::monitor) struct Picture {
     pub(in crate::live::monitor) bit_rate: BusRate,
     pub(in crate::live::monitor) link: LinkState,
     pub(in crate::live::monitor) counters: Counters,
+    pub(in crate::live::monitor) verdict: Verdict,
+    pub(in crate::live::monitor) problems: Problems,
     /// The span that `load` is a part of.
     pub(in crate::live::monitor) span: Duration,
     pub(in crate::live::monitor) load: Load,
@@ -64,9 +68,18 @@ pub(in crate::live::monitor) struct Counters {
     pub(in crate::live::monitor) lost: u64,
     /// Frames that are wrong or suspicious.
     pub(in crate::live::monitor) problems: u64,
+    /// Lines or records of a recording that could not be read.
+    pub(in crate::live::monitor) unread: u64,
     /// Error counters of the interface, where it tells them.
     pub(in crate::live::monitor) tec: Option<u16>,
     pub(in crate::live::monitor) rec: Option<u16>,
+}
+
+impl Counters {
+    /// What a recording of it would have entries of.
+    pub(super) const fn entries(&self) -> u64 {
+        self.frames + self.error_frames
+    }
 }
 
 /// A node.
@@ -82,8 +95,8 @@ pub(in crate::live::monitor) struct NodePicture {
     pub(in crate::live::monitor) io: Option<Times>,
     /// How fast it answers explicit requests.
     pub(in crate::live::monitor) explicit: Option<Times>,
-    /// Four times the shortest expected packet rate of its I/O connections that answer commands: the time in which a
-    /// response must come.
+    /// The shortest time-out of its I/O connections that answer commands, as a rule four times the expected packet rate: the
+    /// time in which a response must come.
     pub(in crate::live::monitor) limit: Option<Duration>,
     /// Since it was last heard.
     pub(in crate::live::monitor) silent: Option<Duration>,

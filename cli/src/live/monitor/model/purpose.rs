@@ -90,7 +90,7 @@ impl Purpose {
         match self {
             Self::Poll => "poll",
             Self::Strobe => "bit-strobe",
-            Self::Change => "COS, cyclic",
+            Self::Change => "COS/cyclic",
             Self::OtherIo => "other I/O",
             Self::Explicit => "explicit",
             Self::Access => "net access",

@@ -66,8 +66,6 @@ pub(super) struct Scene<'a> {
     pub(super) view: &'a View,
     pub(super) playback: Playback,
     pub(super) theme: Theme,
-    /// Lines or records of the recording that could not be read.
-    pub(super) bad_entries: u64,
 }
 
 struct Screen {
@@ -91,7 +89,7 @@ impl Screen {
             if !self.player.is_frozen() {
                 picture = model.picture();
             }
-            terminal.draw(|frame| draw::draw(frame, &self.scene(&picture, port.bad_entries())))?;
+            terminal.draw(|frame| draw::draw(frame, &self.scene(&picture)))?;
             self.player.play(port, model, &mut keys)?;
             let is_closed = !io::stdout().is_terminal();
             if self.player.is_over() || interrupted.load(Ordering::Relaxed) || is_closed {
@@ -105,9 +103,9 @@ impl Screen {
         }
     }
 
-    fn scene<'a>(&'a self, picture: &'a Picture, bad_entries: u64) -> Scene<'a> {
+    fn scene<'a>(&'a self, picture: &'a Picture) -> Scene<'a> {
         let Self { title, player, view, theme } = self;
-        Scene { title, picture, view, playback: player.playback(), theme: *theme, bad_entries }
+        Scene { title, picture, view, playback: player.playback(), theme: *theme }
     }
 
     /// True if the user has seen enough.

@@ -24,19 +24,32 @@ struct Session {
     model: Model,
     view: View,
     playback: Playback,
-    bad_entries: u64,
 }
 
 impl Session {
     fn open(scenario: &str) -> Self {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/");
-        let endpoint: Endpoint = format!("sim:{folder}{scenario}").parse().unwrap();
+        Self::of(&format!("sim:{}/{scenario}", env!("CARGO_MANIFEST_DIR")))
+    }
+
+    fn of(endpoint: &str) -> Self {
+        let endpoint: Endpoint = endpoint.parse().unwrap();
         let title = super::title(&endpoint);
         let port = LivePort::open_listen_only(&endpoint).unwrap();
         let bit_rate = port.bit_rate();
         let model = Model::new(bit_rate, crate::health::doctor(bit_rate, None, None));
         let playback = Playback::Playing(Speed::Times(1));
-        Self { title, port, model, view: View::default(), playback, bad_entries: 0 }
+        Self { title, port, model, view: View::default(), playback }
+    }
+
+    fn of_log(log: &str) -> Self {
+        use core::sync::atomic::{AtomicU32, Ordering};
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let unique = (std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+        let path = std::env::temp_dir().join(format!("devicenet-{}-{}.log", unique.0, unique.1));
+        std::fs::write(&path, log).unwrap();
+        let session = Self::of(&format!("log:{}", path.display()));
+        std::fs::remove_file(&path).unwrap();
+        Self { title: "log:some.log".to_owned(), ..session }
     }
 
     fn until(mut self, millis: u64) -> Self {
@@ -46,7 +59,7 @@ impl Session {
             look_at = until.min(look_at + Duration::from_millis(100));
             loop {
                 let (at, input) = self.port.wait(Some(Deadline { at: look_at, why: "a look" })).unwrap();
-                self.model.see(at, input, |_| {});
+                self.model.see_port(&mut self.port, at, input, |_| {});
                 if at >= look_at {
                     break;
                 }
@@ -73,7 +86,6 @@ impl Session {
             view: &self.view,
             playback: self.playback,
             theme: Theme { is_coloured: false },
-            bad_entries: self.bad_entries,
         };
         terminal.draw(|frame| draw::draw(frame, &scene)).unwrap();
         terminal.backend().to_string()
@@ -96,8 +108,23 @@ fn a_plant_in_order() {
     let session = Session::open(PLANT).until(7_000);
     assert_screen!("screen__plant_80", "five slaves, every kind of I/O", session.screen(80, 24));
     assert_screen!("screen__plant_160", "details beside the list", session.screen(160, 40));
+}
+
+/// Words are shorter, and curves, bars and devices make room; none is cut without an ellipsis.
+#[test]
+fn a_small_terminal() {
+    let mut session = Session::open(PLANT).until(7_000);
     assert_screen!("screen__plant_60", "the smallest that there is", session.screen(60, 16));
+    assert_screen!("screen__plant_40", "too small", session.screen(40, 10));
     assert!(session.screen(59, 16).contains("This terminal is too small"));
+    session.press(&[KeyCode::Char('?')]);
+    assert_screen!("screen__help_60", "the keys, as far as there is room", session.screen(60, 16));
+    session.press(&[KeyCode::End]);
+    assert_screen!("screen__help_60_end", "and the rest of them", session.screen(60, 16));
+    session.press(&[KeyCode::Up]);
+    assert!(!session.screen(60, 16).contains("nor one that is over"), "one line back");
+    session.press(&[KeyCode::Char('x')]);
+    assert!(!session.screen(60, 16).contains("Help"), "any other key closes it");
 }
 
 /// The picture in the README.
@@ -122,13 +149,31 @@ fn a_bus_before_anybody_speaks() {
     assert_screen!("screen__nobody", "words where there is nothing to show", session.screen(80, 24));
 }
 
+/// What is only worth knowing is counted and changes nothing: the pane, the header and the verdict say the same.
+#[test]
+fn a_restart_is_an_info_and_the_bus_is_healthy() {
+    let scenario = "../tests/scenarios/health/restarted.toml";
+    let session = Session::open(scenario).until(9_000);
+    let screen = session.screen(80, 24);
+    assert!(screen.contains("healthy, 1 info") && screen.contains(" Findings ●1 "), "{screen}");
+    assert!(!session.model.verdict().is_bad());
+}
+
+/// A recording does not tell its bit rate, and this one has no frame.
+#[test]
+fn a_recording_without_a_frame() {
+    let mut session = Session::of_log("");
+    session.playback = Playback::Ended;
+    assert_screen!("screen__empty", "no frame, and no bit rate", session.screen(80, 24));
+}
+
 #[test]
 fn a_bus_of_which_lines_were_not_read_is_not_called_healthy() {
-    let mut session = Session::open(DROP).until(8_000);
-    assert!(session.screen(80, 24).contains("healthy"));
-    session.bad_entries = 2;
-    let screen = session.screen(80, 24);
-    assert!(screen.contains("2 unread") && !screen.contains("healthy"), "{screen}");
+    for (lines, words) in [("", "healthy"), ("not a frame\n(1.1) can0 ZZZ#\n", "2 unread")] {
+        let log = format!("(1.0) can0 40A#00\n{lines}(2.0) can0 40A#00\n");
+        let screen = Session::of_log(&log).until(900).screen(80, 24);
+        assert!(screen.contains(words) && (lines.is_empty() || !screen.contains("healthy")), "{screen}");
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! What the user looks at, and the keys that change it.
 
+use core::cell::Cell;
 use core::time::Duration;
 
 use devicenet_core::MacId;
@@ -15,6 +16,8 @@ pub(in crate::live::monitor) struct View {
     /// The pane in focus has the lower half: a node its details, the findings all the width.
     pub(super) is_large: bool,
     pub(super) has_help: bool,
+    /// The first line of the help that is shown, if there is no room for all. Who draws it knows the last that there can be.
+    pub(super) help_line: Cell<usize>,
     pub(super) sort: Sort,
     /// The node; the first if there is none or it is gone.
     node: Option<MacId>,
@@ -84,9 +87,15 @@ impl View {
         // A raw terminal sends no signal.
         let is_interrupt = key.modifiers.contains(KeyModifiers::CONTROL) && key.code == KeyCode::Char('c');
         let had_help = core::mem::take(&mut self.has_help);
+        if had_help && let Some(line) = self.scrolled(key.code) {
+            self.has_help = true;
+            self.help_line.set(line);
+            return None;
+        }
+        self.help_line.set(0);
         match key.code {
             _ if is_interrupt => return Some(Command::Quit),
-            // Any key closes it.
+            // Any other key closes it.
             KeyCode::Char('?' | 'h') | KeyCode::F(1) => self.has_help = !had_help,
             KeyCode::Esc | KeyCode::Char('q') if had_help => {}
             KeyCode::Char('q') => return Some(Command::Quit),
@@ -113,6 +122,20 @@ impl View {
             _ => {}
         }
         None
+    }
+
+    /// Where a key takes the help.
+    fn scrolled(&self, key: KeyCode) -> Option<usize> {
+        let line = self.help_line.get();
+        match key {
+            KeyCode::Up | KeyCode::Char('k') => Some(line.saturating_sub(1)),
+            KeyCode::Down | KeyCode::Char('j') => Some(line.saturating_add(1)),
+            KeyCode::PageUp => Some(line.saturating_sub(PAGE)),
+            KeyCode::PageDown => Some(line.saturating_add(PAGE)),
+            KeyCode::Home => Some(0),
+            KeyCode::End => Some(usize::MAX),
+            _ => None,
+        }
     }
 
     fn go(&mut self, picture: &Picture, to: impl Fn(usize, usize) -> usize) {

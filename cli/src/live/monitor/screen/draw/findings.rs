@@ -12,21 +12,23 @@ use crate::live::monitor::model::FindingPicture;
 use crate::live::monitor::screen::Scene;
 use crate::live::monitor::screen::view::Focus;
 use crate::live::monitor::words::{clock, fit};
+use crate::verdict::State;
 
 pub(super) fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, area: Rect) {
     let Scene { theme, view, picture, .. } = scene;
     let findings = view.findings(picture);
     let is_focused = view.focus == Focus::Findings;
-    let open = findings.iter().filter(|finding| !finding.is_over()).count();
-    let title = match findings.len() - open {
-        0 => format!("Findings {open}"),
-        over => format!("Findings {open} · {over} over"),
-    };
-    let block = pane(*theme, title, is_focused);
+    let block = pane(*theme, title(&findings), is_focused);
     let inner = block.inner(area);
     frame.render_widget(block, area);
     if findings.is_empty() {
-        return frame.render_widget(nothing(*theme, "nothing is wrong"), inner);
+        let words = match picture.verdict.state() {
+            State::Silent => "nothing was heard",
+            State::Unread => "nothing in what could be read",
+            State::WasWrong => "nothing more",
+            State::Healthy | State::Wrong => "nothing is wrong",
+        };
+        return frame.render_widget(nothing(*theme, words), inner);
     }
     let place = view.finding_place(&findings);
     let mut lines = Vec::new();
@@ -41,6 +43,30 @@ pub(super) fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, area: Rect) {
     frame.render_widget(Paragraph::new(lines), inner);
 }
 
+/// How many last, by severity, and how many are over: `Findings ✖1 ▲2 · 3 over`.
+fn title(findings: &[&FindingPicture]) -> String {
+    let mut title = "Findings".to_owned();
+    for severity in [Severity::Error, Severity::Warning, Severity::Info] {
+        let last = |finding: &&&FindingPicture| !finding.is_over() && finding.finding.severity == severity;
+        match findings.iter().filter(last).count() {
+            0 => {}
+            number => title += &format!(" {}{number}", mark(severity)),
+        }
+    }
+    match findings.iter().filter(|finding| finding.is_over()).count() {
+        0 => title,
+        over => format!("{title} · {over} over"),
+    }
+}
+
+const fn mark(severity: Severity) -> char {
+    match severity {
+        Severity::Error => '✖',
+        Severity::Warning => '▲',
+        Severity::Info => '●',
+    }
+}
+
 /// The selected finding is in sight, with what explains it.
 fn first(place: usize, height: u16) -> usize {
     place.saturating_sub(usize::from(height.saturating_sub(6) / 2))
@@ -48,19 +74,18 @@ fn first(place: usize, height: u16) -> usize {
 
 fn headline<'a>(scene: &Scene<'_>, finding: &FindingPicture, width: u16) -> Line<'a> {
     let theme = scene.theme;
-    let mark = match finding.finding.severity {
-        Severity::Error => "✖",
-        Severity::Warning => "▲",
-        Severity::Info => "●",
-    };
+    let mark = mark(finding.finding.severity);
     let style = if finding.is_over() { theme.dim() } else { theme.severity(finding.finding.severity) };
     let who = finding.finding.node.map_or_else(|| "bus".to_owned(), |node| format!("node {node}"));
-    let when = match finding.until {
-        None => format!("since {}", clock(finding.since)),
-        Some(until) => format!("over {}", clock(until)),
+    let words = format!("{who}: {}", finding.finding.rule.words());
+    let [long, short] = match finding.until {
+        None => [format!("since {}", clock(finding.since)), clock(finding.since)],
+        Some(until) => [format!("over {}", clock(until)), "over".to_owned()],
     };
-    let room = usize::from(width).saturating_sub(when.chars().count() + 3);
-    let words = fit(&format!("{who}: {}", finding.finding.rule.words()), room);
+    let room = |when: &str| usize::from(width).saturating_sub(when.chars().count() + 3);
+    let when = if words.chars().count() <= room(&long) { long } else { short };
+    let room = room(&when);
+    let words = fit(&words, room);
     let gap = room.saturating_sub(words.chars().count());
     Line::from(vec![
         Span::styled(format!("{mark} "), style),

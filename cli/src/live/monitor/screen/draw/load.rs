@@ -15,7 +15,8 @@ use crate::live::monitor::words::percent;
 
 pub(super) fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, area: Rect) {
     let Scene { theme, picture, .. } = scene;
-    let block = pane(*theme, "Bus load by purpose".to_owned(), false);
+    let title = if area.width > WITHOUT_CURVE { "Bus load by purpose" } else { "Bus load" };
+    let block = pane(*theme, title.to_owned(), false);
     let inner = block.inner(area);
     frame.render_widget(block, area);
     let width = usize::from(inner.width).saturating_sub(NAME + FIGURE + 1);
@@ -52,6 +53,8 @@ pub(super) fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, area: Rect) {
     frame.render_widget(Paragraph::new(lines), inner);
 }
 
+/// Columns of the pane with borders, names and percentages only.
+pub(super) const WITHOUT_CURVE: u16 = 21;
 /// Columns of the names and of the percentages.
 const NAME: usize = 12;
 const FIGURE: usize = 7;

@@ -19,7 +19,7 @@ use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::Style;
 use ratatui::text::{Line, Span};
-use ratatui::widgets::{Block, BorderType, Paragraph};
+use ratatui::widgets::{Block, BorderType, Paragraph, Wrap};
 
 use super::Scene;
 use super::style::Theme;
@@ -30,7 +30,7 @@ pub(super) fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>) {
     let area = frame.area();
     if area.width < SMALLEST.0 || area.height < SMALLEST.1 {
         let words = format!("This terminal is too small: {} x {} at least.", SMALLEST.0, SMALLEST.1);
-        return frame.render_widget(Paragraph::new(words), area);
+        return frame.render_widget(Paragraph::new(words).wrap(Wrap { trim: true }), area);
     }
     let [top, body, bottom] =
         area.layout(&Layout::vertical([Constraint::Length(2), Constraint::Fill(1), Constraint::Length(1)]));
@@ -55,8 +55,9 @@ fn narrow(frame: &mut Frame<'_>, scene: &Scene<'_>, body: Rect) {
         (true, Focus::Nodes) => detail::draw(frame, scene, lower),
         (true, Focus::Findings) => findings::draw(frame, scene, lower),
         (false, _) => {
+            let load = if body.width < NARROW { load::WITHOUT_CURVE } else { 30 };
             let [left, right] =
-                lower.layout(&Layout::horizontal([Constraint::Length(30), Constraint::Fill(1)]));
+                lower.layout(&Layout::horizontal([Constraint::Length(load), Constraint::Fill(1)]));
             load::draw(frame, scene, left);
             findings::draw(frame, scene, right);
         }
@@ -107,5 +108,7 @@ fn nothing(theme: Theme, words: &str) -> Paragraph<'_> {
 
 /// Columns and lines.
 const SMALLEST: (u16, u16) = (60, 16);
+/// Below, curves, bars and devices make room for words.
+const NARROW: u16 = 80;
 /// From here on details stand beside the list.
 const WIDE: u16 = 140;

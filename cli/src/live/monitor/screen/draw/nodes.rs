@@ -6,9 +6,10 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Cell, Row, Table, TableState};
 
 use super::bar::{bar, position};
-use super::{nothing, pane};
+use super::{NARROW, nothing, pane};
 use crate::live::monitor::model::{NodePicture, words};
 use crate::live::monitor::screen::Scene;
+use crate::live::monitor::screen::player::Playback;
 use crate::live::monitor::screen::view::Focus;
 use crate::live::monitor::words::{connections, device, fit, or_dash, percent, time};
 
@@ -20,11 +21,17 @@ pub(super) fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, area: Rect) {
     if nodes.is_empty() {
         let inner = block.inner(area);
         frame.render_widget(block, area);
-        return frame.render_widget(nothing(*theme, "nobody was heard yet"), inner);
+        let words = match scene.playback {
+            Playback::Ended if picture.counters.frames == 0 => "there was no frame",
+            Playback::Ended => "nobody was heard",
+            _ => "nobody was heard yet",
+        };
+        return frame.render_widget(nothing(*theme, words), inner);
     }
     let widths = Widths::of(area.width);
     let place = view.place(&nodes);
-    let mut heading = vec!["MAC", "state", "device"];
+    let mut heading = vec!["MAC", "state"];
+    heading.extend((widths.device > 0).then_some("device"));
     heading.extend(widths.owner.then_some("owner"));
     heading.extend(["connections", "  load", widths.response, "fault"]);
     let rows = nodes.iter().map(|node| row(scene, node, &widths));
@@ -43,8 +50,8 @@ fn row<'a>(scene: &Scene<'_>, node: &NodePicture, widths: &Widths) -> Row<'a> {
     let mut cells = vec![
         Cell::from(format!("{:>3}", node.mac().number())),
         Cell::from(Span::styled(words(access), theme.access(access))),
-        Cell::from(device(node, widths.device.into())),
     ];
+    cells.extend((widths.device > 0).then(|| Cell::from(device(node, widths.device.into()))));
     if widths.owner {
         cells.push(Cell::from(format!("{:>5}", or_dash(node.record.master))));
     }
@@ -96,7 +103,8 @@ impl Widths {
     fn of(width: u16) -> Self {
         let wide = "slowest of 4 x EPR";
         let (device, owner, connections, bar, response) = match width {
-            0..=99 => (12 + width.saturating_sub(80) / 2, false, 14, 4, "slowest"),
+            0..NARROW => (0, false, 12 + width.saturating_sub(60) / 2, 0, "  slowest"),
+            NARROW..=99 => (12 + width.saturating_sub(80) / 2, false, 14, 4, "slowest"),
             100..=129 => (20, true, 18, 9, wide),
             _ => (24, true, 24, 9, wide),
         };
@@ -107,7 +115,8 @@ impl Widths {
 
     /// All but the last.
     fn columns(&self) -> Vec<u16> {
-        let mut columns = vec![3, 10, self.device];
+        let mut columns = vec![3, 10];
+        columns.extend((self.device > 0).then_some(self.device));
         columns.extend(self.owner.then_some(5));
         columns.extend([self.connections, 6, self.bar + 9]);
         columns
