@@ -116,8 +116,8 @@ impl Verdict {
     /// In so many columns, if it can be said in them: `1 error, 2 warnings, 3 over`, or the first of that. There is always one word.
     pub(crate) fn fit(&self, width: usize) -> String {
         let parts = self.parts(false);
-        let kept = (1..=parts.len()).rev().map(|most| parts[..most].join(", "));
-        kept.clone().find(|words| words.chars().count() <= width).or(kept.last()).unwrap_or_default()
+        let mut kept = (1..=parts.len()).rev().map(|most| parts[..most].join(", "));
+        kept.clone().find(|words| words.chars().count() <= width).or(kept.next_back()).unwrap_or_default()
     }
 
     /// The most important first.
