@@ -71,7 +71,7 @@ fn decode(bencher: Bencher<'_, '_>, options: &[&str]) {
                 out.clear();
             }
         }
-        decoder.finish(&mut out, recording.channels(), "bench");
+        decoder.finish(&mut out, recording.channels(), "bench", 0);
         written + out.len()
     });
 }
