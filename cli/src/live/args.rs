@@ -60,7 +60,8 @@ With --json every line has `event` and `t`, in seconds since the beginning; load
 
 Exit codes:
   0  the verdict is healthy, until --for, Ctrl-C, or the end; or silent: there was no frame
-  1  something is or was wrong, or some line of a recording could not be read; infos are nothing wrong
+  1  something is or was wrong, or some line of a recording could not be read; infos are nothing
+     wrong
   2  wrong usage or bad file
   3  the interface failed, is down, or is bus-off
 
@@ -107,7 +108,8 @@ fn parse_interval(text: &str) -> Result<Time, String> {
 Listens, and sends nothing. The last seconds are kept in memory; when something happens they are written, and so is what follows. \
 TRIGGER is one of
 
-  timeout, timeout=MAC   a node leaves polls unanswered for four times its expected packet rate, or a connection times out
+  timeout, timeout=MAC   a node leaves polls unanswered for four times its expected packet rate, or
+                         a connection times out
   duplicate              a second device wants a MAC ID, or answers for it
   error, bus-off         an error on the bus; the interface is bus-off
   problem                a frame is wrong or suspicious, as `devicenet decode` says it
@@ -164,7 +166,8 @@ Exit codes:
   1  some node did not get its MAC ID
   2  wrong usage or bad file, or the scenario ended too early
   3  the interface failed, or nobody acknowledged
-  4  refused to transmit: no --allow-tx, listen-only, no confirmed bit rate, --own-mac is taken, or another tool is at it
+  4  refused to transmit: no --allow-tx, listen-only, no confirmed bit rate, --own-mac is taken, or
+     another tool is at it
 130  interrupted before all was done; a node that was told its MAC ID was waited for
 
 Examples:
@@ -193,8 +196,8 @@ pub struct RecoverArgs {
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = "\
 FILE is a scenario, and the node is the one of that role in it; with several, --node names one. What else the scenario has, other \
-nodes, actions and faults, is left out. What the node tells is printed, one line each, until Ctrl-C or --for. At its end a master has
-its slaves release their connections, for three seconds at most, so that another may have them at once; a slave just ends. A second
+nodes, actions and faults, is left out. What the node tells is printed, one line each, until Ctrl-C or --for. At its end a master has \
+its slaves release their connections, for three seconds at most, so that another may have them at once; a slave just ends. A second \
 Ctrl-C ends at once.
 
 Exit codes:
@@ -228,12 +231,13 @@ pub struct RunArgs {
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = "\
 Listens, and tells who was heard. With --allow-tx (on the simulated bus always) it then goes on line itself, reads the Identity \
-object of every node over an explicit connection, and releases that again. Nodes that another master owns are left alone. Ctrl-C
+object of every node over an explicit connection, and releases that again. Nodes that another master owns are left alone. Ctrl-C \
 ends listening, and what was heard is told; it ends asking when the open connections are released; a second one ends at once.
 
 Exit codes:
   0  done
-  1  done, but some node refused, or did not answer all, or some line of a recording could not be read
+  1  done, but some node refused, or did not answer all, or some line of a recording could not be
+     read
   2  wrong usage or bad file, or the scenario ended too early; those that had answered are told
   3  the interface failed, or nobody acknowledged
   4  refused to transmit: listen-only, no confirmed bit rate, or --own-mac is taken
@@ -278,7 +282,8 @@ Exit codes:
   1  the node answered with an error, or did not answer
   2  wrong usage or bad file, or the scenario ended too early
   3  the interface failed, or nobody acknowledged
-  4  refused to transmit: no --allow-tx, listen-only, no confirmed bit rate, another's node, or --own-mac is taken
+  4  refused to transmit: no --allow-tx, listen-only, no confirmed bit rate, another's node, or
+     --own-mac is taken
 130  interrupted before the node had answered
 
 Examples:

@@ -148,3 +148,20 @@ fn malformed_values() {
         is_told(&[&record[..], &[option, value]].concat(), 2, words);
     }
 }
+
+/// What a line of the help says stands on it, as it was written: no wider than the help is.
+#[test]
+fn the_help_has_every_endpoint_and_no_line_that_is_broken() {
+    for command in ["scan", "get", "set", "record", "recover", "slave", "master", "monitor"] {
+        let help = devicenet(&[command, "--help"]).out();
+        let listens = ["scan", "record", "monitor"].contains(&command);
+        assert_eq!(help.contains("log:- for"), listens, "{command}: {help}");
+        let (_, codes) = help.split_once("Exit codes:").unwrap();
+        let (codes, _) = codes.split_once("Examples:").unwrap();
+        for line in codes.lines().filter(|line| !line.is_empty() && command != "set") {
+            let begins = line.starts_with("     ")
+                || line.trim_start().starts_with(|digit: char| digit.is_ascii_digit());
+            assert!(begins, "{command}: {line}");
+        }
+    }
+}
