@@ -1,4 +1,144 @@
 //! The network manager: it finds devices, gives them addresses, makes their connections, and replaces what is lost.
+//!
+//! [`Manager`] is one machine for a whole network (paper section 5): a node of its own with an address that it was given
+//! beforehand, and a database of [`PlannedDevice`]s: who shall be where, with which connections, and who may stand in.
+//!
+//! ```text
+//! t = 0 s     Mini-who                                   who has no address?
+//!             Hello, OA 127                     <---     I, and this is who I am
+//!             ROAM to OA 67                     --->     you are 67
+//! t = 0 s     Hello, OA 67                      <---     and once more a second later
+//! t = 2 s     Connection request, instance 7    --->     the producers first,
+//!             Connection response               <---
+//!             Connection request, instance 13   --->     then those that consume,
+//!             Set_Attribute_Single              --->     each told the producer's connection ID
+//!             ...                                        data are heard, states are asked for
+//! ```
+//!
+//! All devices are brought up at once, each as far as it is; what is known of one is its [`DeviceState`], and what leads from
+//! one to the next the table [`EDGES`]. Every step is a [`ManagerEvent`].
+//!
+//! # A device gets its address and a connection
+//!
+//! The bus is played by hand: a device stands by, and answers as it would.
+//!
+//! ```
+//! use cip_core::code::{DeviceType, VendorId};
+//! use cip_core::identity::{DeviceIdentity, ProductName, Revision};
+//! use devicenex_core::OperationalAddress;
+//! use devicenex_core::id::Direction;
+//! use devicenex_core::manager::{Config, IdentityPattern, Manager, ManagerEvent, PlannedConnection, PlannedDevice};
+//! use devicenex_core::message::{self, Hello, MiniWho, PortByte, Roam};
+//! use link_core::{Action, BitRate, ExtendedId, Frame, Input, Instant, LinkCommand, LinkEvent, Machine, TxOutcome};
+//!
+//! // A fictitious vendor. Use the one that ODVA assigned to you.
+//! let own = DeviceIdentity {
+//!     vendor: VendorId(0x03E7),
+//!     device_type: DeviceType::COMMUNICATIONS_ADAPTER,
+//!     product_code: 1,
+//!     revision: Revision::new(1, 1).ok_or("revision")?,
+//!     serial: 0x2345,
+//!     name: ProductName::new("Example Manager").ok_or("name")?,
+//! };
+//! let address = OperationalAddress::try_from(67)?;
+//! let config = Config::new(own, OperationalAddress::try_from(1)?, BitRate::K500);
+//! // Up to eight devices, each with up to four connections.
+//! let mut manager = Manager::<8, 4>::new(config);
+//!
+//! // Address 67 is for any device of that product; it produces every 100 ms, to whoever consumes.
+//! let device = message::DeviceIdentity { vendor: VendorId(0x03E7), product_code: 42, major_revision: 1, serial: 7 };
+//! let mut plan = PlannedDevice::new(address, IdentityPattern::product_of(device));
+//! plan.connections.push(PlannedConnection::producer(100)).map_err(|_| "room for four")?;
+//! manager.add_device(Instant::ZERO, plan)?;
+//!
+//! let mut now = Instant::ZERO;
+//! let mut said = Vec::new();
+//! let mut inputs = vec![Input::Link(LinkEvent::Up)];
+//! let hello = |source| Hello { source, direction: Direction::Request, device, port: PortByte::ZERO }.frame();
+//! while !said.iter().any(|line: &String| line.ends_with("-> Running: connected")) {
+//!     let input = if inputs.is_empty() { Input::Tick } else { inputs.remove(0) };
+//!     for action in manager.handle(now, input) {
+//!         match action {
+//!             Action::Transmit(token, frame) => {
+//!                 inputs.push(Input::TxDone(token, TxOutcome::Sent));
+//!                 // The device.
+//!                 if MiniWho::of_frame(&frame).is_some() {
+//!                     inputs.extend(hello(OperationalAddress::NONE).map(Input::Frame));
+//!                 } else if Roam::of_frame(&frame).is_some() {
+//!                     inputs.extend(hello(address).map(Input::Frame));
+//!                 } else if frame.data().starts_with(&[0x4B, 0xC0, 0x07]) {
+//!                     let response = ExtendedId::new(0x1D03_8601).ok_or("29 bits")?;
+//!                     inputs.extend(Frame::new(response, &[0x4B, 0xC0, 0, 100, 0]).map(Input::Frame));
+//!                 }
+//!             }
+//!             Action::Link(LinkCommand::SetMode(mode)) => inputs.push(Input::Link(LinkEvent::ModeSet(mode))),
+//!             Action::Event(ManagerEvent::Planned(address, event)) => said.push(format!("{now:.1} {address} {event}")),
+//!             Action::Event(_) | Action::Link(_) | Action::Withdraw(_) => {}
+//!         }
+//!     }
+//!     if inputs.is_empty() {
+//!         now = manager.deadline().map_or(now, |deadline| deadline.at);
+//!     }
+//! }
+//! assert_eq!(said, [
+//!     "2.0 67 Idle -> Probing: started",
+//!     "2.5 67 Probing -> Missing: no response",
+//!     "2.5 67 Missing -> Found: Hello without address",
+//!     "2.5 67 found: vendor 999, product 42, revision 1, serial 0x00000007",
+//!     "2.5 67 Found -> Assigned: ROAM sent",
+//!     "2.5 67 Assigned -> Joining: Hello request",
+//!     "4.5 67 Joining -> Connecting: wait over",
+//!     "4.5 67 on line: vendor 999, product 42, revision 1, serial 0x00000007",
+//!     "4.5 67 connection 7 established, 100 ms, produces on 860007",
+//!     "4.5 67 Connecting -> Running: connected",
+//! ]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What it keeps to
+//!
+//! | Rule | How |
+//! |---|---|
+//! | it sets the bit rate, and says Hello twice **\[P\]** | it is a [`Device`](crate::device::Device) in the role of a network manager, and answers about itself like any |
+//! | Mini-who as long as a device is missing **\[P\]** | every [`mini_who_interval`](Config::mini_who_interval), and at once when one is lost |
+//! | a device that obeys no ROAM yet gets none | one that answers a Mini-who stands by; one that joins is waited for |
+//! | one unanswered request is no loss | [`connect_tries`](Config::connect_tries), then a spare is looked for |
+//! | a network that runs is not disturbed | whoever has a planned address is asked who it is, its connections are read, and made only where they are not as planned |
+//! | consumers with an EPR of 0 are not touched when their producer is replaced **\[P\]** | the spare produces with the address of the lost device, so with the same connection ID; if that differs, they are told |
+//! | few frames in flight | one of addresses, one request, and those of its own node |
+//!
+//! What a device produces by itself is heard, and missed after four packet rates; every other connection is asked for its state,
+//! one each [`poll_interval`](Config::poll_interval). After that follow a time-out, [`DeviceState::Retrying`], and
+//! [`DeviceState::Lost`].
+//!
+//! | File | Subject |
+//! |---|---|
+//! | `database`, `config` | what it is told |
+//! | `discover`, `address`, `standing` | Hellos, Mini-whos, ROAMs: who is there, and who gets which address |
+//! | `connect`, `watch` | connections, and what becomes of them |
+//! | `talk` | requests of the application, planned reads, new addresses for devices that have one |
+//! | `machine`, `slot`, `lanes`, `output` | what is kept of each device, and the order in which frames leave |
+//! | `node` | the manager as a node of its own |
+//!
+//! # Decisions where the paper is silent
+//!
+//! | Situation | What happens |
+//! |---|---|
+//! | the manager begins, and devices run already | each planned address is asked for its identity without a connection; only those that nobody answers for are looked for |
+//! | a dynamic connection after a restart of the manager | its number is not known any more: another one is made, and the old one ends by its own time-out |
+//! | a device answers a Mini-who while the manager waits for its second Hello | it stands by: it gets its address at once |
+//! | several places fit a device | that which it had, that which is for it alone, the first of the database; as a spare last |
+//! | the device itself was never seen, but its spare | the spare waits [`spare_wait`](Config::spare_wait), then it may |
+//! | several spares answer | the first on the bus: that of the lowest low half of a serial number |
+//! | nobody can stand in | told once; Mini-whos go on, and the lost device gets its address too, if it comes back first |
+//! | a device says Hello without an address though it had one | it was restarted, and gets its address back before any spare |
+//! | a device is on line with an address that is not planned, and missing at another | it is readdressed, when its Hello response shows that it is on line ([`Config::readdress`]) |
+//! | somebody else has a planned address | told, and looked at again after [`retry_wait`](Config::retry_wait); the planned device waits |
+//! | the explicit connection of the predefined set belongs to another client | a dynamic one is asked for |
+//! | a connection is refused | told, and asked for again after [`retry_wait`](Config::retry_wait); the others are made |
+//! | there are two managers | the one that has not asked yet is the second, and leaves the work; of two that have, the one with the lower half serial number goes on |
+//! | the other manager falls silent | nothing, or [`Config::takeover_after`] |
+//! | learning | a device without an address gets the lowest one that is free; one that has an address keeps it. Connections are the application's business |
 
 mod address;
 mod command;
