@@ -17,6 +17,8 @@ use crate::id::MacId;
 pub(super) struct Bus {
     /// Bits of frames.
     load: Window,
+    /// The number of the last frame.
+    newest: Option<u64>,
     /// Errors other than missing acknowledges.
     errors: Window,
     /// The first and the last of the present burst.
@@ -37,6 +39,7 @@ impl Bus {
     pub(super) const fn new() -> Self {
         Self {
             load: Window::new(),
+            newest: None,
             errors: Window::new(),
             first_error: None,
             last_error: None,
@@ -53,9 +56,10 @@ impl Bus {
         &mut self,
         config: &DoctorConfig,
         ledger: &mut Ledger<N>,
-        at: Instant,
+        seen: Seen,
         frame: &Frame,
     ) {
+        let at = seen.at;
         if self.is_blind {
             self.takes_part(ledger, None, at);
         }
@@ -70,6 +74,7 @@ impl Bus {
             self.pass(config, ledger, at);
             self.load.add(frame.bit_len().saturating_add(INTERMISSION));
         }
+        self.newest = Some(seen.n);
     }
 
     /// Time passes.
@@ -121,7 +126,7 @@ impl Bus {
                 facts: Facts::Load { peak_permille: permille },
                 since: now.saturating_sub(config.load_window),
                 at: now,
-                frames: [None; 2],
+                frames: [self.newest, None],
             };
             ledger.see(&sign);
         } else if permille < limit.saturating_sub(HYSTERESIS) {

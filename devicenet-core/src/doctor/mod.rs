@@ -227,7 +227,8 @@ impl<const N: usize> SizedDoctor<N> {
         };
         self.begin.get_or_insert(self.now);
         let was_blind = self.bus.is_blind;
-        self.bus.frame(&self.config, &mut self.ledger, self.now, &reading.frame);
+        let seen = Seen { n: reading.n, at: self.now };
+        self.bus.frame(&self.config, &mut self.ledger, seen, &reading.frame);
         self.sees_again(was_blind);
         let mut clinic = self.clinic(records);
         clinic.presence(reading);

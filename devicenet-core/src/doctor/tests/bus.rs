@@ -25,6 +25,7 @@ fn a_bus_that_is_nearly_full() {
     load(at_limit - 3).is_healthy();
     let found = load(at_limit + 3).only(Rule::BusLoad);
     assert!(found.to_string().starts_with("bus load up to 70.9"), "{found}");
+    assert!(!found.evidence.frames().is_empty(), "a frame of the time when it was so");
     // More than there is room for: that is not its bit rate.
     load(400).is_healthy();
 }
