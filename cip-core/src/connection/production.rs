@@ -165,3 +165,173 @@ fn set_or_clear<K: From<ProductionTimer>>(
         millis => timers.set_after_millis(timer.into(), millis.into()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::connection::{IoConnection, TimerResolution};
+    use core::time::Duration;
+    use link_core::timers::TimerKey;
+    use link_core::{Instant, Timers};
+
+    #[derive(Clone, Copy, PartialEq, Debug)]
+    struct Timer(ProductionTimer);
+
+    impl From<ProductionTimer> for Timer {
+        fn from(timer: ProductionTimer) -> Self {
+            Self(timer)
+        }
+    }
+
+    impl TimerKey<3> for Timer {
+        const ALL: [Self; 3] = [
+            Self(ProductionTimer::Trigger),
+            Self(ProductionTimer::Inhibit),
+            Self(ProductionTimer::Acknowledge),
+        ];
+        const WHY: [&'static str; 3] = ["trigger", "inhibit", "acknowledge"];
+        fn index(self) -> usize {
+            match self.0 {
+                ProductionTimer::Trigger => 0,
+                ProductionTimer::Inhibit => 1,
+                ProductionTimer::Acknowledge => 2,
+            }
+        }
+    }
+
+    /// A producer with its timers, EPR 100 ms.
+    #[derive(Clone)]
+    struct Producer {
+        kind: TransportClassTrigger,
+        connection: IoConnection<TransportClassTrigger>,
+        production: Production,
+        timers: Timers<Timer, 3>,
+        acknowledge: AcknowledgeSettings,
+    }
+
+    impl Producer {
+        fn new(kind: u8, inhibit: u16) -> Self {
+            let kind = TransportClassTrigger(kind);
+            let mut connection = IoConnection::non_existent(kind);
+            connection.allocate(kind).unwrap();
+            let _ = connection.set_packet_rate(100, TimerResolution::DEFAULT).unwrap();
+            connection.settings_mut().set_production_inhibit_time(inhibit).unwrap();
+            let mut production = Production::IDLE;
+            production.established(kind);
+            let acknowledge = AcknowledgeSettings::default();
+            Self { kind, connection, production, timers: Timers::new(), acknowledge }
+        }
+
+        /// What is due goes out.
+        fn send(&mut self) {
+            assert!(self.production.is_due());
+            self.production.begin();
+            self.sent();
+        }
+
+        fn sent(&mut self) {
+            self.production.sent(self.kind, self.connection.settings(), &self.acknowledge, &mut self.timers);
+        }
+
+        fn changed(&mut self, is_in_flight: bool) -> bool {
+            self.production.changed(self.kind, &mut self.timers, is_in_flight)
+        }
+
+        /// In how many ms each timer ends: trigger, inhibit, acknowledge.
+        fn waits(&self) -> [Option<u128>; 3] {
+            Timer::ALL.map(|timer| {
+                self.timers.at(timer).map(|at| at.saturating_since(self.timers.now()).as_millis())
+            })
+        }
+    }
+
+    #[test]
+    fn a_client_produces_at_once_and_a_server_when_it_is_asked() {
+        for kind in [0x00, 0x02, 0x10, 0x12] {
+            assert!(Producer::new(kind, 0).production.is_due());
+        }
+        let mut server = Producer::new(0x82, 0);
+        assert!(!server.production.is_due());
+        assert!(server.production.want());
+        assert!(!server.production.want(), "together with the first");
+        server.send();
+        assert_eq!((server.waits(), server.production), ([None; 3], Production::IDLE));
+    }
+
+    #[test]
+    fn the_timers_start_when_the_message_was_sent() {
+        let mut producer = Producer::new(0x12, 30);
+        assert_eq!(producer.waits(), [None; 3]);
+        producer.send();
+        assert_eq!(producer.waits(), [Some(100), Some(30), Some(16)]);
+        // Cyclic without acknowledges, without inhibit time.
+        let mut cyclic = Producer::new(0x00, 0);
+        cyclic.send();
+        assert_eq!(cyclic.waits(), [Some(100), None, None]);
+    }
+
+    #[test]
+    fn changes() {
+        let mut producer = Producer::new(0x10, 30);
+        producer.send();
+        // While the inhibit time runs it waits.
+        assert!(producer.changed(false));
+        assert!(!producer.production.is_due());
+        producer.timers.clear(Timer(ProductionTimer::Inhibit));
+        producer.production.inhibit_over(&mut producer.timers);
+        assert!(producer.production.is_due());
+        // What changes while a message is on its way goes out after it.
+        let mut on_its_way = Producer::new(0x10, 0);
+        on_its_way.production.begin();
+        assert!(on_its_way.changed(true));
+        assert!(!on_its_way.production.is_due());
+        on_its_way.sent();
+        assert!(on_its_way.production.is_due());
+        // Nothing has changed.
+        let mut quiet = Producer::new(0x10, 30);
+        quiet.send();
+        quiet.production.inhibit_over(&mut quiet.timers);
+        assert!(!quiet.production.is_due());
+        // At once, and not by others.
+        let mut idle = Producer::new(0x10, 0);
+        idle.send();
+        assert!(idle.changed(false) && idle.production.is_due());
+        for kind in [0x00, 0x02, 0x80, 0x82, 0x92] {
+            assert!(!Producer::new(kind, 0).changed(false), "{kind:02X}");
+        }
+    }
+
+    #[test]
+    fn acknowledges() {
+        let mut producer = Producer::new(0x12, 0);
+        producer.acknowledge.retry_limit = 2;
+        producer.send();
+        producer.production.acknowledged(&mut producer.timers);
+        assert_eq!(producer.waits(), [Some(100), None, None]);
+        producer.timers.advance(Instant::ZERO + Duration::from_millis(100));
+        producer.production.triggered(&mut producer.timers);
+        producer.send();
+        // Twice again; the trigger goes on from the first.
+        for _ in 0..2 {
+            producer.timers.advance(producer.timers.now() + Duration::from_millis(16));
+            assert!(!producer.production.not_acknowledged(&producer.acknowledge));
+            producer.send();
+        }
+        assert_eq!(producer.waits(), [Some(68), None, Some(16)]);
+        assert!(producer.production.not_acknowledged(&producer.acknowledge), "told");
+        assert!(!producer.production.is_due());
+        // A new message has retries of its own, and no one waits for the acknowledge of the old one.
+        producer.production.triggered(&mut producer.timers);
+        assert_eq!(producer.waits()[2], None);
+        producer.send();
+        assert!(!producer.production.not_acknowledged(&producer.acknowledge));
+    }
+
+    #[test]
+    fn a_rate_of_0_has_no_trigger() {
+        let mut producer = Producer::new(0x10, 0);
+        let _ = producer.connection.set_packet_rate(0, TimerResolution::DEFAULT).unwrap();
+        producer.send();
+        assert_eq!(producer.waits(), [None; 3]);
+    }
+}

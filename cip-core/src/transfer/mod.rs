@@ -11,6 +11,9 @@
 //! A [`Transfer`] is told what arrives and hands out what is to be sent; the frames are its owner's business. So are the
 //! timers: they have the present moment, and it is told which of its [`Wait`]s has run out.
 
+#[cfg(test)]
+mod tests;
+
 use core::hash::{Hash, Hasher};
 
 use link_core::timers::TimerSet;
