@@ -271,7 +271,7 @@ impl Access {
     }
 
     /// Serves every wait that is over at `until`. None of them starts another that is over too.
-    fn expire(&mut self, until: Instant) {
+    pub(crate) fn expire(&mut self, until: Instant) {
         while let Some(timer) = self.timers.take_expired(until) {
             match timer {
                 Timer::Wait => self.wait_over(),

@@ -1,6 +1,6 @@
 //! What the machine sends. It follows from the state; there is no queue.
 
-use link_core::{Action, Deadline, Frame, LinkCommand, Mode};
+use link_core::{Action, Deadline, Frame, Instant, LinkCommand, Mode};
 
 use super::event::{AccessEvent, Outgoing};
 use super::machine::{Access, Fate, InFlight, Timer};
@@ -26,6 +26,11 @@ impl Access {
             self.told = Some(self.listening());
         }
         must
+    }
+
+    /// The present moment, for a node that hears of it by other ways than its inputs.
+    pub(crate) fn advance(&mut self, now: Instant) {
+        self.timers.advance(now);
     }
 
     /// The next wait that ends, whatever is to be done before.

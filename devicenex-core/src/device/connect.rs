@@ -21,8 +21,8 @@
 use cip_core::code::GeneralStatus;
 use cip_core::codec::{Wire, Writer};
 use cip_core::connection::{
-    ExplicitCause, ExplicitConnection, IoConnection, IoMode, IoState, Production, TransportClassTrigger,
-    WatchdogAction,
+    ExplicitCause, ExplicitConnection, IoCause, IoConnection, IoMode, IoState, Production,
+    TransportClassTrigger, WatchdogAction,
 };
 use link_core::Frame;
 
@@ -141,16 +141,13 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
     fn grant(&mut self, wish: Wish) -> Result<ConnectionResponse, GeneralStatus> {
         let is_explicit = wish.at.select() == GroupSelect::EXPLICIT_29;
         let own = self.own_message(&wish, is_explicit)?;
-        let place = match self.place_of(wish.connection) {
-            Some(place) => {
-                let slot = self.slots.get(place).ok_or(GeneralStatus::RESOURCE_UNAVAILABLE)?;
-                if slot.requester != wish.requester && slot.io_state() != Some(IoState::TimedOut) {
-                    return shared(slot).ok_or(GeneralStatus::OBJECT_STATE_CONFLICT);
-                }
-                place
-            }
-            None => self.room(&wish, is_explicit).ok_or(GeneralStatus::RESOURCE_UNAVAILABLE)?,
-        };
+        if let Some(slot) = self.place_of(wish.connection).and_then(|place| self.slots.get(place))
+            && slot.requester != wish.requester
+            && slot.io_state() != Some(IoState::TimedOut)
+        {
+            return shared(slot).ok_or(GeneralStatus::OBJECT_STATE_CONFLICT);
+        }
+        let place = self.make_room(&wish, is_explicit).ok_or(GeneralStatus::RESOURCE_UNAVAILABLE)?;
         if is_explicit {
             self.open_explicit(place, &wish, own);
         } else {
@@ -162,16 +159,14 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
 
     /// Where the connection produces: as the requester, unless another connection does already with 11 bits.
     fn own_message(&self, wish: &Wish, is_explicit: bool) -> Result<GroupMessage, GeneralStatus> {
-        let never_produces = matches!(
-            wish.connection,
-            ConnectionInstance::Predefined(Predefined::Implicit(Kind::MulticastConsumer, _))
-        );
-        if is_explicit || never_produces || wish.at.select().standard().is_none() {
+        if is_explicit || !can_produce(wish.connection) || wish.at.select().standard().is_none() {
             return Ok(wish.at);
         }
         let is_used = |at: &GroupMessage| {
             self.slots.iter().any(|slot| match &slot.body {
-                Body::Io(io) => io.own == *at && slot.connection() != wish.connection && io.produces(),
+                Body::Io(io) => {
+                    io.own == *at && slot.connection() != wish.connection && can_produce(slot.connection())
+                }
                 Body::Free | Body::Explicit(_) => false,
             })
         };
@@ -179,7 +174,7 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
     }
 
     fn open_explicit(&mut self, place: usize, wish: &Wish, own: GroupMessage) {
-        self.vacate(place, wish.connection);
+        self.tell_of_ended(place);
         let Some(slot) = self.slots.get_mut(place) else { return };
         let fresh = Explicit {
             connection: ExplicitConnection::NON_EXISTENT,
@@ -213,7 +208,7 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
 
     fn open_io(&mut self, place: usize, wish: &Wish, own: GroupMessage) {
         let kind = self.trigger_of(wish.connection);
-        self.vacate(place, wish.connection);
+        self.tell_of_ended(place);
         let Some(slot) = self.slots.get_mut(place) else { return };
         (slot.instance, slot.requester) = (number(wish.connection), wish.requester);
         let connection = match &slot.body {
@@ -240,10 +235,14 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
         let _ = self.io_packet_rate(place, target.expected_packet_rate);
     }
 
-    /// What is still to be told of the connection that had the place before another.
-    fn vacate(&mut self, place: usize, connection: ConnectionInstance) {
-        let Some(slot) = self.slots.get_mut(place) else { return };
-        if slot.connection() != connection {
+    /// Before a connection begins, what is still to be told of those that have ended: it may have the number of one, and the place
+    /// of another.
+    fn tell_of_ended(&mut self, place: usize) {
+        for ended in 0..CONNECTIONS {
+            let Some(slot) = self.slots.get_mut(ended) else { return };
+            if slot.is_open() && ended != place {
+                continue;
+            }
             let mut news = core::mem::take(&mut slot.news);
             while let Some(event) = news.take() {
                 self.raise(event);
@@ -265,25 +264,42 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
         self.slots.iter().position(|slot| slot.is_open() && slot.connection() == connection)
     }
 
-    /// Where a new connection can be. For explicit messages, one with the same identifiers ends, and if need be leaves its place.
-    fn room(&mut self, wish: &Wish, is_explicit: bool) -> Option<usize> {
-        let has_its_identifiers = |slot: &Slot<A::Long, MESSAGE>| match &slot.body {
-            Body::Explicit(explicit) => {
-                slot.is_explicit_of(wish.requester) && explicit.request == wish.at.message()
+    /// Where the connection can be: where it is already, or at a free place. What it takes the place of ends: an explicit
+    /// connection with the same identifiers, or one of the same number that was for other messages.
+    fn make_room(&mut self, wish: &Wish, is_explicit: bool) -> Option<usize> {
+        let (mut own, mut left) = (None, None);
+        for place in 0..CONNECTIONS {
+            let slot = self.slots.get(place).filter(|slot| slot.is_open());
+            let Some(slot) = slot else { continue };
+            let is_same = slot.connection() == wish.connection;
+            let (is_alike, has_its_identifiers) = match &slot.body {
+                Body::Explicit(explicit) => {
+                    let is_theirs = slot.requester == wish.requester && explicit.request == wish.at.message();
+                    (is_explicit, is_explicit && is_theirs)
+                }
+                Body::Io(_) | Body::Free => (!is_explicit, false),
+            };
+            if is_same && is_alike {
+                own = Some(place);
+            } else if is_same || has_its_identifiers {
+                // One of them is it; the other changes nothing.
+                let _ = self.io_step(place, IoCause::Released);
+                let _ = self.explicit_step(place, ExplicitCause::Released);
+                left = Some(place);
             }
-            Body::Free | Body::Io(_) => false,
-        };
-        let same = self.slots.iter().position(has_its_identifiers).filter(|_| is_explicit);
-        if let Some(place) = same {
-            let _ = self.explicit_step(place, ExplicitCause::Released);
         }
-        self.slots.iter().position(Slot::is_free).or(same)
+        own.or_else(|| self.slots.iter().position(Slot::is_free)).or(left)
     }
 
     fn next_dynamic(&self) -> Option<ConnectionInstance> {
         let numbers = (FIRST_DYNAMIC..=u8::MAX).map(ConnectionInstance::Dynamic);
         numbers.into_iter().find(|&connection| self.place_of(connection).is_none())
     }
+}
+
+/// Whether the connection may need a Message ID of its own: a dynamic one may, whatever it does at present.
+const fn can_produce(connection: ConnectionInstance) -> bool {
+    !matches!(connection, ConnectionInstance::Predefined(Predefined::Implicit(Kind::MulticastConsumer, _)))
 }
 
 /// The answer for a connection that produces to everybody already.

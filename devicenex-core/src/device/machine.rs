@@ -107,6 +107,7 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
 
     /// The present moment, as the device was told it.
     pub(super) fn advance(&mut self, now: Instant) -> Instant {
+        self.access.advance(now);
         for slot in &mut self.slots {
             slot.timers.advance(now);
         }
@@ -149,9 +150,7 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
 
     /// Serves every wait that is over at `until`, the one that ended first before the others.
     fn expire(&mut self, until: Instant) {
-        if self.access.next_wait().is_some_and(|wait| wait.at <= until) {
-            self.access.input(until, Input::Tick);
-        }
+        self.access.expire(until);
         while let Some((place, timer)) = self.take_expired(until) {
             match place {
                 Some(place) => self.connection_wait_over(place, timer),

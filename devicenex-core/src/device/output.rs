@@ -138,10 +138,9 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
         Some(Action::Transmit(token, frame))
     }
 
-    /// The next event: what connections keep, then what was raised.
+    /// The next event: what was raised, then what connections keep.
     fn tell(&mut self) -> Option<DeviceEvent> {
-        let news = self.slots.iter_mut().find_map(|slot| slot.news.take());
-        news.or_else(|| self.events.pop())
+        self.events.pop().or_else(|| self.slots.iter_mut().find_map(|slot| slot.news.take()))
     }
 }
 

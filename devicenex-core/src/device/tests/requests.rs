@@ -277,3 +277,41 @@ fn no_request_is_carried_out_whose_answer_would_be_lost() {
         bus.sends(0x1D03_8600 + transaction, &[0x4B, 0xC0, 0, 0, 0]);
     }
 }
+
+/// A number that was for implicit messages can be asked for again for explicit ones, and the other way round.
+#[test]
+fn a_dynamic_connection_becomes_one_of_the_other_kind() {
+    let mut bus = Bus::explicit();
+    bus.connects(&[0x4B, 0x40], &[0x4B, 0x40, 0, 128, 0]);
+    bus.told();
+    bus.connects(&[0x4B, 0x51, 128, 0, 0, 0, 1], &[0x4B, 0x51, 0, 128, 0]);
+    assert_eq!(
+        bus.told(),
+        [
+            "dynamic 128: Configuring -> Non-existent: Release or Delete",
+            "dynamic 128: Non-existent -> Established: Allocate or Open"
+        ]
+    );
+    bus.connects(&[0x4B, 0x40, 128, 0, 0, 0, 0], &[0x4B, 0x40, 0, 128, 0]);
+    assert_eq!((bus.state(1), bus.state(128), bus.node.connections().count()), (3, 3, 2));
+    bus.hears(0x1186_0205, &[0x0E, 3, 1, 1]);
+    assert!(bus.told().last().is_some_and(|line| line.ends_with("no such connection")));
+}
+
+/// Nothing can tell two connections with the same identifiers apart: not if an earlier one is asked for again, either.
+#[test]
+fn an_explicit_connection_that_takes_the_identifiers_of_another() {
+    let mut bus = Bus::explicit();
+    bus.connects(&[0x4B, 0x55], &[0x4B, 0x55, 0, 128, 0]);
+    bus.connects(&[0x4B, 0xD5, 1, 0, 0, 0, 1], &[0x4B, 0xD5, 0, 0, 0]);
+    assert_eq!([bus.state(1), bus.state(128)], [3, 0]);
+}
+
+/// A dynamic connection that only consumes at present may produce later.
+#[test]
+fn a_dynamic_connection_keeps_its_message_of_11_bits() {
+    let mut bus = Bus::explicit();
+    bus.connects(&[0x4B, 0x03], &[0x4B, 0x03, 0, 128, 0]);
+    bus.asks(&[0x10, 5, 128, 3, 0x80], &[0x90]);
+    bus.connects(&[0x4B, 0x83, 2, 0, 0, 0, 0], &[0x4B, 0x80, 0, 0, 0]);
+}
