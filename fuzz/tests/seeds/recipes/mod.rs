@@ -1,6 +1,7 @@
 //! What the seeds are made of: vectors from manuals, captures, and scripts by hand.
 
 mod buses;
+mod device;
 mod files;
 mod frames;
 mod machines;
@@ -26,6 +27,7 @@ pub(crate) fn of(target: &str) -> Seeds {
         "frame_decode" => frames::frame_decode(),
         "monitor" => frames::monitor(),
         "net_dn" => buses::net_dn(),
+        "nx_node" => device::nx_node(),
         "text" => files::text(),
         "wire" => frames::wire(),
         other => panic!("no recipes for {other}"),
