@@ -24,35 +24,38 @@ use super::timer::{Timer, apply};
 use crate::id::{Identifier, MacId};
 
 /// Everything in a slave that its objects look at and change.
+///
+/// What is asked most comes first: a Cortex-M0 reaches the first 32 bytes from a pointer in one short instruction.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
+#[repr(C)]
 pub(super) struct Node<A: Application, const DYNAMIC: usize> {
-    pub(super) options: Choices<A>,
-    failures: FailureOptions,
-    pub(super) resolution: TimerResolution,
+    /// Something that others have to follow has changed.
+    pub(super) changed: Changed,
+    /// The connections of the predefined set that exist, those that timed out included.
+    pub(super) held: AllocationChoice,
+    pub(super) master: Option<MacId>,
+    pub(super) departure: Option<Departure>,
+    pub(super) lines: Lines,
     /// Instance 1.
     pub(super) explicit: ExplicitConnection,
     /// Instances 2 to 5, as many as there is room for.
     pub(super) slots: SlotsOf<A>,
-    /// Instances 6 and up.
-    pub(super) dynamic: [Dynamic; DYNAMIC],
-    /// The connections of the predefined set that exist, those that timed out included.
-    pub(super) held: AllocationChoice,
-    pub(super) master: Option<MacId>,
+    pub(super) resolution: TimerResolution,
     /// Through which explicit connection the I/O connections are configured.
     pub(super) parent: Parent,
     /// Whose multicast poll is consumed.
     pub(super) group: MacId,
     /// Whose it is after an allocation, if not the master's.
     pub(super) foreign_group: Option<MacId>,
-    pub(super) acknowledge: AcknowledgeSettings,
     pub(super) heartbeat_interval: Option<u8>,
-    pub(super) departure: Option<Departure>,
-    /// Something that others have to follow has changed.
-    pub(super) changed: Changed,
-    pub(super) lines: Lines,
-    pub(super) timers: <SlotsOf<A> as Slots>::Timers,
-    pub(super) dynamic_timers: [Timers<Timer, 3>; DYNAMIC],
     pub(super) events: Events<<SlotsOf<A> as Slots>::Events>,
+    pub(super) acknowledge: AcknowledgeSettings,
+    failures: FailureOptions,
+    pub(super) options: Choices<A>,
+    pub(super) timers: <SlotsOf<A> as Slots>::Timers,
+    /// Instances 6 and up.
+    pub(super) dynamic: [Dynamic; DYNAMIC],
+    pub(super) dynamic_timers: [Timers<Timer, 3>; DYNAMIC],
     /// It decides what there can be at all.
     pub(super) application: PhantomData<A>,
 }
