@@ -61,8 +61,13 @@ pub fn explicit_piece<const PIECE: usize, const PREFIX: usize>(
         (_, true) => FragmentKind::Middle,
         (_, false) => FragmentKind::Last,
     };
-    let count = u8::try_from(index & usize::from(COUNT_MASK)).ok()?;
-    Some(Fragment { byte: FragmentByte::new(kind, count), data })
+    Some(Fragment { byte: FragmentByte::new(kind, count_of(index)), data })
+}
+
+/// The count of a fragment: its index modulo 64.
+pub(super) const fn count_of(index: usize) -> u8 {
+    let [low, ..] = index.to_le_bytes();
+    low & COUNT_MASK
 }
 
 /// The fragments of an explicit message in their order.

@@ -93,72 +93,48 @@ impl ExplicitReceive {
         data: &[u8],
     ) -> ExplicitOutcome<'b> {
         let count = byte.count();
-        match (byte.kind, self.state) {
-            (FragmentKind::Acknowledge, _) => ExplicitOutcome::Acknowledge,
-            (FragmentKind::First, _) if count != 0 => {
+        let at = match (byte.kind, self.state) {
+            (FragmentKind::Acknowledge, _) => return ExplicitOutcome::Acknowledge,
+            (FragmentKind::First, _) if count == 0 => 0,
+            (FragmentKind::First, _) => {
                 self.discard();
-                ExplicitOutcome::InvalidFirst { count }
+                return ExplicitOutcome::InvalidFirst { count };
             }
-            (FragmentKind::First, _) => self.store(buffer, 0, data, Then::Expect(1)),
-            (FragmentKind::Middle, State::Receiving { expected, received }) if count == expected => {
-                self.store(buffer, received, data, Then::Expect(next_count(expected)))
+            (kind, State::Idle { completed }) => {
+                let again = kind == FragmentKind::Last && completed == Some(Completed { xid, count });
+                return if again { ExplicitOutcome::RepeatedLast } else { ExplicitOutcome::IgnoredNoFirst };
             }
-            (FragmentKind::Middle, State::Receiving { expected, .. }) if next_count(count) == expected => {
-                ExplicitOutcome::Repeated
-            }
-            (FragmentKind::Last, State::Receiving { expected, received }) if count == expected => {
-                self.store(buffer, received, data, Then::End(Completed { xid, count }))
-            }
-            (FragmentKind::Middle | FragmentKind::Last, State::Receiving { expected, .. }) => {
+            (_, State::Receiving { expected, received }) if count == expected => received,
+            (kind, State::Receiving { expected, .. }) => {
+                if kind == FragmentKind::Middle && next_count(count) == expected {
+                    return ExplicitOutcome::Repeated;
+                }
                 self.discard();
-                ExplicitOutcome::OutOfSequence { expected, found: count }
+                return ExplicitOutcome::OutOfSequence { expected, found: count };
             }
-            (FragmentKind::Last, State::Idle { completed })
-                if completed == Some(Completed { xid, count }) =>
-            {
-                ExplicitOutcome::RepeatedLast
-            }
-            (FragmentKind::Middle | FragmentKind::Last, State::Idle { .. }) => {
-                ExplicitOutcome::IgnoredNoFirst
-            }
+        };
+        self.discard();
+        let Some((message, received)) = self.store(buffer, at, data) else { return ExplicitOutcome::TooLong };
+        if byte.kind == FragmentKind::Last {
+            self.state = State::Idle { completed: Some(Completed { xid, count }) };
+            return ExplicitOutcome::Complete(message);
         }
+        self.state = State::Receiving { expected: next_count(count), received };
+        ExplicitOutcome::Stored
     }
 
-    fn store<'b>(
-        &mut self,
-        buffer: &'b mut [u8],
-        received: u16,
-        data: &[u8],
-        then: Then,
-    ) -> ExplicitOutcome<'b> {
-        self.discard();
-        let at = usize::from(received);
+    /// What there is of the message now, and how long it is; `None` if it is too long.
+    fn store<'b>(&self, buffer: &'b mut [u8], at: u16, data: &[u8]) -> Option<(&'b [u8], u16)> {
+        let at = usize::from(at);
         let end = at.saturating_add(data.len());
-        let Some(received) = u16::try_from(end).ok().filter(|&received| received <= self.limit) else {
-            return ExplicitOutcome::TooLong;
-        };
-        let Some(message) = buffer.get_mut(..end) else { return ExplicitOutcome::TooLong };
+        let received = u16::try_from(end).ok().filter(|&received| received <= self.limit)?;
+        let message = buffer.get_mut(..end)?;
         // `end` is as far behind `at` as the data are long.
         if let Some(place) = message.get_mut(at..) {
             place.copy_from_slice(data);
         }
-        match then {
-            Then::Expect(expected) => {
-                self.state = State::Receiving { expected, received };
-                ExplicitOutcome::Stored
-            }
-            Then::End(completed) => {
-                self.state = State::Idle { completed: Some(completed) };
-                ExplicitOutcome::Complete(message)
-            }
-        }
+        Some((message, received))
     }
-}
-
-/// What follows a fragment that was stored.
-enum Then {
-    Expect(u8),
-    End(Completed),
 }
 
 const IDLE: State = State::Idle { completed: None };

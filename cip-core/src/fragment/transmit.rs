@@ -1,6 +1,6 @@
 //! Sending of explicit messages in fragments, each of which must be acknowledged before the next.
 
-use super::cut::unfragmented_len;
+use super::cut::{count_of, unfragmented_len};
 use super::{AckStatus, EXPLICIT_FRAGMENT_LEN, Fragment, explicit_piece};
 
 /// What an acknowledge, or its absence, leads to.
@@ -94,17 +94,16 @@ impl<const PIECE: usize, const PREFIX: usize> ExplicitTransmit<PIECE, PREFIX> {
 
     /// Takes an acknowledge: the count and the status that it carries.
     pub fn acknowledge(&mut self, body: &[u8], count: u8, status: AckStatus) -> TransmitOutcome {
-        let Some((waiting, fragment)) = self.waiting.zip(self.fragment(body)) else {
+        let Some(Waiting { index, .. }) =
+            self.waiting.filter(|waiting| count_of(waiting.index.into()) == count)
+        else {
             return TransmitOutcome::Ignored;
         };
-        if fragment.byte.count() != count {
-            return TransmitOutcome::Ignored;
-        }
         self.waiting = None;
         if status != AckStatus::Success {
             return TransmitOutcome::Refused(status);
         }
-        let index = waiting.index.saturating_add(1);
+        let index = index.saturating_add(1);
         if explicit_piece::<PIECE, PREFIX>(body, index.into()).is_none() {
             return TransmitOutcome::Complete;
         }
