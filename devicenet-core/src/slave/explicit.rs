@@ -7,8 +7,7 @@ use super::allocation::{Door, Requester};
 use super::application::{Application, Parts};
 use super::event::Ignored;
 use super::machine::Slave;
-use crate::id::Identifier;
-use crate::message::ExplicitHeader;
+use crate::id::{Identifier, MacId};
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
     #[inline(never)]
@@ -29,21 +28,20 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if self.node.explicit.state() == ExplicitState::NonExistent {
             return Err(Ignored::NoConnection);
         }
-        let header = field.first().map(|&byte| ExplicitHeader::from(byte)).ok_or(Ignored::TooShort)?;
-        if Some(header.mac) != self.node.master {
+        let &header = field.first().ok_or(Ignored::TooShort)?;
+        let mac = MacId::from_low_bits(header);
+        if Some(mac) != self.node.master {
             return Err(Ignored::ForeignNode);
         }
         self.check_departure()?;
         // It exists: nothing is refused.
         let _ = self.node.explicit_step(ExplicitCause::Message);
         let rules = self.rules();
-        let complete = self.explicit.receive(&mut self.node.timers, rules, header.mac, field)?;
-        let Some(header) = complete else { return Ok(()) };
-        let (mut server, explicit, _) = self.serving(Requester {
-            mac: header.mac,
-            door: Door::Predefined,
-            format: BodyFormat::Class8Instance8,
-        });
+        if !self.explicit.receive(&mut self.node.timers, rules, header, field)? {
+            return Ok(());
+        }
+        let (mut server, explicit, _) =
+            self.serving(Requester { mac, door: Door::Predefined, format: BodyFormat::Class8Instance8 });
         explicit.answer(header, field, |request, out| server.answer(request, out))
     }
 }

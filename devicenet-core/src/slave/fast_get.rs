@@ -24,14 +24,13 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// True if the data field was such a request, and is answered; otherwise nothing has happened.
     #[inline]
     pub(super) fn fast_get(&mut self, field: &[u8]) -> bool {
-        let &[header, GET, class, instance, attribute] = field else { return false };
-        let header = ExplicitHeader::from(header);
-        if !self.is_free_for(header) {
+        let &[byte, GET, class, instance, attribute] = field else { return false };
+        if !self.is_free_for(ExplicitHeader::from(byte)) {
             return false;
         }
         let class = ClassId(class.into());
         let Some(len) = self.fast_value(class, instance, AttributeId(attribute.into())) else { return false };
-        self.explicit.respond_whole(header, len);
+        self.explicit.respond_whole(byte, len);
         count::<A>(&mut self.node.events.counters.requests);
         self.node.explicit_message();
         true

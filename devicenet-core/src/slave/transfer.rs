@@ -22,8 +22,7 @@ use link_core::timers::TimerSet;
 
 use super::event::Ignored;
 use super::timer::Timer;
-use crate::id::{Identifier, MacId};
-use crate::message::ExplicitHeader;
+use crate::id::Identifier;
 
 /// The buffers and the progress of one explicit connection.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
@@ -91,36 +90,33 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
         }
     }
 
-    /// Takes the data field of a frame. `peer` is the MAC ID in the header of what goes back. If a request is complete now, it
-    /// is to be [answered](Self::answer) under the header that is returned.
+    /// Takes the data field of a frame. `header`: its header, with the MAC ID that is in the header of what goes back. True if
+    /// a request is complete now, which is to be [answered](Self::answer).
     pub(super) fn receive(
         &mut self,
         timers: &mut impl TimerSet<Timer>,
         rules: Rules,
-        peer: MacId,
+        header: u8,
         field: &[u8],
-    ) -> Result<Option<ExplicitHeader>, Ignored> {
-        let (&header, body) = field.split_first().ok_or(Ignored::TooShort)?;
-        let header = ExplicitHeader { mac: peer, ..ExplicitHeader::from(header) };
-        if header.fragmented {
-            let is_complete = self.fragment(timers, rules, header, body)?;
-            return Ok(is_complete.then_some(header));
+    ) -> Result<bool, Ignored> {
+        if header & FRAGMENT != 0 {
+            return self.fragment(timers, rules, header, field);
         }
         self.abort(timers);
         self.forget(timers);
-        Ok(Some(header))
+        Ok(true)
     }
 
     /// Answers the request that the data field of the last frame was, or was the end of. `serve` writes the response; an
     /// error: there is none.
     pub(super) fn answer(
         &mut self,
-        header: ExplicitHeader,
+        header: u8,
         field: &[u8],
         serve: impl FnOnce(&[u8], &mut Writer<'_>) -> Result<(), Ignored>,
     ) -> Result<(), Ignored> {
         let reassembled;
-        let request = if header.fragmented {
+        let request = if header & FRAGMENT != 0 {
             reassembled = self.message.clone();
             reassembled.body()
         } else {
@@ -148,30 +144,30 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
 
     /// So many bytes were written while it was idle: they are a response in one frame.
     #[inline]
-    pub(super) fn respond_whole(&mut self, to: ExplicitHeader, len: usize) {
+    pub(super) fn respond_whole(&mut self, header: u8, len: usize) {
         self.message.len = short(len);
-        self.header = ExplicitHeader::complete(to.xid, to.mac).into();
+        self.header = header & !FRAGMENT;
         self.stage = Stage::Due;
     }
 
     /// So many bytes were written to the message: they are the response.
     #[inline]
-    fn respond(&mut self, to: ExplicitHeader, len: usize) {
-        self.respond_whole(to, len);
+    fn respond(&mut self, header: u8, len: usize) {
+        self.respond_whole(header, len);
         self.transmit.start(self.message.body());
     }
 
-    /// Takes what follows the header in a fragment; true if the request is complete.
+    /// Takes a fragment; true if the request is complete.
     #[inline(never)]
     fn fragment(
         &mut self,
         timers: &mut impl TimerSet<Timer>,
         rules: Rules,
-        header: ExplicitHeader,
-        body: &[u8],
+        header: u8,
+        field: &[u8],
     ) -> Result<bool, Ignored> {
-        let (&byte, data) = body.split_first().ok_or(Ignored::TooShort)?;
-        let fragment = FragmentByte::from(byte);
+        let [_, byte, data @ ..] = field else { return Err(Ignored::TooShort) };
+        let fragment = FragmentByte::from(*byte);
         match fragment.kind {
             FragmentKind::Acknowledge => {
                 return self.acknowledged(timers, fragment.count(), data).map(|()| false);
@@ -179,10 +175,10 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
             FragmentKind::First => self.abort(timers),
             FragmentKind::Middle | FragmentKind::Last => {}
         }
-        let outcome = self.receive.fragment(&mut self.message.bytes, header.xid, fragment, data);
+        let outcome = self.receive.fragment(&mut self.message.bytes, header & XID != 0, fragment, data);
         if let Some(status) = outcome.ack() {
             let acknowledge = FragmentByte::new(FragmentKind::Acknowledge, fragment.count());
-            self.acknowledge = Some([header.into(), acknowledge.into(), status.into()]);
+            self.acknowledge = Some([header, acknowledge.into(), status.into()]);
         }
         match outcome {
             ExplicitOutcome::Complete(request) => {
@@ -395,8 +391,9 @@ fn short(len: usize) -> u16 {
     u16::try_from(len).unwrap_or(u16::MAX)
 }
 
-/// FRAG, in the header.
+/// FRAG and XID, in the header.
 const FRAGMENT: u8 = 0x80;
+const XID: u8 = 0x40;
 /// T_ack: how long a fragment of a response waits for its acknowledge.
 const ACKNOWLEDGE_MILLIS: u32 = 1000;
 /// How long the last fragment of a request is known again.

@@ -85,8 +85,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let gone = Ignored::NoConnection;
         let dynamic = self.transfers.get_mut(at).ok_or(gone)?;
         let timers = self.node.dynamic_timers.get_mut(at).ok_or(gone)?;
-        let complete = dynamic.transfer.receive(timers, rules, client, field)?;
-        let Some(header) = complete else { return Ok(()) };
+        let header = ExplicitHeader { mac: client, ..header }.into();
+        if !dynamic.transfer.receive(timers, rules, header, field)? {
+            return Ok(());
+        }
         let (mut server, _, transfers) =
             self.serving(Requester { mac: client, door: Door::Dynamic(index), format });
         let dynamic = transfers.get_mut(at).ok_or(gone)?;
