@@ -7,6 +7,7 @@ use crate::message::NodeSelection;
 /// A state with its data.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
 pub enum State {
     /// No power, or no network power: waiting for the link to come up.
     NonExistent,

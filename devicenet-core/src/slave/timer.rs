@@ -7,6 +7,7 @@ use super::application::IoKind;
 
 /// The waits of a slave, besides those of network access.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[repr(u8)]
 pub enum Timer {
     /// Of instance 1, or of a connection that was opened dynamically.
     Explicit,
