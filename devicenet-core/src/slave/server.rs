@@ -10,7 +10,7 @@ use cip_core::object::{
     respond_with, serve,
 };
 
-use super::allocation::Requester;
+use super::allocation::{Door, Requester};
 use super::application::{Application, IoKind, Parts};
 use super::config::Options;
 use super::connection_object::ConnectionObject;
@@ -20,6 +20,7 @@ use super::event::{Ignored, SlaveEvent, count};
 use super::machine::{DynamicTransfer, Slave};
 use super::node::{BOTH, Changed, Node};
 use super::transfer::Transfer;
+use super::unconnected;
 use crate::access::Access;
 use cip_core::connection::IoState;
 
@@ -58,8 +59,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
             Some(_) => {}
             None => return Err(Ignored::TooShort),
         }
+        let call = self.call(body)?;
         count::<A>(&mut self.node.events.counters.requests);
-        let done = match self.call(body)? {
+        let done = match call {
             Ok(call) => self.perform(&call, out).map(|effects| self.carry_out(&call, effects)),
             Err(failure) => {
                 // Three bytes, for which every buffer has room.
@@ -76,7 +78,14 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
     /// Carries out a service, and writes its response.
     #[inline(never)]
     pub(super) fn perform(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
-        respond_with(call, self.node.failures(), out, |out| match call.class {
+        respond_with(call, self.node.failures(), out, |out| self.serve(call, out))
+    }
+
+    fn serve(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+        if self.requester.door == Door::Unconnected {
+            unconnected::check(call)?;
+        }
+        match call.class {
             ClassId::IDENTITY if !A::PARTS.intersects(Parts::OPTIONAL_SERVICES.union(Parts::HEARTBEAT)) => {
                 serve(&mut MandatoryIdentity(self.identity()), call, out)
             }
@@ -92,7 +101,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
                 serve(&mut ConnectionObject { server: self, consumed_size }, call, out)
             }
             _ => self.serve_others(call, out),
-        })
+        }
     }
 
     /// The request in the body format of its connection.
@@ -134,7 +143,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
         if !for_application.is_empty() {
             self.node.events.raise::<A>(SlaveEvent::Effect(for_application));
         }
-        if !is_question(call.service) {
+        // What the unconnected port is there for is told as an allocation.
+        if !is_question(call.service) && self.requester.door != Door::Unconnected {
             let (class, instance, service) = (call.class, call.instance, call.service);
             self.node.report(SlaveEvent::Changed { class, instance, service });
         }

@@ -101,19 +101,19 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let mut field = [0; 6];
         let mut out = Writer::new(&mut field);
         // There is room for it.
-        let _ = out.u8(ExplicitHeader::complete(header.xid, client).into());
+        let _ = out.u8(ExplicitHeader { mac: client, ..header.into() }.into());
         let (service, data) = body.split_first().ok_or(Ignored::TooShort)?;
         let done = match ServiceCode(*service) {
             OPEN => self.open(client, data, &mut out),
             CLOSE => self.close(client, data, &mut out),
             _ => Err(GeneralStatus::SERVICE_NOT_SUPPORTED.into()),
         };
-        match done {
-            Ok(()) => count::<A>(&mut self.node.events.counters.requests),
-            Err(failure) => {
-                out.truncate(1);
-                self.refuse(failure, &mut out);
-            }
+        count::<A>(&mut self.node.events.counters.requests);
+        if let Err(failure) = done {
+            count::<A>(&mut self.node.events.counters.refused);
+            out.truncate(1);
+            // Three bytes, for which there is room.
+            let _ = failure.emit(&mut out);
         }
         self.queue(true, out.written());
         Ok(())

@@ -20,9 +20,9 @@ use heapless::Vec;
 use super::allocation::{Door, Requester};
 use super::application::Application;
 use super::config::Options;
-use super::event::{Ignored, count};
+use super::event::Ignored;
 use super::machine::Slave;
-use crate::id::Identifier;
+use crate::id::{Identifier, MacId};
 use crate::message::ExplicitHeader;
 
 /// The response of an unconnected port, until it is sent.
@@ -50,21 +50,13 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let mut field = [0; 5];
         let mut out = Writer::new(&mut field);
         // There is room for it.
-        let _ = out.u8(ExplicitHeader::complete(header.xid, header.mac).into());
-        match *body {
-            [service, class, instance, ref data @ ..] => {
-                let (service, class) = (ServiceCode(service), ClassId(class.into()));
-                let call = Call::new(service, class, InstanceId(instance.into()), data);
-                match check(&call) {
-                    Ok(()) => self.serve_unconnected(header, &call, &mut out),
-                    Err(failure) => self.refuse(failure, &mut out),
-                }
-            }
-            _ if self.node.options.contains(Options::ANSWER_SHORT_BODY) => {
-                self.refuse(GeneralStatus::NOT_ENOUGH_DATA.into(), &mut out);
-            }
-            _ => return Err(Ignored::TooShort),
-        }
+        let _ = out.u8(header);
+        let (mut server, ..) = self.serving(Requester {
+            mac: MacId::from_low_bits(header),
+            door: Door::Unconnected,
+            format: BodyFormat::Class8Instance8,
+        });
+        server.answer(body, &mut out)?;
         self.queue(false, out.written());
         Ok(())
     }
@@ -73,13 +65,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     pub(super) fn check_room(&self) -> Result<(), Ignored> {
         self.check_departure()?;
         if self.answers.is_full() { Err(Ignored::Busy) } else { Ok(()) }
-    }
-
-    pub(super) fn refuse(&mut self, failure: Failure, out: &mut Writer<'_>) {
-        count::<A>(&mut self.node.events.counters.requests);
-        count::<A>(&mut self.node.events.counters.refused);
-        // Three bytes, for which there is room.
-        let _ = failure.emit(out);
     }
 
     /// `field`: the header of the answer, and its body.
@@ -106,26 +91,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             self.answers.iter().any(|answer| answer.ucmm == ucmm)
         }
     }
-
-    fn serve_unconnected(&mut self, header: ExplicitHeader, call: &Call<'_>, out: &mut Writer<'_>) {
-        let (mut server, ..) = self.serving(Requester {
-            mac: header.mac,
-            door: Door::Unconnected,
-            format: BodyFormat::Class8Instance8,
-        });
-        let refused = server.perform(call, out).is_err();
-        count::<A>(&mut self.node.events.counters.requests);
-        if refused {
-            count::<A>(&mut self.node.events.counters.refused);
-        }
-    }
 }
 
 /// The header and the body of a request that is never fragmented.
-pub(super) fn complete_request(field: &[u8]) -> Result<(ExplicitHeader, &[u8]), Ignored> {
+pub(super) fn complete_request(field: &[u8]) -> Result<(u8, &[u8]), Ignored> {
     let (&header, body) = field.split_first().ok_or(Ignored::TooShort)?;
-    let header = ExplicitHeader::from(header);
-    if header.fragmented {
+    if ExplicitHeader::from(header).fragmented {
         return Err(Ignored::Fragment);
     }
     match body.first() {
@@ -135,7 +106,8 @@ pub(super) fn complete_request(field: &[u8]) -> Result<(ExplicitHeader, &[u8]), 
     }
 }
 
-fn check(call: &Call<'_>) -> Result<(), Failure> {
+/// Whether the port is there for this request.
+pub(super) fn check(call: &Call<'_>) -> Result<(), Failure> {
     if call.service != ServiceCode::ALLOCATE && call.service != ServiceCode::RELEASE {
         return Err(Failure::new(GeneralStatus::RESOURCE_UNAVAILABLE)
             .with_additional(AdditionalCode::INVALID_UNCONNECTED_SERVICE));
