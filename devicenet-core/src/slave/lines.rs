@@ -68,7 +68,7 @@ impl Lines {
     /// The line of the highest priority, of those for the I/O of `A`, that has something to send and is free.
     pub(super) fn ready<A: Application>(&self) -> Option<IoKind> {
         let due = if fragments::<A>() { self.due.union(self.continued) } else { self.due };
-        let ready = due.intersection(all_of::<A>()).difference(self.in_flight);
+        let ready = due.intersection(const { all_of::<A>() }).difference(self.in_flight);
         // Asked first, so that the compiler knows the only line of a device that has one.
         if ready.is_empty() { None } else { io_of::<A>(ready) }
     }
@@ -188,10 +188,19 @@ pub(super) fn identifier<A: Application>(line: Line, mac: MacId) -> Identifier {
 
 /// The I/O connection of the line of the highest priority; `None` if there is no line of I/O.
 pub(super) fn io_of<A: Application>(lines: Line) -> Option<IoKind> {
-    let lines = lines.intersection(all_of::<A>());
-    [IoKind::MulticastPoll, IoKind::ChangeOfState, IoKind::BitStrobe, IoKind::Poll]
-        .into_iter()
-        .find(|&kind| lines.contains(of(kind)))
+    // Without a loop the compiler sees which of them there cannot be.
+    let lines = lines.intersection(const { all_of::<A>() });
+    Some(if lines.contains(Line::MULTICAST_POLL) {
+        IoKind::MulticastPoll
+    } else if lines.contains(Line::CHANGE_OF_STATE) {
+        IoKind::ChangeOfState
+    } else if lines.contains(Line::BIT_STROBE) {
+        IoKind::BitStrobe
+    } else if lines.contains(Line::POLL) {
+        IoKind::Poll
+    } else {
+        return None;
+    })
 }
 
 /// The token of the frames of a line: its bit, which is never that of network access.
