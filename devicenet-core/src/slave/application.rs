@@ -188,6 +188,24 @@ impl IoKind {
         kinds.split_at(*count).0
     }
 
+    /// Calls `does` with each that the application offers. For one there is no loop, which the compiler would keep.
+    #[inline]
+    pub(super) fn each<A: Application>(mut does: impl FnMut(Self)) {
+        match const { Self::all_offered::<A>() } {
+            [only] => does(*only),
+            kinds => kinds.iter().for_each(|&kind| does(kind)),
+        }
+    }
+
+    /// The first of those that the application offers that `is_it`.
+    #[inline]
+    pub(super) fn find<A: Application>(is_it: impl Fn(Self) -> bool) -> Option<Self> {
+        match const { Self::all_offered::<A>() } {
+            [only] => Some(*only).filter(|&kind| is_it(kind)),
+            kinds => kinds.iter().copied().find(|&kind| is_it(kind)),
+        }
+    }
+
     pub(super) const fn of_instance(instance: InstanceId) -> Option<Self> {
         Some(match instance.0 {
             2 => Self::Poll,

@@ -217,11 +217,9 @@ impl<Q: EventQueue> Events<Q> {
     }
 
     pub(super) fn pop<A: Application>(&mut self) -> Option<SlaveEvent> {
-        for &kind in IoKind::all_offered::<A>() {
-            if self.received & received_bit(kind) != 0 {
-                self.received &= !received_bit(kind);
-                return Some(SlaveEvent::Received(kind));
-            }
+        if let Some(kind) = IoKind::find::<A>(|kind| self.received & received_bit(kind) != 0) {
+            self.received &= !received_bit(kind);
+            return Some(SlaveEvent::Received(kind));
         }
         self.queue.pop()
     }

@@ -145,11 +145,11 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     /// Attribute 5 of the DeviceNet object: what is allocated and has not timed out.
     pub(super) fn choice(&self) -> AllocationChoice {
         let mut choice = self.held;
-        for &kind in IoKind::all_offered::<A>() {
+        IoKind::each::<A>(|kind| {
             if self.io(kind).state() == IoState::TimedOut {
                 choice.remove(bits_of(kind));
             }
-        }
+        });
         if !choice.intersects(BOTH) {
             choice.remove(AllocationChoice::ACK_SUPPRESSION);
         }
@@ -231,11 +231,11 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     }
 
     pub(super) fn is_io_established(&self) -> bool {
-        IoKind::all_offered::<A>().iter().any(|&kind| self.io(kind).state() == IoState::Established)
+        IoKind::find::<A>(|kind| self.io(kind).state() == IoState::Established).is_some()
     }
 
     pub(super) fn is_io_timed_out(&self) -> bool {
-        IoKind::all_offered::<A>().iter().any(|&kind| self.io(kind).state() == IoState::TimedOut)
+        IoKind::find::<A>(|kind| self.io(kind).state() == IoState::TimedOut).is_some()
     }
 
     /// Allocates an instance, or allocates it anew after a time-out.

@@ -10,10 +10,10 @@ use super::node::{BOTH, Changed, Node, Parent, bits_of};
 impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     /// The network is gone: nothing of any connection is left.
     pub(super) fn lose_network(&mut self) {
-        for &kind in IoKind::all_offered::<A>() {
+        IoKind::each::<A>(|kind| {
             // Nobody waits for an answer.
             let _ = self.io_step(kind, IoCause::NetworkLost);
-        }
+        });
         let _ = self.explicit_step(ExplicitCause::NetworkLost);
         self.lose_dynamic();
         self.settle();
@@ -36,9 +36,9 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         };
         let alone = !self.is_io_established() && self.explicit.state() == ExplicitState::NonExistent;
         if !parent_exists && (alone || self.options.contains(Options::DROP_CONFIGURING_WITH_EXPLICIT)) {
-            for &kind in IoKind::all_offered::<A>() {
+            IoKind::each::<A>(|kind| {
                 let _ = self.io_step(kind, IoCause::ExplicitGone);
-            }
+            });
         }
         self.forget_what_is_gone();
         if alone && !parent_exists {
@@ -52,11 +52,11 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         if self.explicit.state() == ExplicitState::NonExistent {
             self.drop_bits(AllocationChoice::EXPLICIT);
         }
-        for &kind in IoKind::all_offered::<A>() {
+        IoKind::each::<A>(|kind| {
             if self.io(kind).state() == IoState::NonExistent {
                 self.drop_bits(bits_of(kind));
             }
-        }
+        });
         if !self.held.intersects(BOTH) {
             self.drop_bits(AllocationChoice::ACK_SUPPRESSION);
         }
@@ -81,10 +81,10 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
 
     /// Instances that timed out are deleted.
     pub(super) fn release_timed_out(&mut self) {
-        for &kind in IoKind::all_offered::<A>() {
+        IoKind::each::<A>(|kind| {
             if self.io(kind).state() == IoState::TimedOut {
                 let _ = self.io_step(kind, IoCause::Released);
             }
-        }
+        });
     }
 }

@@ -187,10 +187,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// Puts outputs to rest, and tells of every mode that has changed.
     pub(super) fn follow_modes(&mut self) {
-        for &kind in IoKind::all_offered::<A>() {
+        IoKind::each::<A>(|kind| {
             let bit = super::node::mode_bit(kind);
             if !self.node.changed.contains(bit) {
-                continue;
+                return;
             }
             self.node.changed.remove(bit);
             let mode = self.node.mode(kind);
@@ -205,7 +205,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
                 self.long.unload(kind);
             }
             self.node.events.raise::<A>(SlaveEvent::Mode(kind, mode));
-        }
+        });
     }
 }
 
