@@ -177,7 +177,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
 /// All of them, by their place.
 pub(super) fn indices<const DYNAMIC: usize>() -> impl Iterator<Item = u8> {
-    (0..=u8::MAX).take(DYNAMIC)
+    0..u8::try_from(DYNAMIC).unwrap_or(u8::MAX)
 }
 
 /// The instance of the Connection object.
