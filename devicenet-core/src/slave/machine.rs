@@ -164,6 +164,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if DYNAMIC > 0 { self.dynamic_frame(id, field) } else { self.foreign() }
     }
 
+    #[inline(never)]
     pub(super) fn look_for_errands(&mut self) {
         if self.errand == Errand::None {
             self.errand = Errand::Perhaps;
