@@ -132,7 +132,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
     }
 
-    #[inline(never)]
     fn frame_besides_poll(&mut self, now: Instant, id: Identifier, frame: &Frame) {
         if self.is_dynamic(id) {
             return self.dynamic_frame(id, frame.data());
@@ -188,7 +187,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
     }
 
-    #[inline(never)]
     fn link(&mut self, now: Instant, event: LinkEvent) {
         self.note(event);
         self.tell_access(now, Input::Link(event));

@@ -337,7 +337,6 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     }
 
     /// The present moment, as the slave was told it.
-    #[inline(never)]
     pub(super) fn advance(&mut self, now: Instant) -> Instant {
         self.advance_inline(now)
     }

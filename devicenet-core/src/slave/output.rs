@@ -88,7 +88,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     /// What the controller must be told, and what network access tells.
-    #[inline(never)]
     fn manage(&mut self) -> Option<Action<Event>> {
         if let Some(token) = self.withdraw() {
             return Some(Action::Withdraw(token));
@@ -214,7 +213,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     /// The line that carries the explicit connection, the unconnected port, and without the UCMM the broadcasts.
-    #[inline(never)]
     fn send_explicit(&mut self) -> Option<Action<Event>> {
         let mut field = [0; Frame::MAX_DATA];
         let mut out = Writer::new(&mut field);

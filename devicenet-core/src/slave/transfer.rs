@@ -336,6 +336,7 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
         }
     }
 
+    #[inline(always)]
     fn go_on(&mut self, timers: &mut impl TimerSet<Timer>, outcome: TransmitOutcome) {
         timers.clear(Timer::FragmentAcknowledge);
         self.stage = match outcome {
@@ -367,6 +368,7 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
 }
 
 impl<const N: usize> Message<N> {
+    #[inline(never)]
     fn body(&self) -> &[u8] {
         self.bytes.get(..usize::from(self.len)).unwrap_or_default()
     }
