@@ -78,6 +78,16 @@ impl fmt::Display for AttributeValue<'_> {
 }
 
 /// Bytes of a known shape, printed in words, or in hexadecimal if they do not have it.
+///
+/// ```
+/// use cip_core::names::Shape;
+/// use cip_core::value::ShapedValue;
+///
+/// let id = |data| ShapedValue { shape: Shape::WideConnectionId, data }.to_string();
+/// assert_eq!(id(&[0x07, 0x00, 0x86, 0x82]), "0x02860007");
+/// assert_eq!(id(&[0xA5, 0x03, 0x00, 0x00]), "0x3A5");
+/// assert_eq!(id(&[0xFF; 4]), "none");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ShapedValue<'a> {
     /// What the bytes should be.
@@ -119,6 +129,7 @@ fn write_shaped(f: &mut fmt::Formatter<'_>, shape: Shape, data: &[u8]) -> Option
         Shape::TransportClassTrigger => fmt::Display::fmt(&TransportClassTrigger(byte(data)?), f),
         Shape::CommCharacteristics => fmt::Display::fmt(&CommCharacteristics(byte(data)?), f),
         Shape::ConnectionId => write_connection_id(f, uint(data)?),
+        Shape::WideConnectionId => write_wide_connection_id(f, udint(data)?),
         Shape::WatchdogAction => fmt::Display::fmt(&WatchdogAction(byte(data)?), f),
         Shape::TimeoutMultiplier => fmt::Display::fmt(&TimeoutMultiplier(byte(data)?), f),
         Shape::AllocationInformation => write_allocation(f, <[u8; 2]>::try_from(data).ok()?),
@@ -145,6 +156,10 @@ fn byte(data: &[u8]) -> Option<u8> {
 
 fn uint(data: &[u8]) -> Option<u16> {
     data.try_into().ok().map(u16::from_le_bytes)
+}
+
+fn udint(data: &[u8]) -> Option<u32> {
+    data.try_into().ok().map(u32::from_le_bytes)
 }
 
 fn write_bytes(f: &mut fmt::Formatter<'_>, data: &[u8]) -> fmt::Result {
@@ -174,6 +189,17 @@ fn write_connection_id(f: &mut fmt::Formatter<'_>, id: u16) -> fmt::Result {
     }
     f.write_str("0x")?;
     write_hex16(f, id)
+}
+
+/// `0x3A5`, `0x1D860209`: as many digits as the identifier has.
+fn write_wide_connection_id(f: &mut fmt::Formatter<'_>, id: u32) -> fmt::Result {
+    if id == u32::MAX {
+        return f.write_str("none");
+    }
+    match id & EXTENDED {
+        0 => write!(f, "0x{id:03X}"),
+        _ => write!(f, "0x{:08X}", id & !EXTENDED),
+    }
 }
 
 /// `explicit + poll, master 4`
@@ -215,6 +241,8 @@ fn write_nodes(f: &mut fmt::Formatter<'_>, nodes: u64) -> fmt::Result {
 }
 
 const NO_CONNECTION_ID: u16 = 0xFFFF;
+/// A connection ID of 29 bits.
+const EXTENDED: u32 = 0x8000_0000;
 const NOT_ALLOCATED: u8 = 0xFF;
 const COUNTERS: [&str; 16] = [
     "arbitration loss",

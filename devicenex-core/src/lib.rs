@@ -23,6 +23,7 @@
 //! | [`id`] | operational addresses, the layouts of identifiers, receive filters |
 //! | [`manager`] | the network manager: addresses, connections, replacement |
 //! | [`message`] | the data field of every message, with its byte table |
+//! | [`monitor`] | the passive decoder: what every frame on the bus means |
 //!
 //! A machine is told what happens as [`Input`](link_core::Input), and hands out what is to be done as
 //! [`Action`](link_core::Action): see [`link_core`].
@@ -115,6 +116,7 @@ pub mod id;
 mod link_object;
 pub mod manager;
 pub mod message;
+pub mod monitor;
 
 pub use access::Access;
 pub use device::Device;

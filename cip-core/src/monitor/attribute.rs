@@ -36,8 +36,9 @@ impl Connection {
     /// An attribute was set: `argument` is what the request has set it to, as [`Asked`](super::Asked) keeps it, `data` what
     /// the response says. `applies`: the expected packet rate establishes a predefined connection; others wait for
     /// Apply_Attributes.
-    pub fn was_set(&mut self, attribute: u16, argument: u16, data: &[u8], at: Instant, applies: bool) {
-        let [low, _] = argument.to_le_bytes();
+    pub fn was_set(&mut self, attribute: u16, argument: u32, data: &[u8], at: Instant, applies: bool) {
+        let [low, high, ..] = argument.to_le_bytes();
+        let argument = u16::from_le_bytes([low, high]);
         let path = Some(InstanceId(argument)).filter(|instance| !instance.is_class());
         match attribute {
             EXPECTED_PACKET_RATE => {

@@ -56,8 +56,9 @@ pub struct Asked {
     pub instance: Option<InstanceId>,
     /// The attribute, of a service for one attribute.
     pub attribute: Option<AttributeId>,
-    /// The first two bytes of the value or of the service data; of a connection path the instance that it names (0: none).
-    pub argument: u16,
+    /// The first four bytes of the value or of the service data, those that are missing 0; of a connection path the instance
+    /// that it names (0: none).
+    pub argument: u32,
 }
 
 impl Asked {
@@ -65,6 +66,13 @@ impl Asked {
     #[must_use]
     pub const fn service(service: ServiceCode) -> Self {
         Self { service, class: None, instance: None, attribute: None, argument: 0 }
+    }
+
+    /// The first two bytes of the argument.
+    #[must_use]
+    pub const fn word(&self) -> u16 {
+        let [low, high, ..] = self.argument.to_le_bytes();
+        u16::from_le_bytes([low, high])
     }
 }
 
@@ -121,7 +129,7 @@ impl Explicit<'static> {
         (explicit.class, explicit.instance) = (asked.class, asked.instance);
         let mut value = request.data;
         let mut flaw = None;
-        asked.argument = le16(value);
+        asked.argument = le32(value);
         if names_attribute(service) {
             match request.attribute_access() {
                 Ok(access) => {
@@ -179,7 +187,7 @@ impl Explicit<'_> {
             && is_rate
         {
             let used = u16::from_le_bytes([low, high]);
-            self.rate = Some(PacketRate { requested: asked.argument, used });
+            self.rate = Some(PacketRate { requested: asked.word(), used });
         }
     }
 }
@@ -232,17 +240,17 @@ fn names_attribute(service: ServiceCode) -> bool {
 }
 
 /// What the response to a Set does not repeat.
-pub(super) fn argument(class: Option<ClassId>, attribute: AttributeId, value: &[u8]) -> u16 {
+pub(super) fn argument(class: Option<ClassId>, attribute: AttributeId, value: &[u8]) -> u32 {
     if class == Some(ClassId::CONNECTION) && matches!(attribute.0, PRODUCED_PATH | CONSUMED_PATH) {
-        return instance_of(value).unwrap_or(InstanceId::CLASS).0;
+        return instance_of(value).unwrap_or(InstanceId::CLASS).0.into();
     }
-    le16(value)
+    le32(value)
 }
 
-fn le16(value: &[u8]) -> u16 {
-    match *value {
-        [] => 0,
-        [low] => low.into(),
-        [low, high, ..] => u16::from_le_bytes([low, high]),
+fn le32(value: &[u8]) -> u32 {
+    let mut bytes = [0; 4];
+    for (byte, &found) in bytes.iter_mut().zip(value) {
+        *byte = found;
     }
+    u32::from_le_bytes(bytes)
 }

@@ -86,6 +86,8 @@ pub enum Shape {
     CommCharacteristics,
     /// UINT, a CAN identifier; 0xFFFF: none.
     ConnectionId,
+    /// UDINT, a CAN identifier, with bit 31 set if it has 29 bits; 0xFFFFFFFF: none.
+    WideConnectionId,
     /// USINT.
     WatchdogAction,
     /// USINT.
@@ -120,6 +122,7 @@ impl Shape {
                 DataType::Usint
             }
             Self::Milliseconds | Self::VendorId | Self::DeviceType | Self::ConnectionId => DataType::Uint,
+            Self::WideConnectionId => DataType::Udint,
             Self::TransportClassTrigger | Self::CommCharacteristics => DataType::Byte,
             Self::IdentityStatus | Self::ParameterDescriptor | Self::ParameterClassDescriptor => {
                 DataType::Word

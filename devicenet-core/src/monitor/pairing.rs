@@ -29,7 +29,7 @@ impl Transaction {
 impl Transaction {
     /// The second byte of an allocation.
     pub(super) fn allocator(&self) -> Option<MacId> {
-        let [_, allocator] = self.asked.argument.to_le_bytes();
+        let [_, allocator, ..] = self.asked.argument.to_le_bytes();
         MacId::new(allocator)
     }
 

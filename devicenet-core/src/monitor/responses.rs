@@ -93,7 +93,7 @@ fn fill(parsed: &mut Parsed, transaction: &Transaction, body: &[u8]) {
     if !of_set {
         return;
     }
-    let [choice, _] = asked.argument.to_le_bytes();
+    let [choice, ..] = asked.argument.to_le_bytes();
     fields.choice = Some(AllocationChoice::from_bits_retain(choice));
     if let (Some(status), Some(additional)) = (fields.explicit.status, fields.explicit.additional) {
         parsed.flag(Problem::Refused { status, additional });

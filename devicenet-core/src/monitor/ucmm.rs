@@ -48,7 +48,7 @@ pub(super) fn request<const N: usize>(
                 Ok(open) => {
                     let (format, group, source) =
                         (open.body_format.0, open.group.number(), open.source_message.number());
-                    argument = u16::from_le_bytes([format, group << 4 | source]);
+                    argument = u32::from_le_bytes([format, group << 4 | source, 0, 0]);
                     reading.fields.detail = Detail::Open { format: format & 0x0F, group, source };
                     check_open(reading, open.body_format, open.group, source);
                 }
@@ -56,7 +56,7 @@ pub(super) fn request<const N: usize>(
             },
             CLOSE => match CloseRequest::parse(data) {
                 Ok(close) => {
-                    argument = close.connection.0;
+                    argument = close.connection.0.into();
                     reading.fields.explicit.instance = Some(close.connection);
                     reading.fields.detail = Detail::Close;
                 }
@@ -286,7 +286,7 @@ fn missed(
     responses: Option<Identifier>,
     at: link_core::Instant,
 ) -> Dynamic {
-    let [format, _] = request.asked.argument.to_le_bytes();
+    let [format, ..] = request.asked.argument.to_le_bytes();
     let mut connection = learn::opened(at);
     connection.assumed = true;
     let group = group_of(asked(request).0).unwrap_or(3);
@@ -330,7 +330,7 @@ fn unusable(group: u8, destination: u8, source: u8) -> Option<Problem> {
 
 /// Group Select and source Message ID of an Open request.
 fn asked(request: Transaction) -> (u8, u8) {
-    let [_, byte] = request.asked.argument.to_le_bytes();
+    let [_, byte, ..] = request.asked.argument.to_le_bytes();
     (byte >> 4, byte & 0x0F)
 }
 

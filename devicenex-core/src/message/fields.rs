@@ -33,7 +33,7 @@ impl DeviceIdentity {
         u16::from_le_bytes([low, high])
     }
 
-    pub(super) const fn of_halves(serial_low: u16, rest: RestOfIdentity) -> Self {
+    pub(crate) const fn of_halves(serial_low: u16, rest: RestOfIdentity) -> Self {
         let [byte_0, byte_1] = serial_low.to_le_bytes();
         let [byte_2, byte_3] = rest.serial_high.to_le_bytes();
         Self {

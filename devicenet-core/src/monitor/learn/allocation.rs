@@ -23,7 +23,7 @@ pub(super) fn learn<const N: usize>(
         return;
     }
     let server = link.server;
-    let [choice, _] = request.asked.argument.to_le_bytes();
+    let [choice, ..] = request.asked.argument.to_le_bytes();
     let choice = AllocationChoice::from_bits_retain(choice);
     match request.asked.service {
         ServiceCode::ALLOCATE => {

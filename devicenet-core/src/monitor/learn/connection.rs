@@ -74,7 +74,7 @@ pub(in crate::monitor) fn connection_id(request: &Transaction, data: &[u8]) -> O
         (PRODUCED_ID | CONSUMED_ID, ServiceCode::GET_ATTRIBUTE_SINGLE, &[low, high]) => {
             u16::from_le_bytes([low, high])
         }
-        (PRODUCED_ID | CONSUMED_ID, ServiceCode::SET_ATTRIBUTE_SINGLE, _) => request.asked.argument,
+        (PRODUCED_ID | CONSUMED_ID, ServiceCode::SET_ATTRIBUTE_SINGLE, _) => request.asked.word(),
         _ => return None,
     };
     Some((attribute, raw))

@@ -29,7 +29,7 @@ pub(super) fn learn<const N: usize>(
     if request.asked.service == ServiceCode::SET_ATTRIBUTE_SINGLE
         && request.asked.attribute == Some(AttributeId(10))
     {
-        let [interval, _] = request.asked.argument.to_le_bytes();
+        let [interval, ..] = request.asked.argument.to_le_bytes();
         node.heartbeat_interval = Some(interval);
     }
     if request.asked.service == ServiceCode::GET_ATTRIBUTES_ALL
