@@ -103,16 +103,18 @@ Examples:
 pub struct DecodeArgs {
     /// The recording; `-` is standard input
     pub file: PathBuf,
-    /// Which protocol the frames belong to; a frame that cannot is a problem
+    /// Which protocol the frames belong to; a frame that cannot is a problem. With `auto` the first frames tell, and it is said
+    /// on standard error if they tell of DeviceNeX
     #[arg(long, value_enum, default_value_t = Protocol::Auto)]
     pub protocol: Protocol,
-    /// Only frames to or from this node (MAC ID 0 to 63, or 0x00 to 0x3F), and those to every node: bit-strobe and multicast
-    /// poll commands, and messages of the offline connection set that do not name another node
-    #[arg(long, value_name = "N", value_parser = parse_mac_id)]
+    /// Only frames to or from this node (MAC ID 0 to 63, or 0x00 to 0x3F; in DeviceNeX, operational address 0 to 127), and those
+    /// to every node: bit-strobe and multicast poll commands, and messages of the offline connection set that do not name
+    /// another node; Mini-who
+    #[arg(long, visible_alias = "oa", value_name = "N", value_parser = parse_address)]
     pub mac: Option<u8>,
     /// Only frames of this kind, named as in the JSON output; several with commas, or given more than once
     #[arg(long, value_name = "KIND", value_parser = kind_parser(), value_delimiter = ',')]
-    pub kind: Vec<Kind>,
+    pub kind: Vec<&'static str>,
     /// Only frames from this time on, counted from the first frame of the recording: 300ms, 1.5s; those before are still
     /// learned from
     #[arg(long, value_name = "TIME")]
@@ -172,11 +174,11 @@ pub struct EdsFile {
 /// The protocols that `decode` knows.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Protocol {
-    /// The one that is supported: DeviceNet
+    /// The one that the first frames tell; DeviceNet if they do not
     Auto,
     /// DeviceNet
     Devicenet,
-    /// DeviceNeX: not supported yet
+    /// DeviceNeX: DeviceNet over 29-bit identifiers
     Devicenex,
 }
 
@@ -192,19 +194,36 @@ pub enum TimeFormat {
     Delta,
 }
 
-/// The names of [`Kind`].
-fn kind_parser() -> impl TypedValueParser<Value = Kind> {
-    PossibleValuesParser::new(Kind::ALL.map(Kind::name))
-        .try_map(|name| Kind::ALL.into_iter().find(|kind| kind.name() == name).ok_or("no such kind"))
+/// The names of the kinds of both protocols.
+fn kind_parser() -> impl TypedValueParser<Value = &'static str> {
+    PossibleValuesParser::new(kinds())
+        .try_map(|name| kinds().into_iter().find(|kind| *kind == name).ok_or("no such kind"))
+}
+
+fn kinds() -> Vec<&'static str> {
+    let mut kinds: Vec<_> = Kind::ALL.map(Kind::name).into();
+    let of_nex = devicenex_core::monitor::Kind::ALL.map(devicenex_core::monitor::Kind::name);
+    kinds.extend(of_nex.into_iter().filter(|name| !Kind::ALL.map(Kind::name).contains(name)));
+    kinds
 }
 
 /// `10`, `0x0A`.
 pub(crate) fn parse_mac_id(text: &str) -> Result<u8, String> {
-    let number = match text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
+    number(text).filter(|mac| *mac <= 63).ok_or_else(|| "a MAC ID is 0 to 63".to_owned())
+}
+
+/// A MAC ID, or an operational address of DeviceNeX.
+fn parse_address(text: &str) -> Result<u8, String> {
+    let number = number(text).filter(|number| *number <= 127);
+    number.ok_or_else(|| "a MAC ID is 0 to 63, an operational address of DeviceNeX 0 to 127".to_owned())
+}
+
+fn number(text: &str) -> Option<u8> {
+    match text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
         Some(digits) => u8::from_str_radix(digits, 16),
         None => text.parse(),
-    };
-    number.ok().filter(|mac| *mac <= 63).ok_or_else(|| "a MAC ID is 0 to 63".to_owned())
+    }
+    .ok()
 }
 
 /// `valve.eds`, `10=valve.eds`.

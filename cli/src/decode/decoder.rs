@@ -6,11 +6,14 @@ use core::time::Duration;
 use devicenet_core::MacId;
 use devicenet_core::doctor::{Doctor, Severity};
 use devicenet_core::monitor::{Detail, Kind, Monitor, MonitorConfig, Reading};
+use devicenex_core::OperationalAddress;
+use devicenex_core::monitor as nex;
 use link_core::{BitRate, Instant};
 
 use super::clock::Clock;
 use super::json;
 use super::outside::Outside;
+use super::protocol::Spoken;
 use super::scan_list::{self, ScanLists};
 use super::sheets::{Note, Sheets};
 use super::summary::Summary;
@@ -27,6 +30,9 @@ pub struct Decoder {
     filter: Filter,
     /// One for each channel: every channel is a bus of its own.
     monitors: Vec<Box<Monitor>>,
+    /// The same, if DeviceNeX is spoken.
+    nex_monitors: Vec<Box<nex::Monitor>>,
+    spoken: Spoken,
     /// One for each monitor, if there is to be a summary.
     doctors: Vec<Box<Doctor>>,
     /// What belongs to the network.
@@ -69,8 +75,10 @@ pub enum Verdict {
     reason = "there is one at a time, on the stack, and it is nearly always the large one"
 )]
 pub(super) enum Meaning<'a> {
-    /// A classic frame, as the monitor reads it.
+    /// A classic frame, as the monitor of DeviceNet reads it.
     Read(Reading<'a>),
+    /// The same, as that of DeviceNeX does.
+    Nex(nex::Reading<'a>),
     /// What no monitor is asked about.
     Outside(Outside),
 }
@@ -94,6 +102,8 @@ impl Decoder {
         Self {
             filter,
             monitors: Vec::new(),
+            nex_monitors: Vec::new(),
+            spoken: Spoken::of(args).unwrap_or_default(),
             doctors: Vec::new(),
             expected: None,
             sheets,
@@ -114,11 +124,19 @@ impl Decoder {
         Self { expected, ..self }
     }
 
+    /// Frames are of this protocol from now on.
+    pub(super) fn speak(&mut self, spoken: Spoken) {
+        self.spoken = spoken;
+    }
+
     /// Decodes a frame, and appends its line to `out` unless there is to be a summary.
     #[inline]
     pub fn frame(&mut self, out: &mut Vec<u8>, frame: &RecordedFrame, channels: &Channels) -> Verdict {
         let bus = frame.channel.map_or(0, |channel| channel.index());
         let meaning = match &frame.content {
+            Content::Classic(classic) if self.spoken == Spoken::DeviceNex => {
+                Meaning::Nex(nex_monitor(&mut self.nex_monitors, bus).observe(frame.at, frame.n, classic))
+            }
             Content::Classic(classic) => {
                 Meaning::Read(match doctor(&mut self.doctors, bus, &self.view, self.expected.as_ref()) {
                     Some(doctor) => {
@@ -214,6 +232,9 @@ impl Decoder {
         for (bus, monitor) in self.monitors.iter().enumerate() {
             summary.learn(bus, monitor);
         }
+        for (bus, monitor) in self.nex_monitors.iter().enumerate() {
+            summary.learn_nex(bus, monitor);
+        }
         for (bus, doctor) in self.doctors.iter().enumerate() {
             summary.diagnose(bus, doctor, self.filter.mac);
         }
@@ -252,6 +273,13 @@ fn monitor<'a>(monitors: &'a mut Vec<Box<Monitor>>, bus: usize, sheets: &Sheets)
     &mut monitors[bus]
 }
 
+fn nex_monitor(monitors: &mut Vec<Box<nex::Monitor>>, bus: usize) -> &mut nex::Monitor {
+    while monitors.len() <= bus {
+        monitors.push(Box::new(nex::Monitor::new(nex::MonitorConfig::default())));
+    }
+    &mut monitors[bus]
+}
+
 /// The doctor of a bus, where one is wanted.
 fn doctor<'a>(
     doctors: &'a mut Vec<Box<Doctor>>,
@@ -280,10 +308,11 @@ fn write_node(node: &mut Vec<u8>, meaning: &Meaning<'_>, channel: Option<&str>) 
 }
 
 impl Meaning<'_> {
-    /// The MAC ID of the sender, where it is known.
+    /// The MAC ID or operational address of the sender, where it is known.
     pub(super) fn source(&self) -> Option<u8> {
         match self {
             Self::Read(reading) => reading.src.map(u8::from),
+            Self::Nex(reading) => reading.src.map(u8::from),
             Self::Outside(_) => None,
         }
     }
@@ -291,20 +320,22 @@ impl Meaning<'_> {
     fn reading(&self) -> Option<&Reading<'_>> {
         match self {
             Self::Read(reading) => Some(reading),
-            Self::Outside(_) => None,
+            Self::Nex(_) | Self::Outside(_) => None,
         }
     }
 
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> &'static str {
         match self {
-            Self::Read(reading) => reading.kind,
-            Self::Outside(_) => Kind::Foreign,
+            Self::Read(reading) => reading.kind.name(),
+            Self::Nex(reading) => reading.kind.name(),
+            Self::Outside(_) => Kind::Foreign.name(),
         }
     }
 
     pub(super) fn has_problem(&self) -> bool {
         match self {
             Self::Read(reading) => reading.problem.is_some(),
+            Self::Nex(reading) => reading.problem.is_some(),
             Self::Outside(_) => true,
         }
     }
@@ -313,6 +344,13 @@ impl Meaning<'_> {
     pub(super) fn severity(&self) -> Severity {
         match self {
             Self::Read(reading) => reading.problem.as_ref().map_or(Severity::Info, Severity::of),
+            Self::Nex(reading) => match reading.problem {
+                Some(nex::Problem::Flaw(flaw)) => Severity::of_flaw(&flaw),
+                // A device that comes back finds its address given to its spare.
+                Some(nex::Problem::AddressTaken { .. }) | None => Severity::Info,
+                // No rule judges what becomes of the others.
+                Some(_) => Severity::Warning,
+            },
             Self::Outside(_) => Severity::Info,
         }
     }
@@ -321,6 +359,7 @@ impl Meaning<'_> {
     pub(super) fn problem_code(&self) -> Option<&'static str> {
         match self {
             Self::Read(reading) => reading.problem.map(|problem| problem.code()),
+            Self::Nex(reading) => reading.problem.map(|problem| problem.code()),
             Self::Outside(outside) => Some(outside.code()),
         }
     }
@@ -330,6 +369,7 @@ impl fmt::Display for Meaning<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Read(reading) => reading.fmt(f),
+            Self::Nex(reading) => reading.fmt(f),
             Self::Outside(outside) => outside.fmt(f),
         }
     }
@@ -352,7 +392,7 @@ struct Filter {
     to: Duration,
     first: Option<Instant>,
     mac: Option<u8>,
-    kinds: Vec<Kind>,
+    kinds: Vec<&'static str>,
 }
 
 impl Filter {
@@ -373,10 +413,20 @@ impl Filter {
     fn accepts(&self, meaning: &Meaning<'_>) -> bool {
         let is_of_node = self.mac.is_none_or(|mac| match meaning {
             Meaning::Read(reading) => concerns(reading, mac),
+            Meaning::Nex(reading) => concerns_address(reading, mac),
             Meaning::Outside(_) => false,
         });
         is_of_node && (self.kinds.is_empty() || self.kinds.contains(&meaning.kind()))
     }
+}
+
+/// Whether a frame of DeviceNeX is from a node, to it, or to all; or gives it its address.
+fn concerns_address(reading: &nex::Reading<'_>, address: u8) -> bool {
+    let is_node = |end: Option<OperationalAddress>| end.map(u8::from) == Some(address);
+    let is_to_all = reading.kind == nex::Kind::MiniWho;
+    let is_new =
+        matches!(reading.fields.detail, nex::Detail::Roam { requested } if u8::from(requested) == address);
+    is_to_all || is_new || is_node(reading.src) || is_node(reading.dst)
 }
 
 /// Whether a frame is from a node, to it, or to all.

@@ -22,11 +22,7 @@ pub(super) fn object(
     begin(out, frame, channel);
     match meaning {
         Meaning::Read(reading) => {
-            // Its object goes on where ours stops.
-            let joint = out.len();
-            // Numbers, names and words: nothing in it can fail, nor can the vector.
-            let _ = serde_json::to_writer(&mut *out, reading);
-            out[joint] = b',';
+            join(out, reading);
             if let Some(note) = note {
                 out.pop();
                 let object = serde_json::json!({ "file": note.file, "values": note.values, "text": note.to_string().trim_start() });
@@ -34,6 +30,10 @@ pub(super) fn object(
                 let _ = serde_json::to_writer(&mut *out, &object);
                 out.push(b'}');
             }
+            out.push(b'\n');
+        }
+        Meaning::Nex(reading) => {
+            join(out, reading);
             out.push(b'\n');
         }
         Meaning::Outside(words) => {
@@ -46,6 +46,14 @@ pub(super) fn object(
             out.extend_from_slice(b"}\n");
         }
     }
+}
+
+/// Goes on with the fields of another object.
+fn join(out: &mut Vec<u8>, object: &impl serde::Serialize) {
+    let joint = out.len();
+    // Numbers, names and words: nothing in it can fail, nor can the vector.
+    let _ = serde_json::to_writer(&mut *out, object);
+    out[joint] = b',';
 }
 
 fn begin(out: &mut Vec<u8>, frame: &RecordedFrame, channel: Option<&str>) {

@@ -6,12 +6,16 @@ mod decoder;
 mod json;
 mod outside;
 mod progress;
+mod protocol;
 mod scan_list;
 mod sheets;
 mod summary;
 
 pub use decoder::{Decoder, Verdict};
+pub use protocol::Spoken;
 pub use sheets::Sheets;
+
+use core::fmt;
 
 use std::cell::RefCell;
 use std::io;
@@ -20,12 +24,13 @@ use std::rc::Rc;
 use crate::args::{DecodeArgs, Protocol};
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Attentive, Output};
-use crate::recording::{Notes, RecordedFrame, Recording, RecordingError};
+use crate::recording::{Content, Notes, RecordedFrame, Recording, RecordingError};
 use crate::scenario::Scenario;
 use crate::standard::{at_most_one, is_standard, shown};
 use crate::text::count;
 use copy::Copy;
 use progress::Progress;
+use protocol::{Ear, Heard, Why};
 
 /// Decodes a recording.
 ///
@@ -53,6 +58,7 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
         output: Rc::clone(&output),
         copy,
         file,
+        ear: Spoken::of(args).is_none().then(|| Ear::new(is_standard(&args.file))),
         tally: Tally::default(),
     };
     let read = session.read(&mut recording, args.strict);
@@ -100,12 +106,7 @@ fn note_the_rest(file: &str, notes: Notes) {
 
 /// Refuses what the command line allows but cannot be done.
 fn check(args: &DecodeArgs, json: bool) -> Result<(), Failure> {
-    if args.protocol == Protocol::Devicenex {
-        return Err(Failure::Usage(
-            "DeviceNeX is not supported yet: without `--protocol devicenex`, frames are decoded as DeviceNet"
-                .to_owned(),
-        ));
-    }
+    check_protocol(args)?;
     at_most_one(args.eds.iter().map(|eds| &*eds.path).chain([&*args.file]))?;
     if let (Some(from), Some(to)) = (args.from, args.to)
         && from > to
@@ -125,6 +126,21 @@ fn check(args: &DecodeArgs, json: bool) -> Result<(), Failure> {
         )));
     }
     Ok(())
+}
+
+/// Refuses what the other protocol has.
+fn check_protocol(args: &DecodeArgs) -> Result<(), Failure> {
+    if let (Protocol::Devicenet, Some(mac @ 64..)) = (args.protocol, args.mac) {
+        return Err(Failure::Usage(format!("--mac {mac}: a MAC ID of DeviceNet is 0 to 63")));
+    }
+    let of_devicenet =
+        [("--scanlist", args.scanlist), ("--expect", args.expect.is_some()), ("--eds", !args.eds.is_empty())];
+    match of_devicenet.into_iter().find(|(_, is_given)| *is_given) {
+        Some((option, _)) if Spoken::of(args) == Some(Spoken::DeviceNex) => {
+            Err(Failure::Usage(format!("{option} is for DeviceNet, and the frames are to be DeviceNeX")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Refuses an option that could change nothing.
@@ -155,6 +171,8 @@ struct Session {
     decoder: Decoder,
     progress: Progress,
     copy: Option<Copy>,
+    /// As long as it is not clear which protocol is spoken.
+    ear: Option<Ear>,
     tally: Tally,
 }
 
@@ -171,9 +189,31 @@ struct Tally {
 
 impl Session {
     fn read(&mut self, recording: &mut Recording, strict: bool) -> Result<(), Failure> {
+        let read = self.entries(recording, strict);
+        // What was held back comes before what has ended it.
+        let rest = match self.ear.take() {
+            Some(ear) => {
+                let guess = ear.guess();
+                self.decide(recording, ear.decided(guess))
+            }
+            None => Ok(()),
+        };
+        read.and(rest)
+    }
+
+    fn entries(&mut self, recording: &mut Recording, strict: bool) -> Result<(), Failure> {
         while let Some(entry) = recording.next() {
             match entry {
-                Ok(frame) => self.frame(recording, &frame)?,
+                Ok(frame) => match &mut self.ear {
+                    None => self.frame(recording, &frame)?,
+                    Some(ear) => {
+                        if let Some(decision) = ear.hear(frame)
+                            && let Some(ear) = self.ear.take()
+                        {
+                            self.decide(recording, ear.decided(decision))?;
+                        }
+                    }
+                },
                 Err(error) if error.is_fatal() || strict => return Err(unreadable(&self.file, error)),
                 Err(error) => {
                     // The message comes after the frames before it.
@@ -185,6 +225,24 @@ impl Session {
             }
         }
         Ok(())
+    }
+
+    /// Tells which protocol the recording is taken for, where that is not what most are, and decodes what was held back.
+    fn decide(&mut self, recording: &Recording, heard: Heard) -> Result<(), Failure> {
+        let Heard { spoken, why, held } = heard;
+        self.decoder.speak(spoken);
+        if spoken == Spoken::DeviceNex {
+            self.told(format_args!("decoded as {spoken}: {why}"));
+        } else if why == Why::Identifiers && held.iter().any(is_extended) {
+            self.told(format_args!(
+                "decoded as {spoken}: nothing in the first frames tells; `--protocol devicenex` is the other"
+            ));
+        }
+        held.iter().try_for_each(|frame| self.frame(recording, frame))
+    }
+
+    fn told(&self, words: fmt::Arguments<'_>) {
+        self.progress.suspend(|| output::note(format_args!("{}: {words}", self.file)));
     }
 
     #[inline]
@@ -234,6 +292,10 @@ impl Session {
             result => Ok(result?),
         }
     }
+}
+
+fn is_extended(frame: &RecordedFrame) -> bool {
+    matches!(&frame.content, Content::Classic(classic) if classic.is_extended())
 }
 
 /// `file:12:8: ...` with a place in the file, `file: ...` without.

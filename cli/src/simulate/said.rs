@@ -3,8 +3,7 @@
 use core::fmt;
 
 use devicenet_core::monitor::{Monitor, MonitorConfig, Reading};
-use devicenex_core::Identifier;
-use devicenex_core::message::{Hello, Roam};
+use devicenex_core::monitor as nex;
 use link_core::{Frame, Instant};
 use serde::Serialize;
 
@@ -14,27 +13,24 @@ use crate::scenario::Protocol;
 #[derive(Clone, Debug)]
 pub(super) enum Reader {
     DeviceNet(Box<Monitor>),
-    DeviceNex,
+    DeviceNex(Box<nex::Monitor>),
 }
 
 /// What one frame says.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
-#[expect(clippy::large_enum_variant, reason = "there is one at a time, on the stack")]
 pub(super) enum Said<'a> {
     DeviceNet(Reading<'a>),
-    DeviceNex {
-        #[serde(skip)]
-        n: u64,
-        text: String,
-    },
+    DeviceNex(nex::Reading<'a>),
 }
 
 impl Reader {
     pub(super) fn new(protocol: Protocol) -> Self {
         match protocol {
             Protocol::DeviceNet => Self::DeviceNet(Box::new(Monitor::new(MonitorConfig::default()))),
-            Protocol::DeviceNex => Self::DeviceNex,
+            Protocol::DeviceNex => {
+                Self::DeviceNex(Box::new(nex::Monitor::new(nex::MonitorConfig::default())))
+            }
         }
     }
 
@@ -42,7 +38,7 @@ impl Reader {
     pub(super) fn read<'a>(&'a mut self, at: Instant, n: u64, frame: &'a Frame) -> Said<'a> {
         match self {
             Self::DeviceNet(monitor) => Said::DeviceNet(monitor.observe(at, n, frame)),
-            Self::DeviceNex => Said::DeviceNex { n, text: words(frame) },
+            Self::DeviceNex(monitor) => Said::DeviceNex(monitor.observe(at, n, frame)),
         }
     }
 }
@@ -52,7 +48,7 @@ impl Said<'_> {
     pub(super) const fn n(&self) -> u64 {
         match self {
             Self::DeviceNet(reading) => reading.n,
-            Self::DeviceNex { n, .. } => *n,
+            Self::DeviceNex(reading) => reading.n,
         }
     }
 }
@@ -61,15 +57,7 @@ impl fmt::Display for Said<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::DeviceNet(reading) => reading.fmt(f),
-            Self::DeviceNex { text, .. } => f.write_str(text),
+            Self::DeviceNex(reading) => reading.fmt(f),
         }
-    }
-}
-
-fn words(frame: &Frame) -> String {
-    match (Hello::of_frame(frame), Roam::of_frame(frame)) {
-        (Some(Ok(hello)), _) => hello.to_string(),
-        (_, Some(Ok(roam))) => roam.to_string(),
-        _ => Identifier::of_frame(frame).layout().to_string(),
     }
 }

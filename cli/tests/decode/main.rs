@@ -11,6 +11,7 @@
 mod copy;
 mod damage;
 mod frames;
+mod nex;
 mod selection;
 mod summary;
 mod usage;

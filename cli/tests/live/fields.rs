@@ -84,10 +84,11 @@ fn of_decode() {
     // A service that is not supported, on an explicit connection that was not allocated; a response to nothing.
     let log = "(1.0) can0 454#014B050201\n(1.1) can0 453#019408FF\n(1.2) can0 45F#00341245230000\n(1.3) can0 457#80341245230000\n";
     std::fs::write(&problems, log).unwrap();
-    let files = captures
-        .iter()
-        .map(String::as_str)
-        .chain(["../../../tests/captures/candump-L-mixed.log", problems.to_str().unwrap()]);
+    let files = captures.iter().map(String::as_str).chain([
+        "../../../tests/captures/candump-L-mixed.log",
+        problems.to_str().unwrap(),
+        "../decode/nex.log",
+    ]);
     let runs: Vec<[&str; 3]> = files.map(|file| ["decode", "--json", file]).collect();
     let runs: Vec<&[&str]> = runs.iter().map(<[_; 3]>::as_slice).collect();
     let rare = ["eds", "eds.file", "eds.values", "eds.text", "requested"];

@@ -64,7 +64,9 @@ impl Severity {
         }
     }
 
-    const fn of_flaw(flaw: &Flaw) -> Self {
+    /// The same of what is wrong in any network of CIP on CAN.
+    #[must_use]
+    pub const fn of_flaw(flaw: &Flaw) -> Self {
         match flaw {
             // Rules judge them.
             Flaw::OutOfSequence { .. }

@@ -181,11 +181,25 @@ fn response<const N: usize>(
         reading.flag(Problem::ResponseWithoutAddress);
         return;
     };
-    match node.hello.take() {
-        Some(hello) => reading.request = Some(hello.answered(reading.at)),
-        None => reading.assumed = true,
+    // Whoever has just asked for the address, if it is another device.
+    let asked = match node.device {
+        Some(held) if held == device => node.hello.filter(|_| node.rival.is_some()),
+        _ => node.hello.filter(|hello| reading.at.saturating_since(hello.at) <= SECOND_HELLO_WITHIN),
+    };
+    match asked {
+        Some(hello) => {
+            reading.request = Some(hello.answered(reading.at));
+            reading.flag(Problem::AddressTaken { address });
+        }
+        // Nobody has: the node tells from time to time that it is there.
+        None => {
+            reading.fields.detail = Detail::Hello(Stage::Announcement);
+            if node.device.is_some_and(|held| held != device) {
+                reading.flag(Problem::TwoIdentities { address });
+            }
+        }
     }
-    reading.flag(Problem::AddressTaken { address });
+    node.hello = None;
     node.becomes(device);
     node.port = Some(port.number());
     node.enter(AccessState::OnLine, reading.at);

@@ -90,6 +90,12 @@ impl Kind {
         matches!(self, Self::Implicit | Self::ImplicitAck)
     }
 
+    /// True for what a server sends: responses. A fragment can go either way.
+    #[must_use]
+    pub const fn is_answer(self) -> bool {
+        matches!(self, Self::ConnectionResponse) || self.is_response()
+    }
+
     /// True for the explicit messages that answer others.
     pub(super) const fn is_response(self) -> bool {
         matches!(self, Self::ConnectionlessResponse | Self::ExplicitResponse)

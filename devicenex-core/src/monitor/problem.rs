@@ -41,7 +41,7 @@ pub enum Problem {
     },
     /// A Hello response for OA 127, which everybody can have.
     ResponseWithoutAddress,
-    /// Two nodes want one address, and the network manager has not told either of them to take it from the other.
+    /// Two nodes want or have one address, and the network manager has not told either of them to take it from the other.
     TwoIdentities {
         /// The address.
         address: OperationalAddress,
@@ -126,7 +126,7 @@ impl fmt::Display for Problem {
             }
             Self::AddressTaken { address } => write!(f, "OA {address} is taken"),
             Self::ResponseWithoutAddress => f.write_str("OA 127 is not answered for"),
-            Self::TwoIdentities { address } => write!(f, "two nodes want OA {address}"),
+            Self::TwoIdentities { address } => write!(f, "two nodes claim OA {address}"),
             Self::SharedSerialHalf { serial_low } => {
                 write!(
                     f,

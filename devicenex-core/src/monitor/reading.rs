@@ -1,5 +1,7 @@
 //! What the monitor makes of a frame.
 
+use core::time::Duration;
+
 use cip_core::code::InstanceId;
 use cip_core::monitor::{Answered, ConnectionState, Explicit, Frag, Span};
 use link_core::{Frame, Instant};
@@ -7,7 +9,7 @@ use link_core::{Frame, Instant};
 use super::connections::ConnectionName;
 use super::kind::Kind;
 use super::problem::Problem;
-use crate::id::{Identifier, Layout, OperationalAddress};
+use crate::id::{Direction, Identifier, Layout, OperationalAddress};
 use crate::message::{ConnectionRequest, ConnectionResponse, DeviceIdentity};
 
 /// A frame, read.
@@ -117,8 +119,10 @@ pub enum Stage {
     Second,
     /// That of a device in Standby, after a Mini-who.
     Asked,
-    /// That of a node which has the address.
+    /// That of a node which has the address, to another that wants it.
     Response,
+    /// That of a node which has the address, without anybody having asked.
+    Announcement,
 }
 
 /// A message put together from its fragments.
@@ -201,6 +205,26 @@ impl<'a> Reading<'a> {
         self.fields.explicit.value.map(|span| span.of(self.frame.data()))
     }
 
+    /// How long the request has waited that this response answers. An acknowledge of a fragment is no response, nor is a
+    /// Hello.
+    #[must_use]
+    pub fn response_time(&self) -> Option<Duration> {
+        let is_response = !matches!(self.kind, Kind::FragmentAck | Kind::HelloRequest);
+        self.request.filter(|_| is_response).map(|request| request.latency)
+    }
+
+    /// The node that answers without a connection, of a frame of class 11100.
+    #[must_use]
+    pub fn connectionless_server(&self) -> Option<OperationalAddress> {
+        match self.layout {
+            Layout::Connectionless { route, .. } => match route.direction {
+                Direction::Request => Some(route.destination),
+                Direction::Response => Some(route.source),
+            },
+            _ => None,
+        }
+    }
+
     /// Keeps the first problem found.
     pub(super) fn flag(&mut self, problem: impl Into<Problem>) {
         self.problem.get_or_insert(problem.into());
@@ -238,6 +262,7 @@ impl Stage {
             Self::Second => "second",
             Self::Asked => "asked",
             Self::Response => "response",
+            Self::Announcement => "announcement",
         }
     }
 }

@@ -6,7 +6,6 @@ use cip_core::monitor::{Connection, ConnectionState, Seen};
 use link_core::Instant;
 
 use super::connections::{ConnectionName, Held};
-use super::kind::Kind;
 use super::nodes::{Node, Roles};
 use super::reading::{Note, Reading};
 use super::talk::{Ends, Talk};
@@ -188,7 +187,6 @@ impl<const N: usize> State<N> {
             self.lost.long_messages = self.lost.long_messages.saturating_add(1);
         }
         let Some(source) = reading.src else { return };
-        let is_answer = !matches!(reading.kind, Kind::HelloRequest | Kind::FragmentAck);
         let is_refused = reading.fields.explicit.status.is_some()
             || reading.message.is_some_and(|message| message.fields.explicit.status.is_some());
         let bytes = u64::try_from(reading.frame.data().len()).unwrap_or_default();
@@ -204,9 +202,9 @@ impl<const N: usize> State<N> {
         counters.bytes = counters.bytes.saturating_add(bytes);
         counters.problems = counters.problems.saturating_add(u64::from(reading.problem.is_some()));
         counters.error_responses = counters.error_responses.saturating_add(u64::from(is_refused));
-        if let Some(request) = reading.request.filter(|_| is_answer) {
+        if let Some(latency) = reading.response_time() {
             counters.responses = counters.responses.saturating_add(1);
-            node.last_latency = Some(request.latency);
+            node.last_latency = Some(latency);
         }
     }
 }

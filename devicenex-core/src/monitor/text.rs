@@ -144,6 +144,7 @@ fn write_hello(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fmt::Result {
     f.write_str(match (reading.fields.detail, reading.kind) {
         (Detail::Hello(Stage::First), _) => "Hello 1",
         (Detail::Hello(Stage::Second), _) => "Hello 2",
+        (Detail::Hello(Stage::Announcement), _) => "Hello announcement",
         (_, Kind::HelloResponse) => "Hello response",
         _ => "Hello",
     })?;

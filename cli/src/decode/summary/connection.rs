@@ -5,6 +5,9 @@ use core::fmt;
 use devicenet_core::id::{MessageGroup, Purpose};
 use devicenet_core::monitor::{ConnectionName, ConnectionRecord, Kind, Predefined, Reading};
 use devicenet_core::{Identifier, MacId};
+use devicenex_core::OperationalAddress;
+use devicenex_core::message::ConnectionInstance;
+use devicenex_core::monitor as nex;
 
 /// A connection of a node, or another exchange that belongs together.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -39,6 +42,10 @@ pub(super) enum Name {
     },
     /// On an identifier that UCMM assigns, but nothing tells the connection: the node is the sender.
     Unassigned { group: u8 },
+    /// Of DeviceNeX: the connection with this instance.
+    Instance(u16),
+    /// Of DeviceNeX: what is produced on an 11-bit identifier, without more of the connection being known.
+    Standard { group: u8, message: u8 },
     /// Dynamic connections beyond those that are kept apart.
     Others,
 }
@@ -95,6 +102,38 @@ impl ConnectionKey {
         Some(Self { node, name: Name::Single(name) })
     }
 
+    /// The same of DeviceNeX. What is for all nodes, and how they get their addresses, is one exchange.
+    pub(super) fn of_nex(reading: &nex::Reading<'_>) -> Option<Self> {
+        if let Some(on) = reading.connection {
+            return Some(Self { node: Node::Mac(on.server.number()), name: Name::of_nex(on.name) });
+        }
+        let server = if reading.kind.is_answer() { reading.src } else { reading.dst };
+        let (node, name) = match reading.kind {
+            nex::Kind::HelloRequest | nex::Kind::HelloResponse | nex::Kind::MiniWho | nex::Kind::Roam => {
+                (Node::All, "network access")
+            }
+            nex::Kind::ConnectionRequest | nex::Kind::ConnectionResponse => {
+                (Node::of_address(server), "connection requests")
+            }
+            nex::Kind::ConnectionlessRequest
+            | nex::Kind::ConnectionlessResponse
+            | nex::Kind::Fragment
+            | nex::Kind::FragmentAck => (Node::of_address(reading.connectionless_server()), "connectionless"),
+            nex::Kind::ExplicitRequest | nex::Kind::ExplicitResponse => {
+                (Node::of_address(server), "explicit")
+            }
+            nex::Kind::Implicit | nex::Kind::ImplicitAck => (Node::of_address(reading.src), "implicit"),
+            nex::Kind::Reserved => (Node::Unknown, "reserved identifiers"),
+            nex::Kind::Foreign => return None,
+        };
+        Some(Self { node, name: Name::Single(name) })
+    }
+
+    /// The key under which the frames of a connection of DeviceNeX are counted.
+    pub(super) fn of_nex_record(record: &nex::ConnectionRecord) -> Self {
+        Self { node: Node::Mac(record.server.number()), name: Name::of_nex(record.name) }
+    }
+
     /// Where what has no room of its own is counted.
     pub(super) const OTHERS: Self = Self { node: Node::Unknown, name: Name::Others };
 
@@ -113,6 +152,10 @@ impl ConnectionKey {
 impl Node {
     fn of(mac: Option<MacId>) -> Self {
         mac.map_or(Self::Unknown, |mac| Self::Mac(mac.number()))
+    }
+
+    fn of_address(address: Option<OperationalAddress>) -> Self {
+        address.map_or(Self::Unknown, |address| Self::Mac(address.number()))
     }
 
     pub(super) fn mac(self) -> Option<u8> {
@@ -135,11 +178,25 @@ impl fmt::Display for Node {
 }
 
 impl Name {
+    fn of_nex(name: nex::ConnectionName) -> Self {
+        match name {
+            nex::ConnectionName::Instance(instance) => Self::Instance(instance.0),
+            nex::ConnectionName::Explicit => Self::Single("explicit"),
+            nex::ConnectionName::Standard { group, message } => {
+                Self::Standard { group: group.number(), message: message.number() }
+            }
+        }
+    }
+
     /// The client, where connections of several clients can bear the same name.
     pub(super) fn client(self) -> Option<u8> {
         match self {
             Self::Dynamic { client, .. } => Some(client),
-            Self::Single(_) | Self::Unassigned { .. } | Self::Others => None,
+            Self::Single(_)
+            | Self::Unassigned { .. }
+            | Self::Instance(_)
+            | Self::Standard { .. }
+            | Self::Others => None,
         }
     }
 }
@@ -152,6 +209,8 @@ impl fmt::Display for Name {
                 ConnectionName::Dynamic { instance: instance.map(Into::into), group }.fmt(f)
             }
             Self::Unassigned { group } => write!(f, "group {group}, connection unknown"),
+            Self::Instance(instance) => ConnectionInstance::of(instance.into()).fmt(f),
+            Self::Standard { group, message } => write!(f, "group {group} message {message}"),
             Self::Others => f.write_str("further dynamic connections"),
         }
     }

@@ -1,10 +1,8 @@
 //! The summary as JSON, one object a line.
 
-use devicenet_core::monitor::NodeRecord;
 use serde::Serialize;
 
-use super::{Connection, Count, Node, Summary};
-use crate::text::product_name;
+use super::{Connection, Count, Known, Node, Summary};
 use crate::verdict::Verdict;
 
 impl Summary {
@@ -23,7 +21,7 @@ impl Summary {
             let bus_record =
                 Record { seconds, bit_rate, bit_rate_source, verdict: bus.verdict, ..record("bus") };
             push(&bus_record.with_count(&bus.total, load(&bus.total)));
-            for (node, Node { count, record: known }) in bus.senders() {
+            for (node, Node { count, known }) in bus.senders() {
                 let node = Record { node, ..record("node") }.with_count(count, load(count));
                 push(&node.with_identity(known.as_ref()));
             }
@@ -88,7 +86,7 @@ struct Record<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     product: Option<u16>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    product_name: Option<String>,
+    product_name: Option<&'a str>,
 }
 
 #[derive(Serialize)]
@@ -99,7 +97,7 @@ struct Response {
     max: f64,
 }
 
-impl Record<'_> {
+impl<'a> Record<'a> {
     fn with_count(mut self, count: &Count, load: Option<f64>) -> Self {
         let responses = &count.responses;
         (self.frames, self.bytes, self.problems) = (count.frames, count.bytes, count.problems);
@@ -113,12 +111,11 @@ impl Record<'_> {
         self
     }
 
-    fn with_identity(mut self, known: Option<&NodeRecord>) -> Self {
-        if let Some(record) = known {
-            self.access = Some(record.access.name());
-            (self.vendor, self.serial) = (record.vendor.map(|vendor| vendor.0), record.serial);
-            self.product = record.product;
-            self.product_name = product_name(&record.product_name);
+    fn with_identity(mut self, known: Option<&'a Known>) -> Self {
+        if let Some(known) = known {
+            self.access = Some(known.access);
+            (self.vendor, self.serial, self.product) = (known.vendor, known.serial, known.product);
+            self.product_name = known.product_name.as_deref();
         }
         self
     }

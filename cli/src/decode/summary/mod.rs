@@ -11,6 +11,7 @@ use core::time::Duration;
 
 use devicenet_core::doctor::Doctor;
 use devicenet_core::monitor::{ConnectionState, Kind, Monitor, NodeRecord};
+use devicenex_core::monitor as nex;
 use link_core::{BitRate, Instant};
 
 use super::decoder::Meaning;
@@ -18,6 +19,7 @@ use crate::bus_rate::{BusRate, LeastRate};
 use crate::bus_time;
 use crate::histogram::Histogram;
 use crate::recording::{Content, RecordedFrame};
+use crate::text::product_name;
 use crate::verdict::{Seen, Verdict};
 use connection::ConnectionKey;
 use findings::Findings;
@@ -41,7 +43,7 @@ struct Bus {
     /// Decimals of a second that the recording gives.
     digits: u8,
     total: Count,
-    /// By MAC ID, and one more for frames whose sender is not known.
+    /// By MAC ID or operational address, and one more for frames whose sender is not known.
     nodes: Vec<Node>,
     /// Sorted by key.
     connections: Vec<(ConnectionKey, Connection)>,
@@ -54,7 +56,17 @@ struct Bus {
 #[derive(Debug, Default)]
 struct Node {
     count: Count,
-    record: Option<NodeRecord>,
+    known: Option<Known>,
+}
+
+/// What a monitor knows of a node.
+#[derive(Debug)]
+struct Known {
+    access: &'static str,
+    vendor: Option<u16>,
+    serial: Option<u32>,
+    product: Option<u16>,
+    product_name: Option<String>,
 }
 
 #[derive(Debug, Default)]
@@ -121,13 +133,18 @@ impl Summary {
         bus.total.add(&seen);
         bus.problems.observe(frame, meaning);
         bus.nodes[meaning.source().map_or(NODES, usize::from)].count.add(&seen);
-        if let Meaning::Read(reading) = meaning
-            && let Some(key) = ConnectionKey::of(reading)
-        {
+        // A monitor keeps a limited number of dynamic connections: what it has forgotten in the end was seen here.
+        let (key, state) = match meaning {
+            Meaning::Read(reading) => {
+                (ConnectionKey::of(reading), reading.dynamic.map(|dynamic| dynamic.state))
+            }
+            Meaning::Nex(reading) => (ConnectionKey::of_nex(reading), reading.connection.map(|on| on.state)),
+            Meaning::Outside(_) => (None, None),
+        };
+        if let Some(key) = key {
             let connection = bus.connection(key);
             connection.count.add(&seen);
-            // The monitor keeps a limited number of dynamic connections: what it has forgotten in the end was seen here.
-            connection.saw(reading.dynamic.map(|dynamic| dynamic.state));
+            connection.saw(state);
         }
     }
 
@@ -136,12 +153,27 @@ impl Summary {
         let bus = self.bus(bus);
         for record in monitor.nodes() {
             let mac = usize::from(record.mac.number());
-            bus.nodes[mac].record = Some(record);
+            bus.nodes[mac].known = Some(Known::of(&record));
         }
         for record in monitor.connections() {
             let Some(key) = ConnectionKey::of_record(&record) else { continue };
             // Only connections that had a frame among those shown.
             if let Ok(index) = bus.find(&key) {
+                bus.connections[index].1.saw(record.states());
+            }
+        }
+    }
+
+    /// Takes over what the monitor of a bus of DeviceNeX has learned.
+    pub(super) fn learn_nex(&mut self, bus: usize, monitor: &nex::Monitor) {
+        let bus = self.bus(bus);
+        // Devices without an address are one row, and if there is one only, it is known.
+        let newcomers = monitor.nodes().filter(|record| record.address.is_none()).count();
+        for record in monitor.nodes().filter(|record| !record.address.is_none() || newcomers == 1) {
+            bus.nodes[usize::from(record.address.number())].known = Some(Known::of_nex(&record));
+        }
+        for record in monitor.connections() {
+            if let Ok(index) = bus.find(&ConnectionKey::of_nex_record(&record)) {
                 bus.connections[index].1.saw(record.states());
             }
         }
@@ -253,9 +285,33 @@ impl Counted {
             // An acknowledge answers a fragment, but is no response.
             Meaning::Read(reading) if reading.kind == Kind::FragmentAck => None,
             Meaning::Read(reading) => reading.request.map(|request| request.latency),
+            // Nor does a Hello answer by itself.
+            Meaning::Nex(reading) => reading.response_time(),
             Meaning::Outside(_) => None,
         };
         Self { bits, bytes, has_problem: meaning.has_problem(), latency }
+    }
+}
+
+impl Known {
+    fn of(record: &NodeRecord) -> Self {
+        Self {
+            access: record.access.name(),
+            vendor: record.vendor.map(|vendor| vendor.0),
+            serial: record.serial,
+            product: record.product,
+            product_name: product_name(&record.product_name),
+        }
+    }
+
+    fn of_nex(record: &nex::NodeRecord) -> Self {
+        Self {
+            access: record.access.name(),
+            vendor: record.device.map(|device| device.vendor.0),
+            serial: record.device.map(|device| device.serial),
+            product: record.device.map(|device| device.product_code),
+            product_name: product_name(&record.product_name),
+        }
     }
 }
 
@@ -284,5 +340,5 @@ impl Count {
 /// Rows in the table of connections before those opened by UCMM are no longer kept apart; the predefined set of a full
 /// network needs fewer. A tool that connects anew for every request can open any number.
 const MOST_CONNECTIONS: usize = 1024;
-/// MAC IDs 0 to 63.
-const NODES: usize = 64;
+/// MAC IDs 0 to 63, or operational addresses 0 to 127.
+const NODES: usize = 128;

@@ -46,6 +46,7 @@ impl Problems {
         }
         let words = match meaning {
             Meaning::Read(reading) => reading.problem.map(|problem| problem.to_string()).unwrap_or_default(),
+            Meaning::Nex(reading) => reading.problem.map(|problem| problem.to_string()).unwrap_or_default(),
             Meaning::Outside(outside) => outside.to_string(),
         };
         let mut time = Vec::new();

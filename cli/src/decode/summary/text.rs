@@ -1,11 +1,9 @@
 //! The summary as tables for people.
 
-use devicenet_core::monitor::NodeRecord;
-
-use super::{Bus, Connection, Count, Node, Summary};
+use super::{Bus, Connection, Count, Known, Node, Summary};
 use crate::histogram;
 use crate::table::{Cell, Table};
-use crate::text::{count, printable, product_name};
+use crate::text::{count, printable};
 
 impl Summary {
     /// As tables for people.
@@ -46,10 +44,10 @@ impl Summary {
 
     fn node_table(&self, bus: &Bus) -> Table {
         let mut table = Table::new(&[&["node"][..], &COUNT_COLUMNS, &["access", "device"]].concat());
-        for (mac, Node { count, record }) in bus.senders() {
+        for (mac, Node { count, known }) in bus.senders() {
             let node = vec![Cell::right(mac.map_or_else(|| "-".to_owned(), |mac| mac.to_string()))];
-            let known = match record {
-                Some(record) => vec![Cell::left(record.access.to_string()), Cell::left(device(record))],
+            let known = match known {
+                Some(known) => vec![Cell::left(known.access), Cell::left(device(known))],
                 None => vec![Cell::left(""), Cell::left("")],
             };
             table.row([node, count.cells(bus.load(count, self.rate(bus))), known].concat());
@@ -93,10 +91,10 @@ impl Count {
 }
 
 /// `Pressure gauge, vendor 4660, serial 0x00002345`, as far as it is known.
-fn device(record: &NodeRecord) -> String {
-    let vendor = record.vendor.map(|vendor| format!("vendor {}", vendor.0));
-    let serial = record.serial.map(|serial| format!("serial 0x{serial:08X}"));
-    [product_name(&record.product_name), vendor, serial].into_iter().flatten().collect::<Vec<_>>().join(", ")
+fn device(known: &Known) -> String {
+    let vendor = known.vendor.map(|vendor| format!("vendor {vendor}"));
+    let serial = known.serial.map(|serial| format!("serial 0x{serial:08X}"));
+    [known.product_name.clone(), vendor, serial].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 fn percent(load: Option<f64>) -> String {

@@ -83,6 +83,19 @@ fn a_taken_address_is_told_to_the_newcomer() {
     assert_eq!((heard.stage, heard.problem), (Some(Stage::First), None));
 }
 
+/// A node on line tells its address from time to time: [`Config::announcement`](crate::access::Config).
+#[test]
+fn an_announcement_is_no_refusal() {
+    let mut bus = Bus::new();
+    bus.join(67, device(7)).wait(10_000);
+    let heard = bus.hello_of(67, Direction::Response, device(7));
+    assert_eq!((heard.stage, heard.problem, heard.assumed), (Some(Stage::Announcement), None, false));
+    assert!(heard.text.starts_with("Hello announcement OA 67  "), "{}", heard.text);
+    // Two segments were joined.
+    let heard = bus.wait(1000).hello_of(67, Direction::Response, device(8));
+    assert_eq!(heard.problem, Some(Problem::TwoIdentities { address: oa(67) }));
+}
+
 /// The device that had the address is gone: nobody objects to the one that follows it, whether by ROAM or by itself.
 #[test]
 fn a_lost_device_is_replaced() {
