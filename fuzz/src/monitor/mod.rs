@@ -3,7 +3,7 @@
 //! is sound, and told once.
 
 mod findings;
-mod session;
+pub(crate) mod session;
 
 use std::collections::HashMap;
 
@@ -26,7 +26,7 @@ pub fn run(data: &[u8]) {
     let Ok(options) = input.arbitrary::<u8>() else { return };
     let (mut monitor, mut later) = (new_monitor(options), new_monitor(options));
     let (mut practice, mut same_practice) = (Practice::new(options), Practice::new(options));
-    let sent = session::read(&mut input, MOST_FRAMES);
+    let sent = session::read(&mut input, MOST_FRAMES, session::exchange);
     let mut numbers = HashMap::new();
     for (index, Sent { at, frame }) in sent.iter().enumerate() {
         // The numbers of a recording, in which other frames lie between.

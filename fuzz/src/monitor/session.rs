@@ -19,17 +19,20 @@ use crate::input;
 
 /// A frame of a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Sent {
-    pub(super) at: Duration,
-    pub(super) frame: Frame,
+pub(crate) struct Sent {
+    pub(crate) at: Duration,
+    pub(crate) frame: Frame,
 }
 
-/// Reads a session, at most `most` frames of it.
-pub(super) fn read(input: &mut Unstructured<'_>, most: usize) -> Vec<Sent> {
+/// The frame of that number, between nodes, with an argument.
+pub(crate) type Exchange = fn(u8, u8, u8) -> Frame;
+
+/// Reads a session, at most `most` frames of it, whose exchanges are those of a protocol.
+pub(crate) fn read(input: &mut Unstructured<'_>, most: usize, exchange: Exchange) -> Vec<Sent> {
     let mut sent: Vec<Sent> = Vec::new();
     let mut at = Duration::ZERO;
     while !input.is_empty() && sent.len() < most {
-        let Ok((span, frame)) = item(input, &sent) else { break };
+        let Ok((span, frame)) = item(input, &sent, exchange) else { break };
         at += span;
         sent.push(Sent { at, frame });
     }
@@ -50,7 +53,7 @@ pub fn session_bytes(frames: impl IntoIterator<Item = (Instant, Frame)>) -> Vec<
     bytes
 }
 
-fn item(input: &mut Unstructured<'_>, before: &[Sent]) -> Result<(Duration, Frame)> {
+fn item(input: &mut Unstructured<'_>, before: &[Sent], exchange: Exchange) -> Result<(Duration, Frame)> {
     let (span, head): (u8, u8) = (input.arbitrary()?, input.arbitrary()?);
     let frame = match head >> 6 {
         0b10 => {
@@ -85,7 +88,7 @@ fn changed(frame: &Frame, place: u8, change: u8) -> Frame {
 
 /// The frames of which exchanges consist, with a slave and a master from `nodes`: bits 3-0 the slave, bits 5-4 the
 /// master, bit 7 XID.
-fn exchange(number: u8, nodes: u8, argument: u8) -> Frame {
+pub(crate) fn exchange(number: u8, nodes: u8, argument: u8) -> Frame {
     let slave = mac(10 + (nodes & 0x0F));
     let master = mac(nodes >> 4 & 0x03);
     let xid = nodes >> 1 & 0x40;
@@ -193,7 +196,7 @@ mod tests {
         let check = plain(Identifier::duplicate_mac_check(mac(10)), &[0, 0x34, 0x12, 1, 0, 0, 0]);
         let poll = plain(Identifier::poll_command(mac(10)), &[3]);
         let bytes = session_bytes([(Instant::from_millis(7), check), (Instant::from_millis(10), poll)]);
-        let read = read(&mut Unstructured::new(&bytes), 10);
+        let read = read(&mut Unstructured::new(&bytes), 10, exchange);
         assert_eq!(
             read,
             [Sent { at: Duration::ZERO, frame: check }, Sent { at: Duration::from_millis(3), frame: poll }]
@@ -202,7 +205,7 @@ mod tests {
 
     #[test]
     fn an_earlier_frame_comes_back_changed() {
-        let read = read(&mut Unstructured::new(&[0, 0x80 | 13, 0, 1, 0, 0xC0, 1, 0x40]), 10);
+        let read = read(&mut Unstructured::new(&[0, 0x80 | 13, 0, 1, 0, 0xC0, 1, 0x40]), 10, exchange);
         assert_eq!((read[0].frame.data(), read[1].frame.data()), (&[1, 1][..], &[1, 0x41][..]));
     }
 

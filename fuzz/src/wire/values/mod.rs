@@ -4,6 +4,7 @@
 
 mod cip;
 mod devicenet;
+mod devicenex;
 mod requests;
 mod segments;
 
@@ -17,10 +18,14 @@ pub(super) fn check(input: &mut Unstructured<'_>) -> Result<()> {
     macro_rules! devicenet {
         ($($Type:ident),*) => { $( <devicenet_core::message::$Type as Generated>::check(input)?; )* };
     }
+    macro_rules! devicenex {
+        ($($Type:ident),*) => { $( <devicenex_core::message::$Type as Generated>::check(input)?; )* };
+    }
     requests::check(input)?;
     segments::check(input)?;
     devicenet_core::for_each_wire_type!(devicenet);
     cip_core::for_each_wire_type!(cip);
+    devicenex_core::for_each_wire_type!(devicenex);
     Ok(())
 }
 

@@ -46,6 +46,22 @@ pub(super) fn frame_decode() -> Seeds {
     vectors.chain(other).map(|(name, frame)| (name.to_owned(), frame_bytes(&frame.unwrap()))).collect()
 }
 
+/// A recording by hand, and exchanges put together by number: each, and its answer after it.
+pub(super) fn nx_monitor() -> Seeds {
+    let recording = capture("../../cli/tests/decode/nex.log");
+    let item = |number: u8, argument: u8| [0x41, 0x80 | number, 0x10, argument];
+    let exchanges = |numbers: &[u8]| numbers.iter().flat_map(|&number| item(number, 0)).collect::<Vec<_>>();
+    [
+        ("recording", session_bytes(recording)),
+        ("address", exchanges(&[0, 0, 29, 0, 3, 1, 1, 1, 2])),
+        ("connections", exchanges(&[4, 5, 20, 22, 20, 23, 13, 16, 14, 15, 20])),
+        ("fragments", exchanges(&[9, 11, 12, 11, 17, 18, 19, 21, 21])),
+    ]
+    .into_iter()
+    .map(|(name, session)| (name.to_owned(), [&[2][..], &session].concat()))
+    .collect()
+}
+
 /// Captures from their beginnings, and exchanges put together by number.
 pub(super) fn monitor() -> Seeds {
     let mut seeds: Seeds = [
