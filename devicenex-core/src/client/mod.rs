@@ -8,7 +8,7 @@
 //! | Port | Requests | Response |
 //! |---|---|---|
 //! | [`Route::connectionless`] | Get_Attribute_Single in the 8/8 format **\[P\]** | in fragments, if it is longer than eight bytes **\[D\]** |
-//! | [`Route::connection`] | [`ConnectionRequest`] | [`ConnectionResponse`]: the service code without bit 7 **\[R\]**, which reads as success; or an error |
+//! | [`Route::connection`] | [`ConnectionRequest`](crate::message::ConnectionRequest) | [`ConnectionResponse`](crate::message::ConnectionResponse): the service code without bit 7 **\[R\]**, which reads as success; or an error |
 //! | [`Route::opened`] | every service, in the format that the server told | every response |
 //!
 //! # A connection is asked for, and a long attribute read over it

@@ -6,6 +6,7 @@
 mod bus;
 mod connectionless;
 pub(super) mod edges;
+mod exhaustive;
 mod explicit;
 mod implicit;
 mod network;
