@@ -22,6 +22,8 @@ pub struct Cycle {
     state: CycleState,
     poll_without_soc: PollWithoutSoc,
     soc_loss: SocLoss,
+    /// The SoA of this cycle is known to be lost.
+    is_soa_lost: bool,
 }
 
 /// What a PReq or PRes in `WaitSoc` leads to: the SoC before it was lost.
@@ -61,7 +63,12 @@ impl Cycle {
     /// A node outside of the cycle.
     #[must_use]
     pub const fn new(poll_without_soc: PollWithoutSoc) -> Self {
-        Self { state: CycleState::NonCyclic, poll_without_soc, soc_loss: SocLoss::Unnoticed }
+        Self {
+            state: CycleState::NonCyclic,
+            poll_without_soc,
+            soc_loss: SocLoss::Unnoticed,
+            is_soa_lost: false,
+        }
     }
 
     /// The state.
@@ -130,11 +137,19 @@ impl Cycle {
         })
     }
 
-    /// A lost SoC counts once, however often it is noticed.
+    /// A lost SoC or SoA counts once, however often it is noticed.
     ///
-    /// Noticed by order, the next timeout is about the same SoC. Noticed by time, the timer counts each that follows, and
-    /// order tells nothing new until a SoC comes. Where time is not supervised, the SoA begins another cycle.
+    /// A SoA: until the next one, or the next cycle; several ASnd in its place, and the SoC behind them, tell the same.
+    ///
+    /// A SoC: noticed by order, the next timeout is about the same one. Noticed by time, the timer counts each that follows,
+    /// and order tells nothing new until a SoC comes. Where time is not supervised, the SoA begins another cycle.
     fn once(&mut self, event: CycleEvent, mut losses: Losses, supervision: Supervision) -> Losses {
+        if losses.contains(Losses::SOA) && core::mem::replace(&mut self.is_soa_lost, true) {
+            losses.remove(Losses::SOA);
+        }
+        if matches!(event, CycleEvent::Soc | CycleEvent::Soa | CycleEvent::SocTimeout) {
+            self.is_soa_lost = false;
+        }
         if losses.contains(Losses::SOC) {
             let is_by_time = event == CycleEvent::SocTimeout;
             let is_new = match self.soc_loss {

@@ -90,6 +90,15 @@ fn a_lost_soc_counts_once_however_it_is_noticed() {
 }
 
 #[test]
+fn a_lost_soa_counts_once_however_it_is_noticed() {
+    use CycleEvent::{Asnd, Preq, Soa, Soc};
+    let one = [Soc, Preq, Asnd, Asnd, Soc, Preq, Soa];
+    assert_eq!(missed(PollWithoutSoc::Stay, WATCHED, &one)[2], 1);
+    let two = [Soc, Preq, Asnd, Soc, Preq, Asnd, Soc, Preq, Soa];
+    assert_eq!(missed(PollWithoutSoc::Stay, WATCHED, &two)[2], 2);
+}
+
+#[test]
 fn a_good_cycle_misses_nothing() {
     use CycleEvent::{Asnd, Preq, Pres, Soa, Soc};
     let good = [Soc, Pres, Preq, Pres, Soa, Asnd, Soc, Preq, Soa];

@@ -236,13 +236,9 @@ impl<'a> Body<'a> {
 }
 
 /// Fills with zeros up to `len` bytes.
-fn pad(out: &mut Writer<'_>, len: usize) -> Result<(), Full> {
-    let missing = len.saturating_sub(out.len());
-    if let Some(zeros) = ZEROS.get(..missing) {
-        return out.bytes(zeros);
-    }
-    for _ in 0..missing {
-        out.u8(0)?;
+pub(crate) fn pad(out: &mut Writer<'_>, len: usize) -> Result<(), Full> {
+    while let Some(missing) = len.checked_sub(out.len()).filter(|missing| *missing > 0) {
+        out.bytes(ZEROS.get(..missing).unwrap_or(&ZEROS))?;
     }
     Ok(())
 }

@@ -340,7 +340,7 @@ impl fmt::Display for Sdo<'_> {
 }
 
 /// The header of the command layer.
-const COMMAND_HEADER: usize = 8;
+pub(crate) const COMMAND_HEADER: usize = 8;
 /// The size of all data, in the first part of several.
 pub(crate) const TOTAL_SIZE: usize = 4;
 

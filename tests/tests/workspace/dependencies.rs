@@ -27,7 +27,15 @@ const MAY_SEE: [(&str, &[&str]); 10] = [
     ),
     (
         "devicenet-tests",
-        &["link-core", "cip-core", "devicenet-core", "devicenex-core", "transport-mock", "devicenet-cli"],
+        &[
+            "link-core",
+            "cip-core",
+            "devicenet-core",
+            "devicenex-core",
+            "powerlink-core",
+            "transport-mock",
+            "devicenet-cli",
+        ],
     ),
     (
         "devicenet-fuzz",

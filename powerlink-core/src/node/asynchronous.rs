@@ -1,0 +1,104 @@
+//! ASnd: NMT commands and SDO.
+
+use core::time::Duration;
+
+use link_core::codec::{Reader, Wire};
+
+use super::event::{NodeEvent, count};
+use super::machine::{ControlledNode, Timer};
+use crate::NodeId;
+use crate::dictionary::{Effect, ObjectSet, Objects};
+use crate::nmt::{Cause, NmtState};
+use crate::sdo::{Outcome, Received};
+use crate::wire::{COMMAND_HEADER, Header, NmtCommand, NmtCommandId, ParseError, Sdo, ServiceId};
+
+impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, SDO> {
+    pub(super) fn asnd(&mut self, header: &Header, reader: &mut Reader<'_>) -> Result<(), ParseError> {
+        let is_for_this_node = header.to == self.config.node;
+        match ServiceId(reader.u8("ServiceID")?) {
+            ServiceId::NMT_COMMAND
+                if header.from == NodeId::MANAGING_NODE
+                    && (is_for_this_node || header.to == NodeId::BROADCAST) =>
+            {
+                let command = NmtCommand::read(reader)?;
+                self.command(&command);
+            }
+            ServiceId::SDO if is_for_this_node && self.serves_objects() => {
+                let sdo = Sdo::read_as(reader, self.config.options.initiate_size)?;
+                self.sdo(header.from, &sdo);
+            }
+            // For others, or of others.
+            ServiceId::NMT_COMMAND
+            | ServiceId::SDO
+            | ServiceId::IDENT_RESPONSE
+            | ServiceId::STATUS_RESPONSE
+            | ServiceId::NMT_REQUEST => {}
+            _ => count(&mut self.counters.unknown),
+        }
+        Ok(())
+    }
+
+    const fn serves_objects(&self) -> bool {
+        self.nmt.state().is_powerlink_mode() || matches!(self.nmt.state(), NmtState::BasicEthernet)
+    }
+
+    fn command(&mut self, command: &NmtCommand<'_>) {
+        if !command.is_for(self.config.node) {
+            return;
+        }
+        let may_start = self.poll.had_valid_data || !self.config.options.start_needs_valid_data;
+        let cause = Cause::of_command(command.command);
+        let cause = cause.filter(|_| command.command.plain() != NmtCommandId::START_NODE || may_start);
+        if let Some(reason) = command.reason() {
+            self.raise(NodeEvent::ResetReason { command: command.command, reason });
+        }
+        if !cause.is_some_and(|cause| self.cause(cause)) {
+            count(&mut self.counters.commands_ignored);
+        }
+    }
+
+    fn sdo(&mut self, from: NodeId, sdo: &Sdo<'_>) {
+        let segment = usize::from(self.active.async_mtu).saturating_sub(ASND_HEADER);
+        let mut objects = Objects { standard: &mut self.dictionary, application: &mut self.objects };
+        let Received { connection, outcome } = self.server.receive(from, sdo, segment, &mut objects);
+        if let Some(index) = connection {
+            self.wait_for_client(index);
+        }
+        match outcome {
+            Outcome::Nothing => {}
+            Outcome::Opened => self.raise(NodeEvent::SdoOpened { client: from }),
+            Outcome::Closed => self.raise(NodeEvent::SdoClosed { client: from, by_timeout: false }),
+            Outcome::Refused => {
+                count(&mut self.counters.sdo_refused);
+                self.raise(NodeEvent::SdoRefused { client: from });
+            }
+            Outcome::Ignored => count(&mut self.counters.sdo_ignored),
+            Outcome::Written(at, effect) => {
+                self.raise(NodeEvent::ObjectWritten(at));
+                if let Effect::Reset(cause) = effect {
+                    self.reset_after_answer = Some(cause);
+                }
+            }
+            Outcome::Aborted(command, code) => self.raise(NodeEvent::SdoAborted { command, code }),
+        }
+    }
+
+    pub(super) fn wait_for_client(&mut self, index: usize) {
+        let timer = if index == 0 { Timer::Sdo0 } else { Timer::Sdo1 };
+        let timeout = Duration::from_millis(self.dictionary.values.sequence_timeout.into());
+        match self.server.patience(index, timeout) {
+            Some(wait) => self.timers.set_after(timer, wait),
+            None => self.timers.clear(timer),
+        }
+    }
+
+    pub(super) fn client_timeout(&mut self, index: usize) {
+        if let Some(client) = self.server.expired(index) {
+            self.raise(NodeEvent::SdoClosed { client, by_timeout: true });
+        }
+        self.wait_for_client(index);
+    }
+}
+
+/// POWERLINK header, ServiceID, sequence layer and command header.
+const ASND_HEADER: usize = 3 + 1 + 4 + COMMAND_HEADER;

@@ -1,0 +1,173 @@
+//! What the node sends. It follows from the state; there is no queue of frames.
+
+use link_core::codec::{Full, Wire, Writer};
+
+use super::event::{NodeEvent, count};
+use super::machine::{ControlledNode, Reply, Request};
+use crate::dictionary::{FEATURES, ObjectSet};
+use crate::ethernet::{MIN_FRAME, POLL_HEADER};
+use crate::machine::Action;
+use crate::nmt::{Cause, NmtState};
+use crate::wire::{
+    AsyncRequest, Flags, Header, IdentResponse, IpParameters, MessageType, NmtRequest, POWERLINK_V2, Pres,
+    ServiceId, StatusResponse, pad,
+};
+use crate::{MacAddress, NodeId, ethernet};
+
+impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, SDO> {
+    /// Whether there is anything to do.
+    pub(super) fn has_output(&self) -> bool {
+        self.poll.is_due
+            || self.poll.then.is_some()
+            || self.reply.is_some()
+            || !self.events.is_empty()
+            || self.nmt.state().is_initialisation()
+            || self.may_answer_client()
+    }
+
+    /// The next thing to do: answers first, because the managing node waits.
+    pub(super) fn output<'b>(&mut self, buffer: &'b mut [u8]) -> Option<Action<'b, NodeEvent>> {
+        let mut out = Writer::new(buffer);
+        match self.answer(&mut out) {
+            Ok(true) => return Some(Action::Transmit(out.into_written())),
+            Ok(false) => {}
+            Err(Full) => {
+                count(&mut self.counters.not_sent);
+                return Some(Action::Event(NodeEvent::BufferTooShort));
+            }
+        }
+        if self.events.is_empty() && self.nmt.state().is_initialisation() {
+            self.cause(Cause::Done);
+        }
+        self.events.pop().map(Action::Event)
+    }
+
+    /// Writes the frame that is to be sent now. Returns whether there is one.
+    fn answer(&mut self, out: &mut Writer<'_>) -> Result<bool, Full> {
+        if core::mem::take(&mut self.poll.is_due) {
+            let sent = self.pres_frame(out);
+            self.after_poll();
+            return sent.map(|()| true);
+        }
+        let reply = match self.reply.take() {
+            None if self.may_answer_client() => Reply::Generic,
+            None => return Ok(false),
+            Some(reply) => reply,
+        };
+        match reply {
+            Reply::Ident => self.ident_frame(out)?,
+            Reply::Status { late_reset } => {
+                self.status_frame(out)?;
+                if let Some(reset) = late_reset {
+                    self.signalling.exception_reset(reset);
+                }
+            }
+            Reply::NmtRequest => {
+                let Some(request) = self.requests.pop() else { return Ok(false) };
+                self.request_frame(request, out)?;
+            }
+            Reply::Generic => {
+                let Some((index, client)) = self.server.next() else { return Ok(false) };
+                self.asnd_header(client, ServiceId::SDO, out)?;
+                self.server.emit(index, self.config.options.initiate_size, out)?;
+                pad(out, MIN_FRAME)?;
+                self.wait_for_client(index);
+                if let Some(cause) = self.reset_after_answer.take() {
+                    self.cause(cause);
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// What the PReq leads to, now that it is answered.
+    pub(super) fn after_poll(&mut self) {
+        if let Some(cause) = self.poll.then.take() {
+            self.cause(cause);
+        }
+    }
+
+    /// Where there is no managing node, nobody invites.
+    fn may_answer_client(&self) -> bool {
+        self.nmt.state() == NmtState::BasicEthernet && self.server.ready() > 0
+    }
+
+    /// The PRes: of constant length, whatever is mapped.
+    fn pres_frame(&mut self, out: &mut Writer<'_>) -> Result<(), Full> {
+        let state = self.nmt.state();
+        let mut flags = self.signalling.exception_new();
+        flags.set(Flags::DATA_VALID, state == NmtState::Operational);
+        flags.set(Flags::MULTIPLEXED, self.poll.is_multiplexed);
+        let mapping = &self.dictionary.mappings.transmit;
+        let limit = usize::from(self.active.pres_limit);
+        let data = self.inputs.get(..mapping.len().min(limit)).unwrap_or_default();
+        self.header(MacAddress::PRES, MessageType::PRES, NodeId::BROADCAST).emit(out)?;
+        let request = self.async_request();
+        Pres { state: state.code(), flags, request, pdo_version: mapping.version, data }.emit(out)?;
+        pad(out, limit.saturating_add(ethernet::ETHERNET_HEADER.saturating_add(POLL_HEADER)).max(MIN_FRAME))
+    }
+
+    fn ident_frame(&mut self, out: &mut Writer<'_>) -> Result<(), Full> {
+        let (device, values) = (&self.config.device, &self.dictionary.values);
+        let ident = IdentResponse {
+            flags: Flags::empty(),
+            request: self.async_request(),
+            state: self.nmt.state().code(),
+            version: POWERLINK_V2,
+            features: FEATURES,
+            mtu: self.active.async_mtu,
+            poll_in_size: self.active.preq_limit,
+            poll_out_size: self.active.pres_limit,
+            response_time: device.pres_latency,
+            device_type: device.device_type,
+            identity: device.identity,
+            vendor_extension_1: device.vendor_extension_1,
+            configuration: values.configuration,
+            software: device.software,
+            ip: IpParameters::of(self.config.node),
+            host_name: values.host_name,
+            vendor_extension_2: device.vendor_extension_2,
+        };
+        self.asnd_header(NodeId::BROADCAST, ServiceId::IDENT_RESPONSE, out)?;
+        ident.emit(out)
+    }
+
+    fn status_frame(&mut self, out: &mut Writer<'_>) -> Result<(), Full> {
+        let mut static_errors = self.static_errors;
+        let [register, ..] = &mut static_errors;
+        *register = self.dictionary.error_register;
+        let status = StatusResponse {
+            flags: self.signalling.flags(),
+            request: self.async_request(),
+            state: self.nmt.state().code(),
+            static_errors,
+            entries: self.signalling.entries().iter().copied().collect(),
+        };
+        self.asnd_header(NodeId::BROADCAST, ServiceId::STATUS_RESPONSE, out)?;
+        status.emit(out)
+    }
+
+    fn request_frame(&self, request: Request, out: &mut Writer<'_>) -> Result<(), Full> {
+        self.asnd_header(NodeId::MANAGING_NODE, ServiceId::NMT_REQUEST, out)?;
+        NmtRequest { command: request.command, target: request.target, data: &[] }.emit(out)?;
+        pad(out, MIN_FRAME)
+    }
+
+    fn asnd_header(&self, to: NodeId, service: ServiceId, out: &mut Writer<'_>) -> Result<(), Full> {
+        self.header(MacAddress::ASND, MessageType::ASND, to).emit(out)?;
+        out.u8(service.0)
+    }
+
+    const fn header(&self, destination: MacAddress, message_type: MessageType, to: NodeId) -> Header {
+        Header { destination, source: self.config.mac, message_type, to, from: self.config.node }
+    }
+
+    /// RS and PR: NMT requests before everything else.
+    fn async_request(&self) -> AsyncRequest {
+        if self.requests.is_empty() {
+            AsyncRequest::new(AsyncRequest::GENERIC, self.server.ready())
+        } else {
+            AsyncRequest::new(AsyncRequest::NMT, self.requests.len())
+        }
+    }
+}

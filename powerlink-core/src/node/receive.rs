@@ -1,0 +1,351 @@
+//! What the node does with what it hears.
+
+use core::time::Duration;
+
+use link_core::codec::{Reader, Wire};
+
+use super::config::VersionCheck;
+use super::event::{NodeEvent, count};
+use super::machine::{ControlledNode, Reply, Timer};
+use crate::cycle::{CycleEvent, CycleMode, Losses, Supervision};
+use crate::dictionary::ObjectSet;
+use crate::error::Symptom;
+use crate::machine::LinkEvent;
+use crate::nmt::{Cause, NmtState};
+use crate::pdo::Mapping;
+use crate::wire::{
+    ErrorCode, Flags, FrameError, Header, MessageType, ParseError, PdoVersion, Pres, RequestedService, Soa,
+    Soc,
+};
+use crate::{MacAddress, NodeId};
+
+impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, SDO> {
+    pub(super) fn frame(&mut self, bytes: &[u8]) {
+        if !self.nmt.state().is_communicating() {
+            return;
+        }
+        // What was to follow the answer to a poll that nobody fetched.
+        self.after_poll();
+        let mut reader = Reader::new(bytes);
+        let header = match Header::read(&mut reader) {
+            Ok(header) => header,
+            Err(FrameError::OtherProtocol(_)) => return self.other_frame(),
+            Err(FrameError::Malformed(error)) => return self.bad_frame(error),
+        };
+        if header.source == self.config.mac {
+            return count(&mut self.counters.echoes);
+        }
+        if !self.is_for_this_adapter(header.destination) {
+            return count(&mut self.counters.other_destinations);
+        }
+        let result = match header.message_type {
+            MessageType::PREQ => self.preq(&header, &mut reader),
+            MessageType::SOC => Soc::read(&mut reader).map(|soc| self.soc(&soc)),
+            MessageType::SOA => Soa::read(&mut reader).map(|soa| self.soa(&soa)),
+            MessageType::PRES => Pres::read(&mut reader).map(|pres| self.pres(&header, &pres)),
+            MessageType::ASND => {
+                self.other_frame();
+                self.asnd(&header, &mut reader)
+            }
+            _ => {
+                count(&mut self.counters.unknown);
+                Ok(())
+            }
+        };
+        if let Err(error) = result {
+            self.bad_frame(error);
+        }
+    }
+
+    fn is_for_this_adapter(&self, destination: MacAddress) -> bool {
+        destination == self.config.mac
+            || [MacAddress::SOC, MacAddress::SOA, MacAddress::ASND, MacAddress::PRES, MacAddress::BROADCAST]
+                .contains(&destination)
+    }
+
+    fn soc(&mut self, soc: &Soc) {
+        self.cause(Cause::Soc);
+        // The SoC that ends `NotActive` or `BasicEthernet` has done its work by that.
+        if !self.nmt.state().is_cyclic() {
+            return;
+        }
+        self.net_time = soc.net_time;
+        self.jitter();
+        let multiplexed_cycle = soc.flags.contains(Flags::MULTIPLEXED_CYCLE);
+        if multiplexed_cycle != self.poll.multiplexed_cycle {
+            self.poll.multiplexed_cycle = multiplexed_cycle;
+            self.poll.missed_multiplexed_cycle = !core::mem::take(&mut self.poll.in_multiplexed_cycle);
+        }
+        self.supervise_soc();
+        if let Some(cause) = self.cycle_event(CycleEvent::Soc) {
+            self.cause(cause);
+        }
+        // The process data of this cycle; the PRes is ready before the PReq.
+        self.dictionary.mappings.transmit.pack(&self.objects, &mut self.inputs);
+    }
+
+    /// The distance of two SoCs against the cycle length.
+    fn jitter(&mut self) {
+        let (Some(expected), range) = (self.timers.at(Timer::Soc), self.dictionary.values.jitter_range)
+        else {
+            return;
+        };
+        let tolerance = Duration::from_nanos(self.active.loss_of_soc_tolerance.into());
+        let (now, expected) = (self.timers.now(), expected.saturating_sub(tolerance));
+        let jitter = now.saturating_since(expected).max(expected.saturating_since(now));
+        if jitter > Duration::from_nanos(range.into()) {
+            let is_reached = self.dictionary.counters.symptom(Symptom::SocJitter);
+            if is_reached && let Some(cause) = self.react(Symptom::SocJitter) {
+                self.cause(cause);
+            }
+        }
+    }
+
+    fn supervise_soc(&mut self) {
+        let (length, tolerance) = (self.active.cycle_length, self.active.loss_of_soc_tolerance);
+        if length == 0 || tolerance == 0 || !self.nmt.state().is_cyclic() {
+            return self.timers.clear(Timer::Soc);
+        }
+        let wait =
+            Duration::from_micros(length.into()).saturating_add(Duration::from_nanos(tolerance.into()));
+        self.timers.set_after(Timer::Soc, wait);
+    }
+
+    /// The SoC is overdue. The next one is expected a cycle later.
+    pub(super) fn soc_timeout(&mut self) {
+        self.timers.set_after(Timer::Soc, Duration::from_micros(self.active.cycle_length.into()));
+        // In `PreOperational2` the cycle length may be unknown yet.
+        if self.nmt.state() != NmtState::PreOperational2
+            && let Some(cause) = self.cycle_event(CycleEvent::SocTimeout)
+        {
+            self.cause(cause);
+        }
+    }
+
+    fn preq(&mut self, header: &Header, reader: &mut Reader<'_>) -> Result<(), ParseError> {
+        if header.to != self.config.node {
+            return Ok(());
+        }
+        let [_, flags, _, version, _] = reader.array("PReq header")?;
+        let size = usize::from(reader.u16("Size")?);
+        let state = self.nmt.state();
+        if !state.answers_poll() {
+            self.poll_outside_of_the_cycle(Cause::Preq);
+            return Ok(());
+        }
+        let flags = Flags::from_bits_retain(flags);
+        self.poll.is_due = true;
+        self.poll.is_multiplexed = flags.contains(Flags::MULTIPLEXED) && self.active.multiplexed_cycles > 0;
+        self.poll.in_multiplexed_cycle = true;
+        self.poll.missed_multiplexed_cycle = false;
+        self.poll.had_valid_data = flags.contains(Flags::DATA_VALID);
+        // What the answer shows stays as it is until it is sent.
+        let cycle_error = self.cycle_event(CycleEvent::Preq);
+        self.poll.then = cycle_error;
+        self.signalling.exception_acknowledge(flags.contains(Flags::EXCEPTION_ACKNOWLEDGE));
+        if state == NmtState::PreOperational2 {
+            return Ok(());
+        }
+        let data = reader.bytes(size, "process data").ok();
+        let Some(data) = data.filter(|data| data.len() <= usize::from(self.active.preq_limit)) else {
+            self.error(ErrorCode::INVALID_FORMAT);
+            self.poll.then = Some(Cause::InternalError);
+            return Ok(());
+        };
+        self.dictionary.counters.preq();
+        self.process_data(NodeId::NONE, flags, PdoVersion(version), data);
+        Ok(())
+    }
+
+    fn pres(&mut self, header: &Header, pres: &Pres<'_>) {
+        let state = self.nmt.state();
+        if !state.is_cyclic() {
+            return self.poll_outside_of_the_cycle(Cause::Pres);
+        }
+        if let Some(cause) = self.cycle_event(CycleEvent::Pres) {
+            self.cause(cause);
+        }
+        if matches!(self.nmt.state(), NmtState::ReadyToOperate | NmtState::Operational)
+            && header.from != NodeId::NONE
+        {
+            self.process_data(header.from, pres.flags, pres.pdo_version, pres.data);
+        }
+    }
+
+    /// PReq and PRes where there is no cycle for the node.
+    fn poll_outside_of_the_cycle(&mut self, cause: Cause) {
+        let options = self.config.options;
+        match self.nmt.state() {
+            NmtState::NotActive if options.poll_ends_not_active => {
+                self.cause(Cause::Soa);
+            }
+            NmtState::NotActive if options.poll_restarts_basic_ethernet => self.wait_for_the_network(),
+            NmtState::BasicEthernet if cause == Cause::Preq || options.pres_ends_basic_ethernet => {
+                self.cause(cause);
+            }
+            _ => {}
+        }
+    }
+
+    /// Gives the objects what a node sent: `NONE` for the PReq of the managing node.
+    fn process_data(&mut self, from: NodeId, flags: Flags, version: PdoVersion, data: &[u8]) {
+        let is_operational = self.nmt.state() == NmtState::Operational;
+        let is_valid = is_operational && flags.contains(Flags::DATA_VALID);
+        // Data that do not count are not used in operation; before, they are taken, and told as what they are.
+        if is_operational && !is_valid {
+            return;
+        }
+        let check = self.config.options.version_check;
+        let mut error = None;
+        let mut taken = None;
+        for (channel, mapping) in (0..).zip(&self.dictionary.mappings.receive) {
+            if mapping.is_empty() || mapping.node != from {
+                continue;
+            }
+            if !fits(mapping, version, check) {
+                error = Some(ErrorCode::PDO_MAP_VERSION);
+            } else if data.len() < mapping.len() {
+                error = Some(ErrorCode::PDO_SHORT);
+            } else {
+                mapping.unpack(data, &mut self.objects);
+                taken = Some(channel);
+            }
+        }
+        if let Some(channel) = taken {
+            self.raise(NodeEvent::ProcessData { channel, is_valid });
+        }
+        if let Some(code) = error {
+            count(&mut self.counters.pdo_errors);
+            self.error(code);
+        }
+    }
+
+    fn soa(&mut self, soa: &Soa) {
+        if self.cause(Cause::Soa) {
+            return;
+        }
+        let state = self.nmt.state();
+        if state.is_cyclic() {
+            let cause = self.cycle_event(CycleEvent::Soa);
+            self.dictionary.counters.end_of_cycle();
+            if let Some(cause) = cause {
+                self.cause(cause);
+            }
+        }
+        if !state.is_powerlink_mode() || soa.target != self.config.node {
+            return;
+        }
+        self.reply = match soa.service {
+            RequestedService::IDENT_REQUEST => Some(Reply::Ident),
+            RequestedService::STATUS_REQUEST => {
+                self.signalling.exception_acknowledge(soa.flags.contains(Flags::EXCEPTION_ACKNOWLEDGE));
+                let reset = soa.flags.contains(Flags::EXCEPTION_RESET);
+                let is_early = self.config.options.clears_before_answer;
+                if is_early {
+                    self.signalling.exception_reset(reset);
+                }
+                Some(Reply::Status { late_reset: (!is_early).then_some(reset) })
+            }
+            RequestedService::NMT_REQUEST_INVITE => Some(Reply::NmtRequest),
+            RequestedService::UNSPECIFIED_INVITE => Some(Reply::Generic),
+            _ => None,
+        };
+    }
+
+    /// An ASnd, or a frame of another protocol: it belongs behind the SoA.
+    fn other_frame(&mut self) {
+        if self.nmt.state().is_cyclic()
+            && let Some(cause) = self.cycle_event(CycleEvent::Asnd)
+        {
+            self.cause(cause);
+        }
+    }
+
+    /// Tells the cycle what happened, and counts what is missing. Returns what that leads to.
+    fn cycle_event(&mut self, event: CycleEvent) -> Option<Cause> {
+        let state = self.nmt.state();
+        let mode = if state == NmtState::Stopped { CycleMode::Stopped } else { CycleMode::Polled };
+        let is_started = matches!(state, NmtState::ReadyToOperate | NmtState::Operational);
+        let is_multiplexed = self.active.multiplexed_cycles > 0;
+        let supervision = Supervision {
+            is_timed: state != NmtState::PreOperational2 && self.timers.at(Timer::Soc).is_some(),
+            is_preq_due: is_started && (!is_multiplexed || self.poll.missed_multiplexed_cycle),
+        };
+        let losses = self.cycle.apply(mode, event, supervision);
+        if losses.is_empty() {
+            return None;
+        }
+        if losses.contains(Losses::PREQ) {
+            self.poll.missed_multiplexed_cycle = false;
+        }
+        self.losses(losses)
+    }
+
+    fn losses(&mut self, losses: Losses) -> Option<Cause> {
+        let symptoms = [
+            (Losses::SOC, Symptom::LossOfSoc),
+            (Losses::SOA, Symptom::LossOfSoa),
+            (Losses::PREQ, Symptom::LossOfPreq),
+        ];
+        let mut cause = None;
+        for (loss, symptom) in symptoms {
+            if losses.contains(loss) && self.dictionary.counters.symptom(symptom) {
+                cause = self.react(symptom).or(cause);
+            }
+        }
+        cause
+    }
+
+    /// A threshold was reached. What is only counted is no error.
+    fn react(&mut self, symptom: Symptom) -> Option<Cause> {
+        let options = &self.config.options;
+        let reacts = match symptom {
+            Symptom::LossOfSoc | Symptom::LossOfPreq | Symptom::Crc => true,
+            Symptom::LossOfSoa => options.reacts_to_loss_of_soa,
+            Symptom::SocJitter => options.reacts_to_jitter,
+            Symptom::Collision => options.reacts_to_collisions,
+            Symptom::LossOfLink => false,
+        };
+        if !reacts {
+            return None;
+        }
+        self.error(symptom.code());
+        Some(Cause::CycleError)
+    }
+
+    pub(super) fn link(&mut self, event: LinkEvent) {
+        match event {
+            LinkEvent::Up => {}
+            LinkEvent::Down => {
+                self.dictionary.counters.symptom(Symptom::LossOfLink);
+                self.error(ErrorCode::LOSS_OF_LINK);
+            }
+            LinkEvent::CrcError => self.symptom(Symptom::Crc),
+            LinkEvent::Collision => self.symptom(Symptom::Collision),
+            LinkEvent::FramesLost { count } => {
+                self.counters.frames_lost = self.counters.frames_lost.saturating_add(count.max(1));
+            }
+            LinkEvent::NotSent => count(&mut self.counters.not_sent),
+        }
+    }
+
+    fn symptom(&mut self, symptom: Symptom) {
+        let is_reached = self.dictionary.counters.symptom(symptom);
+        if is_reached && let Some(cause) = self.react(symptom) {
+            self.cause(cause);
+        }
+    }
+
+    fn bad_frame(&mut self, error: ParseError) {
+        count(&mut self.counters.bad_frames);
+        self.raise(NodeEvent::BadFrame(error));
+    }
+}
+
+const fn fits(mapping: &Mapping, version: PdoVersion, check: VersionCheck) -> bool {
+    match check {
+        VersionCheck::Main => mapping.fits(version),
+        VersionCheck::Exact => mapping.version.0 == version.0,
+        VersionCheck::None => true,
+    }
+}

@@ -1,0 +1,247 @@
+//! One node, and what a managing node sends to it.
+
+use core::time::Duration;
+use std::string::{String, ToString};
+use std::vec::Vec;
+
+use link_core::Instant;
+use link_core::codec::Writer;
+
+use super::super::*;
+use crate::dictionary::{Access, Device, Entry, Mappable, ObjectAddress, ObjectSet, ObjectType};
+use crate::ethernet::MAX_FRAME;
+use crate::machine::{Action, Input, LinkEvent, Machine};
+use crate::nmt::NmtState;
+use crate::pdo::MappingEntry;
+use crate::wire::{
+    AbortCode, Body, Flags, Frame, Identity, NmtCommand, NmtCommandId, NmtStateCode, POWERLINK_V2,
+    PdoVersion, Preq, Pres, RequestedService, Soa, Soc,
+};
+use crate::{ControlledNode, MacAddress, NodeId};
+
+pub(super) const NODE: NodeId = NodeId(1);
+pub(super) const MAC: MacAddress = MacAddress([2, 0, 0, 0, 0, 1]);
+const MN_MAC: MacAddress = MacAddress([2, 0, 0, 0, 0, 0xF0]);
+/// The cycle length that the bench configures, ms.
+pub(super) const CYCLE: u64 = 20;
+
+#[derive(Clone, PartialEq, Eq, Hash, Debug, Default)]
+pub(super) struct Io {
+    pub(super) input: u8,
+    pub(super) output: u8,
+}
+
+impl ObjectSet for Io {
+    const ENTRIES: &'static [Entry] = &[
+        Entry::new(0x6000, 1, "input", ObjectType::Unsigned(1), Access::ReadOnly).mapped(Mappable::Transmit),
+        Entry::new(0x6200, 1, "output", ObjectType::Unsigned(1), Access::ReadWrite).mapped(Mappable::Receive),
+    ];
+
+    fn read(&self, at: ObjectAddress, out: &mut Writer<'_>) -> Result<(), AbortCode> {
+        out.u8(if at.index == 0x6000 { self.input } else { self.output })
+            .map_err(|_| AbortCode::OUT_OF_MEMORY)
+    }
+
+    fn write(&mut self, _: ObjectAddress, data: &[u8]) -> Result<(), AbortCode> {
+        self.output = *data.first().ok_or(AbortCode::LENGTH)?;
+        Ok(())
+    }
+
+    fn restore(&mut self) {
+        self.output = 0;
+    }
+}
+
+const fn byte(index: u16) -> MappingEntry {
+    MappingEntry { object: ObjectAddress::new(index, 1), offset: 0, length: 8 }
+}
+
+pub(super) fn config() -> Config {
+    let identity = Identity { vendor_id: 0x0123, product_code: 7, revision: 0x0001_0000, serial_number: 42 };
+    let mut config = Config::new(NODE, MAC, Device::new(identity)).unwrap();
+    config.values.cycle_length = 20_000;
+    config.mapping =
+        DefaultMapping { receive: const { &[byte(0x6200)] }, transmit: const { &[byte(0x6000)] } };
+    config
+}
+
+pub(super) struct Bench {
+    pub(super) node: ControlledNode<Io>,
+    pub(super) now: Instant,
+    /// Frames that were sent and not looked at yet, in words.
+    sent: Vec<String>,
+    /// The last frame that was sent.
+    pub(super) last: Vec<u8>,
+    pub(super) events: Vec<NodeEvent>,
+}
+
+impl Bench {
+    /// A node that has gone through its initialisation.
+    pub(super) fn listening(config: Config) -> Self {
+        let node = ControlledNode::new(config, Io::default()).unwrap();
+        let (sent, last, events) = (Vec::new(), Vec::new(), Vec::new());
+        let mut bench = Self { node, now: Instant::from_millis(1), sent, last, events };
+        bench.node.power_on(bench.now);
+        bench.drain();
+        bench.is(NmtState::NotActive);
+        bench
+    }
+
+    /// A node in any communicating state.
+    pub(super) fn in_state(state: NmtState, config: Config) -> Self {
+        let mut bench = Self::listening(config);
+        match state {
+            NmtState::PreOperational1 => bench.soa(),
+            NmtState::PreOperational2
+            | NmtState::ReadyToOperate
+            | NmtState::Operational
+            | NmtState::Stopped => {
+                bench.soa();
+                bench.cycle();
+                if matches!(state, NmtState::ReadyToOperate | NmtState::Operational) {
+                    bench.command(NmtCommandId::ENABLE_READY_TO_OPERATE);
+                }
+                if state == NmtState::Operational {
+                    bench.command(NmtCommandId::START_NODE);
+                }
+                if state == NmtState::Stopped {
+                    bench.command(NmtCommandId::STOP_NODE);
+                }
+            }
+            NmtState::BasicEthernet => bench.wait(Duration::from_secs(5)),
+            _ => {}
+        }
+        bench.is(state);
+        bench.sent.clear();
+        bench.events.clear();
+        bench
+    }
+
+    pub(super) fn drain(&mut self) {
+        let mut buffer = [0xA5; MAX_FRAME];
+        while let Some(action) = self.node.poll(self.now, &mut buffer) {
+            match action {
+                Action::Transmit(bytes) => {
+                    self.last = bytes.to_vec();
+                    self.sent.push(Frame::parse(bytes).unwrap().to_string());
+                }
+                Action::Event(event) => self.events.push(event),
+            }
+        }
+        let next = self.node.deadline().map(|deadline| deadline.why);
+        assert_ne!(next, Some("output pending"));
+    }
+
+    pub(super) fn bytes(&mut self, bytes: &[u8]) {
+        self.node.input(self.now, Input::Frame(bytes));
+        self.drain();
+    }
+
+    pub(super) fn hears(&mut self, destination: MacAddress, to: NodeId, from: NodeId, body: Body<'_>) {
+        let mut buffer = [0; MAX_FRAME];
+        let frame = Frame { destination, source: MN_MAC, to, from, body };
+        let bytes = frame.emit(&mut buffer).unwrap().to_vec();
+        self.bytes(&bytes);
+    }
+
+    fn of_mn(&mut self, destination: MacAddress, to: NodeId, body: Body<'_>) {
+        self.hears(destination, to, NodeId::MANAGING_NODE, body);
+    }
+
+    pub(super) fn soc(&mut self) {
+        self.of_mn(MacAddress::SOC, NodeId::BROADCAST, Body::Soc(Soc::default()));
+    }
+
+    pub(super) fn preq(&mut self, flags: Flags, data: &[u8]) {
+        let preq = Preq { flags, pdo_version: PdoVersion(0), data };
+        self.of_mn(MAC, NODE, Body::Preq(preq));
+    }
+
+    pub(super) fn pres_of_another(&mut self) {
+        let state = NmtStateCode::OPERATIONAL;
+        let (flags, request) = (Flags::DATA_VALID, crate::wire::AsyncRequest::NONE);
+        let pres = Pres { state, flags, request, pdo_version: PdoVersion(0), data: &[9] };
+        self.hears(MacAddress::PRES, NodeId::BROADCAST, NodeId(2), Body::Pres(pres));
+    }
+
+    pub(super) fn soa(&mut self) {
+        self.invite(RequestedService::NO_SERVICE, NodeId::NONE, Flags::empty());
+    }
+
+    pub(super) fn invite(&mut self, service: RequestedService, target: NodeId, flags: Flags) {
+        let state = NmtStateCode::PRE_OPERATIONAL_1;
+        let soa = Soa { state, flags, service, target, version: POWERLINK_V2 };
+        self.of_mn(MacAddress::SOA, NodeId::BROADCAST, Body::Soa(soa));
+    }
+
+    /// A SoA that asks this node for something.
+    pub(super) fn asks(&mut self, service: RequestedService) {
+        self.invite(service, NODE, Flags::empty());
+    }
+
+    pub(super) fn command(&mut self, command: NmtCommandId) {
+        self.command_to(NODE, command, &[]);
+    }
+
+    pub(super) fn command_to(&mut self, to: NodeId, command: NmtCommandId, data: &[u8]) {
+        self.of_mn(MacAddress::ASND, to, Body::NmtCommand(NmtCommand { command, data }));
+    }
+
+    /// SDO of the managing node, from the sequence layer on.
+    pub(super) fn sdo(&mut self, hex: &str) {
+        let body: Vec<u8> = hex.split(' ').map(|byte| u8::from_str_radix(byte, 16).unwrap()).collect();
+        let service = crate::wire::ServiceId::SDO;
+        self.of_mn(MacAddress::ASND, NODE, Body::OtherAsnd(service, &body));
+    }
+
+    /// A whole cycle with a poll.
+    pub(super) fn cycle(&mut self) {
+        self.soc();
+        self.preq(Flags::DATA_VALID, &[0]);
+        self.soa();
+        self.wait(Duration::from_millis(CYCLE));
+    }
+
+    /// Time passes; the node is called when it wants to be.
+    pub(super) fn wait(&mut self, span: Duration) {
+        let end = self.now + span;
+        while let Some(deadline) = self.node.deadline().filter(|deadline| deadline.at <= end) {
+            self.now = deadline.at;
+            self.node.input(self.now, Input::Tick);
+            self.drain();
+        }
+        self.now = end;
+    }
+
+    pub(super) fn link(&mut self, event: LinkEvent) {
+        self.node.input(self.now, Input::Link(event));
+        self.drain();
+    }
+
+    #[track_caller]
+    pub(super) fn is(&self, state: NmtState) {
+        assert_eq!(self.node.state(), state);
+    }
+
+    #[track_caller]
+    pub(super) fn says(&mut self, words: &str) {
+        assert!(!self.sent.is_empty(), "it says nothing instead of: {words}");
+        assert_eq!(self.sent.remove(0), words);
+    }
+
+    #[track_caller]
+    pub(super) fn says_nothing(&mut self) {
+        assert_eq!(self.sent, [""; 0]);
+    }
+
+    pub(super) fn forget(&mut self) {
+        self.sent.clear();
+        self.events.clear();
+    }
+
+    #[track_caller]
+    pub(super) fn tells(&mut self, event: NodeEvent) {
+        assert!(self.events.contains(&event), "{event:?} is not in {:?}", self.events);
+        self.events.clear();
+    }
+}

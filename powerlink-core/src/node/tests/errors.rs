@@ -1,0 +1,221 @@
+//! Lost frames, thresholds, invalid formats, and how they are told.
+
+use core::time::Duration;
+
+use super::bench::*;
+use crate::machine::LinkEvent;
+use crate::nmt::NmtState;
+use crate::node::NodeEvent;
+use crate::wire::{ErrorCode, Flags, NmtCommandId, RequestedService};
+
+const CYCLE_TIME: Duration = Duration::from_millis(CYCLE);
+const CYCLIC: [NmtState; 3] = [NmtState::ReadyToOperate, NmtState::Operational, NmtState::Stopped];
+
+fn without_soc(bench: &mut Bench) {
+    bench.preq(Flags::DATA_VALID, &[0]);
+    bench.soa();
+    bench.wait(CYCLE_TIME);
+}
+
+fn without_preq(bench: &mut Bench) {
+    bench.soc();
+    bench.soa();
+    bench.wait(CYCLE_TIME);
+}
+
+fn without_soa(bench: &mut Bench) {
+    bench.soc();
+    bench.preq(Flags::DATA_VALID, &[0]);
+    bench.wait(CYCLE_TIME);
+}
+
+/// Measured with openPOWERLINK 2.7.2: one lost SoC changes nothing, the second in a row leads to `PreOperational1`, and the
+/// next SoC back.
+#[test]
+fn lost_socs() {
+    for state in [NmtState::ReadyToOperate, NmtState::Operational] {
+        let mut bench = Bench::in_state(state, config());
+        bench.cycle();
+        for _ in 0..20 {
+            without_soc(&mut bench);
+            bench.is(state);
+            (0..9).for_each(|_| bench.cycle());
+        }
+        without_soc(&mut bench);
+        bench.is(state);
+        without_soc(&mut bench);
+        bench.is(NmtState::PreOperational1);
+        bench.tells(NodeEvent::Error(ErrorCode::LOSS_OF_SOC_THRESHOLD));
+        assert!(bench.node.error_led());
+        bench.soc();
+        bench.is(NmtState::PreOperational2);
+    }
+}
+
+#[test]
+fn silence() {
+    for state in CYCLIC {
+        let mut bench = Bench::in_state(state, config());
+        bench.soc();
+        bench.wait(CYCLE_TIME + Duration::from_micros(100) + CYCLE_TIME - Duration::from_nanos(1));
+        bench.is(state);
+        bench.wait(Duration::from_nanos(1));
+        bench.is(NmtState::PreOperational1);
+        bench.wait(Duration::from_secs(100));
+        bench.is(NmtState::PreOperational1);
+    }
+    let mut bench = Bench::in_state(NmtState::PreOperational2, config());
+    bench.soc();
+    bench.wait(Duration::from_secs(2));
+    bench.is(NmtState::PreOperational2);
+}
+
+#[test]
+fn lost_preqs() {
+    for state in [NmtState::ReadyToOperate, NmtState::Operational] {
+        let mut bench = Bench::in_state(state, config());
+        bench.cycle();
+        without_preq(&mut bench);
+        bench.is(state);
+        without_preq(&mut bench);
+        bench.is(NmtState::PreOperational1);
+        bench.tells(NodeEvent::Error(ErrorCode::LOSS_OF_PREQ_THRESHOLD));
+    }
+    for state in [NmtState::PreOperational2, NmtState::Stopped] {
+        let mut bench = Bench::in_state(state, config());
+        (0..20).for_each(|_| without_preq(&mut bench));
+        bench.is(state);
+    }
+}
+
+#[test]
+fn lost_soas_count_and_may_lead_to_a_reaction() {
+    for (reacts, state) in [(true, NmtState::PreOperational1), (false, NmtState::Operational)] {
+        let mut config = config();
+        config.options.reacts_to_loss_of_soa = reacts;
+        let mut bench = Bench::in_state(NmtState::Operational, config);
+        bench.cycle();
+        without_soa(&mut bench);
+        without_soa(&mut bench);
+        bench.is(NmtState::Operational);
+        without_soa(&mut bench);
+        bench.soc();
+        assert_eq!(bench.node.state() == NmtState::Operational, state == NmtState::Operational);
+    }
+}
+
+/// The answer to the poll comes first, then the reset. In `PreOperational2` the size is not checked.
+#[test]
+fn a_preq_of_invalid_format() {
+    let frames: [(&str, &[u8]); 2] = [("longer than the limit", &[0; 37]), ("longer than the frame", &[])];
+    for (what, data) in frames {
+        for state in [NmtState::PreOperational2, NmtState::ReadyToOperate, NmtState::Operational] {
+            let mut bench = Bench::in_state(state, config());
+            bench.soc();
+            if data.is_empty() {
+                // Size 200 in a frame of 60 bytes.
+                let mut frame = [0; 60];
+                frame[..6].copy_from_slice(&MAC.0);
+                frame[11..24].copy_from_slice(&[0xF0, 0x88, 0xAB, 3, 1, 240, 0, 1, 0, 0, 0, 200, 0]);
+                bench.bytes(&frame);
+            } else {
+                bench.preq(Flags::DATA_VALID, data);
+            }
+            let rd = u8::from(state == NmtState::Operational);
+            bench.says(&std::format!(
+                "node 1 -> all: PRes, {}, EN=0 RD={rd}, PR=0 RS=0, 1 bytes",
+                state.code()
+            ));
+            if state == NmtState::PreOperational2 {
+                bench.is(state);
+                continue;
+            }
+            bench.is(NmtState::NotActive);
+            assert!(bench.node.error_led(), "{what}");
+            bench.tells(NodeEvent::Error(ErrorCode::INVALID_FORMAT));
+        }
+    }
+}
+
+#[test]
+fn a_frame_that_is_cut_is_dropped() {
+    let mut bench = Bench::in_state(NmtState::Operational, config());
+    bench.soc();
+    let mut frame = [0; 23];
+    frame[..6].copy_from_slice(&MAC.0);
+    frame[12..17].copy_from_slice(&[0x88, 0xAB, 3, 1, 240]);
+    bench.bytes(&frame);
+    bench.says_nothing();
+    assert!(matches!(bench.events[..], [NodeEvent::BadFrame(_)]));
+    assert_eq!(bench.node.counters().bad_frames, 1);
+}
+
+#[test]
+fn frames_without_padding_are_accepted() {
+    let mut bench = Bench::listening(config());
+    let soa: &[u8] =
+        &[1, 0x11, 0x1E, 0, 0, 3, 2, 0, 0, 0, 0, 0xF0, 0x88, 0xAB, 5, 255, 240, 0x1D, 0, 0, 1, 1, 0x20];
+    assert_eq!(soa.len(), 23);
+    bench.bytes(soa);
+    bench.is(NmtState::PreOperational1);
+    bench.bytes(soa);
+    assert_eq!(bench.last.len(), 176);
+    let mut soc = [0; 36];
+    soc[..17].copy_from_slice(&[1, 0x11, 0x1E, 0, 0, 1, 2, 0, 0, 0, 0, 0xF0, 0x88, 0xAB, 1, 255, 240]);
+    bench.bytes(&soc);
+    bench.is(NmtState::PreOperational2);
+    let mut preq = [0; 25];
+    preq[..24].copy_from_slice(&[
+        2, 0, 0, 0, 0, 1, 2, 0, 0, 0, 0, 0xF0, 0x88, 0xAB, 3, 1, 240, 0, 1, 0, 0, 0, 1, 0,
+    ]);
+    bench.forget();
+    bench.bytes(&preq);
+    bench.says("node 1 -> all: PRes, NMT_PRE_OPERATIONAL_2, EN=0 RD=0, PR=0 RS=0, 1 bytes");
+}
+
+/// An error reaches the managing node: EN in the PRes, the entry in the StatusResponse, EA in the next PReq.
+#[test]
+fn an_error_is_told_until_it_is_acknowledged() {
+    let mut bench = Bench::in_state(NmtState::Operational, config());
+    for er in [Flags::EXCEPTION_RESET, Flags::empty()] {
+        bench.invite(RequestedService::STATUS_REQUEST, NODE, er);
+    }
+    bench.forget();
+    bench.link(LinkEvent::Down);
+    bench.soc();
+    bench.preq(Flags::DATA_VALID, &[0]);
+    bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=1 RD=1, PR=0 RS=0, 1 bytes");
+    bench.asks(RequestedService::STATUS_REQUEST);
+    bench.says("node 1 -> all: StatusResponse, NMT_OPERATIONAL, EC=0 EN=1, PR=0 RS=0, loss of link");
+    bench.soc();
+    bench.preq(Flags::DATA_VALID | Flags::EXCEPTION_ACKNOWLEDGE, &[0]);
+    bench.soa();
+    bench.forget();
+    bench.link(LinkEvent::Down);
+    bench.soc();
+    bench.preq(Flags::DATA_VALID | Flags::EXCEPTION_ACKNOWLEDGE, &[0]);
+    bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 1 bytes");
+}
+
+#[test]
+fn process_data_that_do_not_fit_the_mapping_are_not_used() {
+    let mut bench = Bench::in_state(NmtState::Operational, config());
+    bench.soc();
+    bench.preq(Flags::DATA_VALID, &[]);
+    bench.is(NmtState::Operational);
+    bench.tells(NodeEvent::Error(ErrorCode::PDO_SHORT));
+}
+
+/// Losses that a stopped node sees, and those that it does not.
+#[test]
+fn a_stopped_node_goes_on_with_the_cycle() {
+    let mut bench = Bench::in_state(NmtState::Stopped, config());
+    for _ in 0..20 {
+        bench.soc();
+        bench.soa();
+        bench.wait(CYCLE_TIME);
+    }
+    bench.is(NmtState::Stopped);
+    bench.command(NmtCommandId::ENTER_PRE_OPERATIONAL_2);
+    bench.is(NmtState::PreOperational2);
+}
