@@ -60,11 +60,12 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
             #[cfg(test)]
             super::tests::edges::record_io(from, IoCause::Released, io.connection.state());
         }
-        let _between = io.connection.state();
+        #[cfg(test)]
+        let between = io.connection.state();
         // It is free now: nothing is refused.
         let _ = io.connection.allocate(kind);
         #[cfg(test)]
-        super::tests::edges::record_io(_between, IoCause::Allocated, io.connection.state());
+        super::tests::edges::record_io(between, IoCause::Allocated, io.connection.state());
         slot.timers.clear_all();
         io.mode = IoMode::Inactive;
         tell_io(slot.news, slot.connection, from, IoState::Configuring, IoCause::Allocated);
