@@ -22,13 +22,14 @@ use cip_core::message::{AttributeRequest, Response};
 use heapless::Vec;
 
 use super::database::Source;
-use super::event::{EXTENDED, PlannedEvent};
+use super::event::PlannedEvent;
 use super::machine::Manager;
 use super::slot::{Looked, Setting, SlotTimer, Stage, Task};
 use super::state::{Cause, DeviceState};
 use crate::client::{Route, connection_response, explicit_request};
+use crate::connection::{ConnectionId, GroupMessage};
 use crate::counter::count;
-use crate::id::{Group, Identifier, OperationalAddress};
+use crate::id::{Identifier, Layout, OperationalAddress};
 use crate::message::{ConnectionRequest, ConnectionResponse, Granted, GroupSelect, Target};
 
 /// What a device said: the data of its response, or why it refuses.
@@ -91,7 +92,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     }
 
     /// What a device is to consume, once its producer has a connection.
-    fn source_id(&self, source: Source) -> Option<u32> {
+    fn source_id(&self, source: Source) -> Option<ConnectionId> {
         let made = self.slots.get(self.place(source.address)?)?.made(source.connection)?;
         if made.stage == Stage::Established { made.produces } else { None }
     }
@@ -185,7 +186,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         let Some(instance) = slot.made(number).and_then(|made| made.instance) else { return };
         let mut value = Vec::<u8, 4>::new();
         let fits = match (setting, source) {
-            (Setting::ConsumedId, Some(id)) => value.extend_from_slice(&id.to_le_bytes()),
+            (Setting::ConsumedId, Some(id)) => value.extend_from_slice(&u32::from(id).to_le_bytes()),
             // Its producer was lost in the meantime: it begins again when that is back.
             (Setting::ConsumedId, None) => return self.set_stage(place, number, Stage::Idle),
             (Setting::Trigger, _) => value.extend_from_slice(&[plan.trigger.map_or(0, |trigger| trigger.0)]),
@@ -306,17 +307,22 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             self.slots.get(place).and_then(|slot| slot.planned(number)).and_then(|plan| plan.consumes);
         let source_id = source.and_then(|source| self.source_id(source));
         let Some(slot) = self.slot(place) else { return };
+        let address = slot.address();
         let Some(plan) = slot.planned(number) else { return };
         let Some(made) = slot.made_mut(number) else { return };
         let next = match (looked, value) {
             (Looked::State, Some(&[ESTABLISHED])) if plan.consumes.is_some() => Some(Looked::ConsumedId),
             (Looked::State, Some(&[ESTABLISHED])) => Some(Looked::ProducedId),
             (Looked::ProducedId, Some(&[a, b, c, d])) => {
-                made.produces = Some(u32::from_le_bytes([a, b, c, d]));
+                let id = ConnectionId::from(u32::from_le_bytes([a, b, c, d]));
+                if !is_produced_by(id, address) {
+                    return made.set(Stage::Idle);
+                }
+                made.produces = Some(id);
                 Some(Looked::PacketRate)
             }
             (Looked::ConsumedId, Some(&[a, b, c, d])) => {
-                made.consumes = Some(u32::from_le_bytes([a, b, c, d]));
+                made.consumes = Some(u32::from_le_bytes([a, b, c, d]).into());
                 Some(Looked::PacketRate)
             }
             (Looked::PacketRate, Some(&[low, high])) => {
@@ -347,7 +353,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         }
         let connected = PlannedEvent::Connected {
             instance: InstanceId(made.instance.unwrap_or_default()),
-            produces: made.produces,
+            produces: made.produces.filter(|_| plan.is_heard() || plan.consumes.is_none()),
             expected_packet_rate: made.rate,
         };
         let source = Source { address: slot.address(), connection: number };
@@ -463,28 +469,23 @@ fn is_alone(task: Task, answer: &Answer) -> bool {
     }
 }
 
-/// On what the device produces, as attribute 4 has it.
+/// On what the device produces.
 fn produced_id(
     granted: &ConnectionResponse,
     address: OperationalAddress,
     instance: InstanceId,
-) -> Option<u32> {
-    let message = granted.source_message;
-    let identifier = match granted.group {
-        GroupSelect::IMPLICIT_29 => Some(Identifier::implicit(message, address, instance)),
-        GroupSelect::GROUP_1 => Identifier::standard(Group::Group1, message, address),
-        GroupSelect::GROUP_2 => Identifier::standard(Group::Group2, message, address),
-        GroupSelect::GROUP_3 => Identifier::standard(Group::Group3, message, address),
-        _ => None,
-    };
-    identifier.map(connection_id)
+) -> Option<ConnectionId> {
+    let at = GroupMessage::new(granted.group, granted.source_message).ok()?;
+    (granted.group != GroupSelect::EXPLICIT_29).then(|| at.produced(address, instance).into())
 }
 
-/// An identifier as the Connection object has it **\[D\]**.
-pub(super) fn connection_id(identifier: Identifier) -> u32 {
-    match identifier.id() {
-        link_core::Id::Standard(id) => id.as_raw().into(),
-        link_core::Id::Extended(id) => id.as_raw() | EXTENDED,
+/// Whether a connection ID is one on which a node can produce.
+fn is_produced_by(id: ConnectionId, address: OperationalAddress) -> bool {
+    match id.identifier().map(Identifier::layout) {
+        Some(Layout::Implicit { source, acknowledge: false, .. } | Layout::Standard { source, .. }) => {
+            source == address
+        }
+        Some(_) | None => false,
     }
 }
 

@@ -9,6 +9,7 @@ use link_core::Frame;
 
 use super::database::Attribute;
 use super::state::{Cause, DeviceState};
+use crate::connection::ConnectionId;
 use crate::device;
 use crate::id::OperationalAddress;
 use crate::message::{DeviceIdentity, Hello, ParseError, Roam};
@@ -92,8 +93,8 @@ pub enum PlannedEvent {
     Connected {
         /// Which.
         instance: InstanceId,
-        /// On which the device produces, as attribute 4 has it: bit 31 set for 29 bits; `None` if it only consumes.
-        produces: Option<u32>,
+        /// On which the device produces; `None` if it only consumes.
+        produces: Option<ConnectionId>,
         /// What the device keeps, in ms.
         expected_packet_rate: u16,
     },
@@ -229,7 +230,7 @@ impl fmt::Display for PlannedEvent {
             Self::NotAddressed(device) => write!(f, "does not take the address: {device}"),
             Self::Connected { instance, produces, expected_packet_rate } => {
                 write!(f, "connection {} established, {expected_packet_rate} ms", instance.0)?;
-                produces.map_or(Ok(()), |id| write!(f, ", produces on {:X}", id & !EXTENDED))
+                produces.map_or(Ok(()), |id| write!(f, ", produces on {id}"))
             }
             Self::Refused { instance, status } => {
                 match instance {
@@ -252,6 +253,4 @@ impl fmt::Display for PlannedEvent {
     }
 }
 
-/// Bit 31 of a connection ID: 29 bits.
-pub(super) const EXTENDED: u32 = 0x8000_0000;
 const VALUE: usize = 64;

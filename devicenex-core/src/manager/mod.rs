@@ -89,7 +89,7 @@
 //!     "2.5 67 Assigned -> Joining: Hello request",
 //!     "4.5 67 Joining -> Connecting: wait over",
 //!     "4.5 67 on line: vendor 999, product 42, revision 1, serial 0x00000007",
-//!     "4.5 67 connection 7 established, 100 ms, produces on 860007",
+//!     "4.5 67 connection 7 established, 100 ms, produces on 00860007",
 //!     "4.5 67 Connecting -> Running: connected",
 //! ]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

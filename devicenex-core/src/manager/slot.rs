@@ -11,6 +11,7 @@ use super::database::PlannedDevice;
 use super::event::PlannedEvent;
 use super::state::{Cause, DeviceState, EDGES};
 use crate::client::{Conversation, Route};
+use crate::connection::ConnectionId;
 use crate::id::OperationalAddress;
 use crate::message::DeviceIdentity;
 
@@ -130,12 +131,12 @@ pub(super) struct Made {
     pub(super) stage: Stage,
     /// The number of the instance, once it is known.
     pub(super) instance: Option<u16>,
-    /// On which the device produces; as attribute 4 has it.
-    pub(super) produces: Option<u32>,
+    /// On which the device produces.
+    pub(super) produces: Option<ConnectionId>,
     /// In ms.
     pub(super) rate: u16,
     /// What it was told to consume, or said that it does.
-    pub(super) consumes: Option<u32>,
+    pub(super) consumes: Option<ConnectionId>,
     pub(super) watch: Timers<Watch, 1>,
 }
 

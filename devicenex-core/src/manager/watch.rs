@@ -3,11 +3,11 @@
 use cip_core::code::InstanceId;
 use link_core::Frame;
 
-use super::connect::connection_id;
 use super::event::PlannedEvent;
 use super::machine::Manager;
 use super::slot::{SlotTimer, Stage, Task};
 use super::state::{Cause, DeviceState};
+use crate::connection::ConnectionId;
 use crate::counter::count;
 use crate::id::{Identifier, OperationalAddress};
 
@@ -15,7 +15,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     /// Data of a device.
     pub(super) fn data(&mut self, source: OperationalAddress, frame: &Frame) {
         let now = self.timers.now();
-        let id = connection_id(Identifier::of_frame(frame));
+        let id = ConnectionId::from(Identifier::of_frame(frame));
         let Some(slot) = self.place(source).and_then(|place| self.slot(place)) else { return };
         for (_, plan, made) in slot.connections_mut() {
             if made.stage == Stage::Established && made.produces == Some(id) && plan.is_heard() {

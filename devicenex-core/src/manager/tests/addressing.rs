@@ -39,7 +39,7 @@ fn a_device_gets_its_address_and_its_connection() {
             "OA 67: Assigned -> Joining: Hello request".to_owned(),
             "OA 67: Joining -> Connecting: wait over".to_owned(),
             std::format!("OA 67: on line: {device}"),
-            "OA 67: connection 7 established, 100 ms, produces on 860007".to_owned(),
+            "OA 67: connection 7 established, 100 ms, produces on 00860007".to_owned(),
             "OA 67: Connecting -> Running: connected".to_owned(),
         ]
     );
