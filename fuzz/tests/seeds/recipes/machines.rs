@@ -90,3 +90,44 @@ pub(super) fn dn_tool() -> Seeds {
     .map(|(name, bytes)| (name.to_owned(), bytes))
     .to_vec()
 }
+
+/// Choices in one byte, then operations: 9 0 link up, 7 0 sent, 2 the next deadline, 4 a Hello, 5 an answer, 6 data, 10 a command.
+pub(super) fn nx_manager() -> Seeds {
+    const SENT: &[u8] = &[7, 0];
+    let on_line: &[u8] = &[9, 0, 7, 0, 2, 7, 0, 2];
+    // The producer, two consumers and their answers, each with its own identity.
+    let answers: &[u8] = &[5, 1, 0, 5, 0, 8, 5, 2, 12];
+    let running = [SENT, answers].concat().repeat(20);
+    // Nobody answers; a Mini-who, three Hellos without an address, ROAMs, and Hellos with one.
+    let silent = [&SENT.repeat(4)[..], &[2, 2, 2, 2], SENT].concat();
+    let hellos: &[u8] = &[4, 0, 0, 4, 1, 0, 4, 2, 0, 4, 3, 0];
+    let with_address: &[u8] = &[4, 0, 3, 4, 2, 2, 4, 3, 4];
+    let joined = [&[2, 2, 2][..], with_address, &[0, 0xC3], &running].concat();
+    let fresh = [&silent[..], hellos, &SENT.repeat(4), with_address, &joined].concat();
+    // The producer falls silent: seconds pass, its spare answers, and gets the address.
+    let replaced =
+        [&SENT.repeat(2)[..], &[0, 0xC1, 7, 0, 0, 0xC1, 7, 0, 7, 0, 4, 1, 0, 7, 0, 4, 1, 3, 0, 0xC3]]
+            .concat();
+    let with = |choices: u8, rest: &[&[u8]]| [&[choices][..], on_line, &rest.concat()].concat();
+    [
+        ("a-running-plant", with(0, &[&running])),
+        ("a-fresh-plant", with(0, &[&fresh])),
+        ("a-spare", with(0, &[&running, &[6, 1, 7], &replaced, &running])),
+        ("learning", with(2, &[&silent, &[4, 5, 0, 7, 0, 4, 4, 0x85, 7, 0], &running])),
+        ("another-manager", with(0x10, &[&running, &[11, 1, 0, 0xFF, 11, 0xF0, 12, 3, 0, 0xE0], &running])),
+        ("a-stranger", with(0, &[&silent, &[4, 5, 0x83, 0, 0xCC], SENT, &[5, 1, 20], &running])),
+        (
+            "commands",
+            with(
+                0,
+                &[
+                    &running,
+                    &[10, 0, 1, 10, 1, 1, 10, 6, 0, 7, 0, 5, 0, 0, 10, 8, 3, 7, 0, 5, 3, 0, 7, 0, 5, 3, 0],
+                ],
+            ),
+        ),
+        ("off-line-and-back", with(1, &[&running, &[9, 2, 9, 0, 9, 3, 0, 0xC1, 9, 0], SENT, &running])),
+    ]
+    .map(|(name, bytes)| (name.to_owned(), bytes))
+    .into()
+}

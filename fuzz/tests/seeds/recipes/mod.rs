@@ -27,6 +27,7 @@ pub(crate) fn of(target: &str) -> Seeds {
         "frame_decode" => frames::frame_decode(),
         "monitor" => frames::monitor(),
         "net_dn" => buses::net_dn(),
+        "nx_manager" => machines::nx_manager(),
         "nx_monitor" => frames::nx_monitor(),
         "nx_node" => device::nx_node(),
         "text" => files::text(),
