@@ -93,9 +93,8 @@
 //!
 //! # Limits
 //!
-//! The network manager's work is not here yet. Two devices without an
-//! address that share the low half of their serial number collide, and a ROAM does not tell its sender: both are the
-//! paper's, see [`Identifier::sender`]. A DeviceNet node and a DeviceNeX connection with 11 bits would share identifiers:
+//! Two devices without an address that share the low half of their serial number collide, and a ROAM does not tell its
+//! sender: both are the paper's, see [`Identifier::sender`]. A DeviceNet node and a DeviceNeX connection with 11 bits would share identifiers:
 //! they do not belong on one bus.
 //!
 //! # Features
