@@ -1,30 +1,15 @@
 //! The laws of every wire type, and golden bytes from the literature.
 
 use cip_core::code::{AdditionalCode, ClassId, GeneralStatus, InstanceId, VendorId};
-use cip_core::codec::laws::{accepted_bytes_survive, round_trip};
 use cip_core::fragment::{AckStatus, FragmentByte, FragmentKind};
 use cip_core::message::{AllocateRequest, AllocateResponse, AllocationChoice, BodyFormat, ReleaseRequest};
+use link_core::{frame_laws, samples};
 use proptest::prelude::*;
 use std::string::ToString;
 use std::vec::Vec;
 
 use super::*;
 use crate::id::{Identifier, MacId};
-
-/// Types that have no strategy of their own below would make the list of tests incomplete.
-trait Sample: Sized + core::fmt::Debug {
-    fn strategy() -> BoxedStrategy<Self>;
-}
-
-macro_rules! samples {
-    ($($Type:ident $(<$life:lifetime>)? = $strategy:expr;)*) => {$(
-        impl Sample for $Type $(<$life>)? {
-            fn strategy() -> BoxedStrategy<Self> {
-                $strategy.boxed()
-            }
-        }
-    )*};
-}
 
 fn mac() -> impl Strategy<Value = MacId> + Clone {
     (0_u8..64).prop_map(MacId::from_low_bits)
@@ -157,24 +142,7 @@ fn near_messages() -> impl Strategy<Value = Vec<u8>> {
     )
 }
 
-macro_rules! test_laws {
-    ($($Type:ident),*) => {
-        proptest! {
-            $(
-                #[test]
-                #[expect(non_snake_case, reason = "named after the type")]
-                fn $Type(value in $Type::strategy(), bytes in near_messages()) {
-                    let mut buffer = [0; 16];
-                    let emitted = round_trip(&value, &mut buffer);
-                    prop_assert!(emitted.len() <= Frame::MAX_DATA, "it fits into a frame");
-                    accepted_bytes_survive::<$Type>(&bytes, &mut [0; 16]);
-                }
-            )*
-        }
-    };
-}
-
-crate::for_each_wire_type!(test_laws);
+crate::for_each_wire_type!(frame_laws);
 
 fn number(number: u8) -> MacId {
     MacId::new(number).unwrap()

@@ -81,3 +81,44 @@ where
 
 /// A byte that no emit leaves behind by accident: an unwritten gap inside a message shows.
 const UNWRITTEN: u8 = 0xA5;
+
+/// How a value of each wire type is made, for tests with `proptest`: a type of a list without one makes the list of tests
+/// incomplete, which [`frame_laws!`](crate::frame_laws) does not compile.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! samples {
+    ($($Type:ident $(<$life:lifetime>)? = $strategy:expr;)*) => {
+        trait Sample: Sized + core::fmt::Debug {
+            fn strategy() -> proptest::strategy::BoxedStrategy<Self>;
+        }
+
+        $(
+            impl Sample for $Type $(<$life>)? {
+                fn strategy() -> proptest::strategy::BoxedStrategy<Self> {
+                    proptest::strategy::Strategy::boxed($strategy)
+                }
+            }
+        )*
+    };
+}
+
+/// A test of the laws for each wire type that is the data of a CAN frame, by a sample of it, and by the bytes that
+/// `near_messages` of the caller makes.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! frame_laws {
+    ($($Type:ident),*) => {
+        proptest::proptest! {
+            $(
+                #[test]
+                #[expect(non_snake_case, reason = "named after the type")]
+                fn $Type(value in $Type::strategy(), bytes in near_messages()) {
+                    let mut buffer = [0; 16];
+                    let emitted = $crate::codec::laws::round_trip(&value, &mut buffer);
+                    proptest::prop_assert!(emitted.len() <= $crate::Frame::MAX_DATA, "it fits into a frame");
+                    $crate::codec::laws::accepted_bytes_survive::<$Type>(&bytes, &mut [0; 16]);
+                }
+            )*
+        }
+    };
+}

@@ -4,27 +4,13 @@ use core::net::Ipv4Addr;
 
 use link_core::codec::Writer;
 use link_core::codec::laws::round_trip;
+use link_core::samples;
 use proptest::prelude::*;
 use std::vec::Vec;
 
 use super::*;
 use crate::ethernet::{MAX_FRAME, MIN_FRAME};
 use crate::{MacAddress, NodeId};
-
-/// Types that have no strategy of their own below would make the list of tests incomplete.
-trait Sample: Sized + core::fmt::Debug {
-    fn strategy() -> BoxedStrategy<Self>;
-}
-
-macro_rules! samples {
-    ($($Type:ident $(<$life:lifetime>)? = $strategy:expr;)*) => {$(
-        impl Sample for $Type $(<$life>)? {
-            fn strategy() -> BoxedStrategy<Self> {
-                $strategy.boxed()
-            }
-        }
-    )*};
-}
 
 fn flags() -> impl Strategy<Value = Flags> {
     any::<u8>().prop_map(Flags::from_bits_retain)
