@@ -57,14 +57,13 @@ fn a_client_that_falls_silent_is_asked_twice_and_forgotten() {
     let mut bench = Bench::in_state(NmtState::PreOperational1, config());
     open(&mut bench);
     bench.sdo("02 06 00 00 00 01 00 02 04 00 00 00 00 10 00 00");
-    for (second, scon) in [(0, 2), (5, 3), (10, 3)] {
+    for scon in [2, 3, 3] {
         bench.asks(RequestedService::UNSPECIFIED_INVITE);
         bench.says(&std::format!(
             "node 1 -> MN: SDO, rcon=2/1 scon={scon}/1, ReadByIndex response, transaction 1, 4 bytes"
         ));
         bench.forget();
         bench.wait(core::time::Duration::from_secs(5));
-        assert!(second < 15);
     }
     bench.tells(NodeEvent::SdoClosed { client: crate::NodeId::MANAGING_NODE, by_timeout: true });
 }
