@@ -6,6 +6,7 @@ use link_core::Instant;
 
 use super::{ConnectionState, Seen};
 use crate::code::InstanceId;
+use crate::connection::{TimeoutMultiplier, time_out};
 
 /// Which way a message of a connection goes, seen from the server (slave).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -66,7 +67,7 @@ pub struct Connection {
     pub epr: Option<u16>,
     /// Attribute 12.
     pub watchdog_action: Option<u8>,
-    /// Attribute 18: the watchdog is EPR x 4 x 2^n.
+    /// Attribute 18.
     pub multiplier: u8,
     /// Attribute 17, in milliseconds.
     pub inhibit: Option<u16>,
@@ -206,9 +207,8 @@ impl Connection {
     /// How long its peers wait for each other once it is in use; `None` without a watchdog.
     #[must_use]
     pub fn time_out(&self) -> Option<Duration> {
-        let epr = self.epr.filter(|&epr| epr != 0)?;
-        let factor = 4_u32.checked_shl(u32::from(self.multiplier.min(7))).unwrap_or(4);
-        Some(Duration::from_millis(u64::from(epr)).saturating_mul(factor))
+        time_out(self.epr?, TimeoutMultiplier(self.multiplier))
+            .map(|millis| Duration::from_millis(millis.into()))
     }
 
     /// The time of the watchdog as it runs now; `None` without a watchdog.

@@ -48,6 +48,31 @@ fn polls_that_stop_time_the_connection_out_after_four_packet_rates() {
     assert_eq!(bus.state(10, Predefined::Poll), ConnectionState::Established);
 }
 
+/// Attribute 18 is a code: 0 for four times the expected packet rate, each one more for twice as long, from 8 on reserved.
+#[test]
+fn the_time_out_is_that_of_the_multiplier() {
+    let mut bus = Bus::with_slave(10, 0x03);
+    let time_out = |bus: &Bus| bus.connection(10, Predefined::Poll).time_out.map(|time| time.as_millis());
+    assert_eq!(time_out(&bus), None, "a new connection has a rate of 0");
+    bus.establish(10, 2, 100);
+    assert_eq!(time_out(&bus), Some(400));
+    for (multiplier, millis) in [(1, 800), (7, 51_200), (8, 400), (255, 400)] {
+        bus.group2(10, 4, &[0x01, 0x10, 5, 2, 18, multiplier]);
+        bus.group2(10, 3, &[0x01, 0x90]);
+        assert_eq!(time_out(&bus), Some(millis), "{multiplier}");
+    }
+    // It is read, and the watchdog follows it.
+    bus.group2(10, 4, &[0x01, 0x0E, 5, 2, 18]);
+    bus.group2(10, 3, &[0x01, 0x8E, 1]);
+    assert_eq!(time_out(&bus), Some(800));
+    bus.group2(10, 5, &[1]);
+    assert_eq!(bus.wait(790).group2(10, 5, &[1]).note, None);
+    let heard = bus.wait(800).group2(10, 5, &[1]);
+    assert_eq!(heard.note, Some(Note::NoConnection(ConnectionState::TimedOut)));
+    bus.establish(10, 2, 0);
+    assert_eq!(time_out(&bus), None, "no watchdog");
+}
+
 #[test]
 fn the_first_poll_may_take_ten_seconds() {
     let mut bus = Bus::with_slave(10, 0x03);
