@@ -55,7 +55,8 @@ impl<const N: usize> Clinic<'_, N> {
         // What is not acknowledged is sent again.
         let is_again = doubt != Doubt::None
             || matches!(reading.problem, Some(Problem::Flaw(Flaw::Unacknowledged { .. })));
-        let data = reading.value().unwrap_or_default();
+        let message = reading.message.as_ref();
+        let data = message.map_or(reading.value(), |message| message.value()).unwrap_or_default();
         if let Some(first) = self.patient(mac).rhythm.message(seen, data, &rhythm, is_again) {
             self.second_sender(mac, reading, first);
         }

@@ -22,8 +22,9 @@ pub(super) struct Rhythm {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 struct Message {
     at: Instant,
-    data: [u8; 8],
-    len: u8,
+    len: usize,
+    /// Of all of its data, of which there can be more than anybody keeps.
+    digest: u64,
 }
 
 /// What did not fit of late.
@@ -88,13 +89,15 @@ impl Rhythm {
 
 impl Message {
     fn new(at: Instant, data: &[u8]) -> Self {
-        let mut bytes = [0; 8];
-        bytes.iter_mut().zip(data).for_each(|(byte, &value)| *byte = value);
-        Self { at, data: bytes, len: u8::try_from(data.len()).unwrap_or(u8::MAX) }
+        // FNV-1a.
+        let digest = data.iter().fold(0xCBF2_9CE4_8422_2325, |digest: u64, &byte| {
+            (digest ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3)
+        });
+        Self { at, len: data.len(), digest }
     }
 
     fn is_same(&self, other: &Self) -> bool {
-        (self.data, self.len) == (other.data, other.len)
+        (self.len, self.digest) == (other.len, other.digest)
     }
 }
 

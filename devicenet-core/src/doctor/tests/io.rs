@@ -81,6 +81,33 @@ fn slow_answers_are_over_when_all_io_is_in_time() {
     assert!(ward.only(Rule::SlowAnswers).is_over());
 }
 
+/// Attribute 18 makes the peers wait for eight times the expected packet rate; a rate of 0 makes them wait for ever.
+#[test]
+fn the_time_out_multiplier_and_a_rate_of_zero() {
+    let mut ward = Ward::with_slave();
+    ward.group2(10, 4, &[1, 0x10, 5, 2, 18, 1]).group2(10, 3, &[1, 0x90]);
+    ward.poll().wait(300).answer();
+    ward.poll().wait(1).poll().wait(790);
+    ward.is_healthy();
+    ward.wait(20);
+    let found = ward.only(Rule::NotAnswering);
+    assert_eq!(found.to_string(), "node 10 has not answered its polls for more than 800 ms");
+    ward.answer().poll().wait(600).answer();
+    assert_eq!(
+        ward.of(Rule::SlowAnswers).last().map(|(.., words)| words.as_str()),
+        Some("node 10 answers slowly: up to 601 ms of the 800 ms after which its peer gives up")
+    );
+
+    let mut ward = Ward::with_slave();
+    ward.group2(10, 4, &[1, 0x10, 5, 2, 9, 0, 0]).group2(10, 3, &[1, 0x90, 0, 0]);
+    ward.poll().wait(5_000).answer().wait(60_000);
+    ward.is_healthy();
+    // Two commands without an answer are judged as if the rate was not known.
+    ward.poll().poll().wait(1_010);
+    let found = ward.only(Rule::NotAnswering);
+    assert_eq!(found.to_string(), "node 10 has not answered its polls for more than 1000 ms");
+}
+
 /// Nothing tells its rate: a second, and two commands at least.
 #[test]
 fn a_recording_that_starts_in_the_middle() {
@@ -171,6 +198,24 @@ fn a_single_producer_has_a_rhythm_of_its_own() {
     for (millis, messages) in of_state {
         producers(0x11, millis, messages).is_healthy();
     }
+}
+
+/// A message of two fragments changes in its first, in its second, or, from another sender, not at all.
+#[test]
+fn a_producer_of_long_messages_is_judged_by_all_of_its_data() {
+    let produce = |data: fn(u8) -> [u8; 2]| {
+        let mut ward = Ward::with_slave_of(DoctorConfig::default(), 0x11);
+        ward.group2(10, 4, &[1, 0x0E, 5, 4, 7]).group2(10, 3, &[1, 0x8E, 10, 0]);
+        for round in 0..20 {
+            let [first, last] = data(round);
+            ward.group1(0xD, 10, &[0, first, 2, 3, 4, 5, 6, 7]).group1(0xD, 10, &[0x81, 8, 9, last]);
+            ward.group2(10, 2, &[]).wait(20);
+        }
+        ward
+    };
+    produce(|round| [round, 0]).is_healthy();
+    produce(|round| [0, round]).is_healthy();
+    produce(|_| [0, 0]).only(Rule::IdentifierCollision);
 }
 
 /// Whatever has changed, it sends when its time has come.
