@@ -104,6 +104,12 @@ impl<const N: usize> Clinic<'_, N> {
             return self.let_go(slave, setup, seen);
         }
         if fields.explicit.rate.is_some() {
+            if fields.explicit.instance == Some(Predefined::Explicit.instance()) {
+                // How long these two wait for each other says nothing of the slave.
+                setup.last = None;
+                self.patient(slave).setup = Some(setup);
+                return;
+            }
             // It is taken into service.
             let patient = self.patient(slave);
             (patient.setup, patient.rejected) = (None, None);

@@ -107,6 +107,33 @@ fn a_master_that_lets_its_slave_go_after_a_look_at_its_identity() {
     assert!(ward.only(Rule::KeyMismatch).is_over());
 }
 
+/// The rate of the explicit connection, which many masters set first, is not that of I/O: the slave is not in service.
+#[test]
+fn a_master_that_sets_the_rate_of_its_explicit_connection_before_it_looks() {
+    let mut ward = Ward::new();
+    for _ in 0..3 {
+        ward.allocate(10, 1, 1);
+        ward.group2(10, 4, &[1, 0x10, 5, 1, 9, 0x10, 0x27]).group2(10, 3, &[1, 0x90, 0x10, 0x27]);
+        for (attribute, value) in [(1, 0x34), (3, 7)] {
+            ward.group2(10, 4, &[1, 0x0E, 1, 1, attribute]).group2(10, 3, &[1, 0x8E, value, 0]);
+        }
+        ward.group2(10, 6, &[1, 0x4C, 3, 1, 1]).group2(10, 3, &[1, 0xCC]).wait(3_000);
+    }
+    assert_eq!(
+        ward.only(Rule::KeyMismatch).to_string(),
+        "master 1 lets node 10 go each time that it has read its product code 7: it expects another device"
+    );
+    // A tool that sets it, and asks for one value, is a tool all the same.
+    let mut ward = Ward::new();
+    for _ in 0..5 {
+        ward.allocate(10, 62, 1);
+        ward.group2(10, 4, &[62, 0x10, 5, 1, 9, 0x10, 0x27]).group2(10, 3, &[62, 0x90, 0x10, 0x27]);
+        ward.group2(10, 4, &[62, 0x0E, 1, 1, 3]).group2(10, 3, &[62, 0x8E, 7, 0]);
+        ward.group2(10, 6, &[62, 0x4C, 3, 1, 1]).group2(10, 3, &[62, 0xCC]).wait(3_000);
+    }
+    ward.is_healthy();
+}
+
 #[test]
 fn a_master_that_lets_its_slave_go_after_a_look_at_its_sizes() {
     let mut ward = Ward::new();
