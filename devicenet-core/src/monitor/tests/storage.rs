@@ -6,7 +6,7 @@ use super::*;
 #[test]
 #[cfg(target_pointer_width = "64")]
 fn the_size_of_a_monitor_is_known() {
-    assert_eq!(core::mem::size_of::<Monitor>(), 104_464);
+    assert_eq!(core::mem::size_of::<Monitor>(), 104_720);
 }
 
 fn frame(id: u16, data: &[u8]) -> Frame {
