@@ -6,6 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use devicenet_core::monitor::Kind;
 
+use crate::compare::CompareArgs;
 use crate::eds::EdsArgs;
 use crate::live::{GetArgs, MonitorArgs, RecordArgs, RecoverArgs, RunArgs, ScanArgs, SetArgs};
 use crate::scenario::Time;
@@ -46,6 +47,8 @@ pub struct Cli {
 /// The subcommands.
 #[derive(Subcommand, Clone, Debug)]
 pub enum Command {
+    /// Compare DeviceNeX with DeviceNet on the simulated bus
+    Compare(CompareArgs),
     /// Decode a recording: one line a frame
     Decode(DecodeArgs),
     /// Check and show Electronic Data Sheets

@@ -9,6 +9,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`args`] | the command line |
+//! | [`compare`] | `devicenet compare` |
 //! | [`decode`] | `devicenet decode` |
 //! | [`eds`] | `devicenet eds` |
 //! | [`health`] | what a doctor is told of a network beforehand |
@@ -22,6 +23,7 @@
 pub mod args;
 mod bus_rate;
 mod bus_time;
+pub mod compare;
 pub mod decode;
 pub mod eds;
 mod excerpt;
@@ -48,6 +50,7 @@ use exit::{Exit, Failure};
 /// [`Failure`], whose message is for the user and whose [exit code](Failure::exit) is for the shell.
 pub fn run(cli: &Cli) -> Result<Exit, Failure> {
     match &cli.command {
+        Command::Compare(args) => compare::run(args, cli.json),
         Command::Decode(args) => decode::run(args, cli.json),
         Command::Eds(args) => eds::run(args, cli.json),
         Command::Get(args) => live::get(args, cli.json),

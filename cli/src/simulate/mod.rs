@@ -51,7 +51,7 @@ use devicenet_core::MacId;
 use json::JsonView;
 use link_core::{Instant, Machine};
 pub(crate) use machines::release;
-pub(crate) use machines::{MasterMachine, SlaveMachine};
+pub(crate) use machines::{DeviceMachine, ManagerMachine, MasterMachine, SlaveMachine};
 use record::RecordView;
 pub(crate) use record::error_frame;
 use run::Run;
