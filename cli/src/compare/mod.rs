@@ -116,8 +116,8 @@ impl fmt::Display for Comparison {
         }
         writeln!(
             f,
-            "{} at {}, {} devices\n\n{table}",
-            "DeviceNet and DeviceNeX", self.plan.bit_rate, self.plan.devices
+            "DeviceNet and DeviceNeX at {}, {} devices\n\n{table}",
+            self.plan.bit_rate, self.plan.devices
         )?;
         for claim in &self.claims {
             let verdict = if claim.holds { "holds" } else { "does not hold" };

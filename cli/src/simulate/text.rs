@@ -5,6 +5,7 @@ use std::collections::HashMap;
 
 use devicenet_core::master::{MasterEvent, SlaveEvent, SlaveState};
 use devicenet_core::monitor::Kind;
+use devicenex_core::id::Layout;
 use link_core::wire::Field;
 use link_core::{Frame, Instant};
 use transport_mock::Flag;
@@ -238,7 +239,11 @@ impl View for TextView {
 impl Exchanged {
     /// Whether the frame says nothing that the last of its kind has not said.
     fn is_known(&mut self, record: &FrameRecord<'_>, said: &Said<'_>) -> bool {
-        let Said::DeviceNet(reading) = said else { return false };
+        let reading = match said {
+            Said::DeviceNet(reading) => reading,
+            Said::DeviceNex(reading) if reading.problem.is_some() => return false,
+            Said::DeviceNex(_) => return self.is_known_implicit(record),
+        };
         let is_command = match reading.kind {
             Kind::PollCommand | Kind::MulticastPollCommand | Kind::BitStrobeCommand => true,
             Kind::PollResponse
@@ -259,6 +264,22 @@ impl Exchanged {
         let known = Known { frame: *record.frame, problem, slave };
         let last = self.told.insert(key, known);
         let is_known = last.is_some_and(|last| last.frame == *record.frame && last.problem == problem);
+        self.silent += u64::from(is_known);
+        is_known
+    }
+
+    /// The same of DeviceNeX.
+    fn is_known_implicit(&mut self, record: &FrameRecord<'_>) -> bool {
+        let is_implicit = matches!(
+            devicenex_core::Identifier::of_frame(record.frame).layout(),
+            Layout::Implicit { .. } | Layout::Standard { .. }
+        );
+        if !is_implicit || self.all {
+            return false;
+        }
+        let known = Known { frame: *record.frame, problem: None, slave: None };
+        let last = self.told.insert((record.segment, record.frame.raw_id(), None), known);
+        let is_known = last.is_some_and(|last| last.frame == *record.frame);
         self.silent += u64::from(is_known);
         is_known
     }

@@ -156,6 +156,11 @@ impl NexExchange {
     fn follow_manager(&mut self, event: &ManagerEvent) -> Option<Happening> {
         let (oa, event) = match event {
             ManagerEvent::Planned(oa, event) => (oa.number(), event),
+            // It tells it of all its devices.
+            ManagerEvent::Stopped => {
+                self.devices.values_mut().for_each(|state| *state = DeviceStateName::Idle);
+                return None;
+            }
             ManagerEvent::SecondManager { .. } => return Some(EventName::SecondManager.into()),
             ManagerEvent::Unknown { .. } => return Some(EventName::Unknown.into()),
             ManagerEvent::Spare(_) => return Some(EventName::Spare.into()),
