@@ -348,7 +348,43 @@ const EXPECTED: &str = "timeout, timeout=MAC, duplicate, error, bus-off, problem
 
 #[cfg(test)]
 mod tests {
+    use link_core::Frame;
+    use link_core::frame::standard_id;
+
     use super::*;
+
+    /// Slave 10 of master 1, polled at an expected packet rate of so many milliseconds, with a code of attribute 18: when and
+    /// why a recording starts after a poll that it does not answer.
+    fn unanswered(rate: u8, multiplier: u8) -> Option<(u64, String)> {
+        let mut watch = Watch::new(vec![Trigger::TimeOut(None)]);
+        let setup: [(u16, &[u8]); 7] = [
+            (0x456, &[1, 0x4B, 3, 1, 3, 1]),
+            (0x453, &[1, 0xCB, 0]),
+            (0x454, &[1, 0x10, 5, 2, 9, rate, 0]),
+            (0x453, &[1, 0x90, rate, 0]),
+            (0x454, &[1, 0x10, 5, 2, 18, multiplier]),
+            (0x453, &[1, 0x90]),
+            (0x455, &[1]),
+        ];
+        for (id, data) in setup {
+            let frame = Frame::new(standard_id(id), data).unwrap();
+            assert_eq!(watch.see(Instant::ZERO, Input::Frame(frame)), None);
+        }
+        (1..10_000).find_map(|millis| {
+            let cause = watch.see(Instant::from_millis(millis), Input::Tick)?;
+            Some((millis, cause.to_string()))
+        })
+    }
+
+    /// Without a rate it is a second, as where it was not heard.
+    #[test]
+    fn a_poll_is_waited_for_as_long_as_its_time_out() {
+        for (rate, multiplier, millis) in [(100, 0, 400), (100, 1, 800), (20, 7, 10_240), (0, 1, 1_000)] {
+            let words = format!("node 10 has not answered polls for {millis} ms");
+            let expected = (millis < 10_000).then_some((millis, words));
+            assert_eq!(unanswered(rate, multiplier), expected, "{rate} {multiplier}");
+        }
+    }
 
     #[test]
     fn triggers_as_they_are_written() {

@@ -151,6 +151,7 @@ fn change_of_state_that_stops() {
         let found = ward.only(expected);
         if let Facts::Silence { exchange, .. } = found.facts {
             assert_eq!(exchange, Exchange::ChangeOfState);
+            assert_eq!(found.to_string(), "node 10 has sent no COS/cyclic message for more than 400 ms");
         }
     }
 }

@@ -146,6 +146,13 @@ fn a_master_that_lets_its_slave_go_after_a_look_at_its_sizes() {
     assert_eq!(found.scanner_status().map(|status| status.0), Some(77));
     ward.wait(60_000);
     assert!(ward.only(Rule::SizeMismatch).is_over());
+
+    let mut ward = Ward::new();
+    (0..3).for_each(|_| attempt(&mut ward, 5, 4, 8, 2));
+    assert_eq!(
+        ward.only(Rule::SizeMismatch).to_string(),
+        "master 1 lets node 10 go each time that it has read that its COS/cyclic connection consumes 2 bytes: it expects another size"
+    );
 }
 
 /// A tool that asks for the product code again and again, one that reads all of the identity, and a key that is known.

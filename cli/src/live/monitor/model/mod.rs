@@ -376,3 +376,39 @@ fn index(mac: MacId) -> usize {
 const CAN_FD: &str = "can_fd_frame";
 /// How often nodes and connections are looked at for what time alone has changed.
 const LOOK_EVERY: Duration = Duration::from_millis(100);
+
+#[cfg(test)]
+mod tests {
+    use link_core::frame::standard_id;
+
+    use super::*;
+    use crate::health;
+
+    /// Polled and bit-strobed slave 10: what of its connections is set, and how long its responses may take after that.
+    #[test]
+    fn the_limit_is_the_shortest_time_out_of_a_connection_that_answers() {
+        let mut model = Model::new(None, health::doctor(None, None, None));
+        let mut set = |instance: u8, attribute: u8, value: &[u8]| {
+            let request = [&[1, 0x10, 5, instance, attribute], value].concat();
+            let frames: [(u16, &[u8]); 2] = [(0x454, &request), (0x453, &[&[1, 0x90], value].concat())];
+            for (id, data) in frames {
+                model.see(
+                    Instant::ZERO,
+                    None,
+                    Input::Frame(Frame::new(standard_id(id), data).unwrap()),
+                    |_| {},
+                );
+            }
+            let limit = model.picture().nodes.iter().find(|node| node.mac().number() == 10)?.limit;
+            limit.map(|limit| limit.as_millis())
+        };
+        const RATE: u8 = 9;
+        const MULTIPLIER: u8 = 18;
+        assert_eq!(set(1, RATE, &[10, 0]), None, "the explicit connection has no part in it");
+        assert_eq!(set(2, RATE, &[100, 0]), Some(400));
+        assert_eq!(set(2, MULTIPLIER, &[2]), Some(1_600));
+        assert_eq!(set(3, RATE, &[200, 0]), Some(800));
+        assert_eq!(set(3, RATE, &[0, 0]), Some(1_600), "without a rate its peers wait for ever");
+        assert_eq!(set(2, RATE, &[0, 0]), None);
+    }
+}

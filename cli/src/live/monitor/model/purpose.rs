@@ -105,3 +105,25 @@ impl Purpose {
         self as usize
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use devicenet_core::doctor::{Exchange, Facts};
+    use devicenet_core::master::IoInstance;
+    use devicenet_core::monitor::Predefined;
+
+    use super::*;
+
+    /// One word for people and one for programs, whoever speaks of it.
+    #[test]
+    fn change_of_state_and_cyclic_are_called_the_same_everywhere() {
+        let names = [Predefined::CosCyclic.to_string(), IoInstance::ChangeOfState.to_string()];
+        assert_eq!(names, ["COS/cyclic"; 2]);
+        assert_eq!(Purpose::Change.words(), "COS/cyclic");
+        assert_eq!(Purpose::Change.name(), "cos_cyclic");
+        let patience = core::time::Duration::from_millis(400);
+        let facts = Facts::Silence { exchange: Exchange::ChangeOfState, patience };
+        let facts = serde_json::to_value(facts).unwrap();
+        assert_eq!(facts, serde_json::json!({ "silence": { "exchange": "cos_cyclic", "patience": 0.4 } }));
+    }
+}
