@@ -237,6 +237,7 @@ impl Link {
 
     fn tell(&mut self, event: LinkEvent) {
         let now = self.now();
+        self.echo.hear(now, event);
         self.inputs.push_back((now, Input::Link(event)));
     }
 

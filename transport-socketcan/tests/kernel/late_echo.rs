@@ -63,6 +63,23 @@ fn a_frame_of_a_controller_in_trouble_is_waited_for() {
     assert_eq!(input(&mut port), sent(1));
 }
 
+/// A controller begins anew with its interface, and tells of no trouble any more.
+#[test]
+#[ignore = "needs vcan"]
+fn trouble_does_not_outlast_the_interface() {
+    let bus = Interface::new("vcan59");
+    let mut port = bus.port();
+    run("cansend", &["vcan59", "20000004#0020000000000000"]);
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::ErrorPassive));
+    bus.set("down");
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::Down));
+    bus.set("up");
+    assert_eq!(input(&mut port), Input::Link(LinkEvent::Up));
+    run("tc", &["qdisc", "add", "dev", "vcan59", "root", "netem", "delay", "10s"]);
+    port.transmit(TxToken(1), frame(0x100, &[])).unwrap();
+    assert_eq!(input(&mut port), Input::TxDone(TxToken(1), TxOutcome::Unknown));
+}
+
 /// Two nodes with one MAC ID send the same duplicate MAC ID check: neither may take the other's for its own.
 #[test]
 #[ignore = "needs vcan"]
