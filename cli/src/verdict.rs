@@ -127,7 +127,11 @@ impl Verdict {
         } else {
             format!("{} over", self.over)
         };
-        let entries = if is_long { "lines or records not read" } else { "unread" };
+        let unread = match (is_long, self.unread) {
+            (true, 1) => "1 line or record not read".to_owned(),
+            (true, number) => format!("{number} lines or records not read"),
+            (false, number) => format!("{number} unread"),
+        };
         let word = match self.state {
             State::Wrong | State::WasWrong | State::Unread => None,
             State::Silent => Some("silent"),
@@ -138,7 +142,7 @@ impl Verdict {
             (self.warnings, count(self.warnings, "warning")),
             (self.over, over),
             (self.faulty_frames, count(self.faulty_frames, "faulty frame")),
-            (self.unread, format!("{} {entries}", self.unread)),
+            (self.unread, unread),
             (self.infos, count(self.infos, "info")),
         ];
         let counted = counted.into_iter().filter(|(number, _)| *number > 0).map(|(_, words)| words);
@@ -191,6 +195,7 @@ mod tests {
     fn frames_that_were_not_read_and_frames_that_were_not_there() {
         let seen = |frames, faulty_frames, unread| verdict(&[], Seen { frames, faulty_frames, unread });
         assert_eq!(seen(0, 0, 0), (State::Silent, false, "silent: no frame was heard".into()));
+        assert_eq!(seen(0, 0, 1), (State::Unread, true, "1 line or record not read".into()));
         assert_eq!(seen(0, 0, 2), (State::Unread, true, "2 lines or records not read".into()));
         assert_eq!(seen(3, 1, 0), (State::WasWrong, true, "1 faulty frame".into()));
     }

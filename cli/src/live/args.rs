@@ -163,7 +163,7 @@ disturb nodes that run.
 
 Exit codes:
   0  done; also when nobody is faulted
-  1  some node did not get its MAC ID
+  1  some node did not get its MAC ID, or one that is to flash did not answer
   2  wrong usage or bad file, or the scenario ended too early
   3  the interface failed, or nobody acknowledged
   4  refused to transmit: no --allow-tx, listen-only, no confirmed bit rate, --own-mac is taken, or

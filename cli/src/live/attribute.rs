@@ -55,14 +55,13 @@ impl AttributePath {
             .filter(|number| ranges.iter().any(|range| range.contains(number)))
             .ok_or_else(|| {
                 let ranges: Vec<String> = ranges.iter().map(words).collect();
-                let bytes = number_of(text, size).unwrap_or_default().to_le_bytes();
+                let takes = format!("`{text}`: {self} takes {}", ranges.join(" or "));
+                // Only the bytes of that number: those of another would be sent by whoever copies them.
+                let Some(number) = number_of(text, size) else { return takes };
                 let mut hex = Vec::new();
-                push_hex(&mut hex, &bytes[..size], UPPER);
-                format!(
-                    "`{text}`: {self} takes {}; what else must be sent is given as its bytes, such as hex:{}",
-                    ranges.join(" or "),
-                    String::from_utf8_lossy(&hex),
-                )
+                push_hex(&mut hex, &number.to_le_bytes()[..size], UPPER);
+                let hex = String::from_utf8_lossy(&hex);
+                format!("{takes}; to send {text} all the same, give its bytes: hex:{hex}")
             })?;
         Ok(number.to_le_bytes()[..size].to_vec())
     }
@@ -167,5 +166,15 @@ mod tests {
             assert!(path(attribute).value(text).is_err(), "{attribute} {text}");
         }
         assert_eq!(path("3/1/1").value("hex:40"), Ok(vec![64]), "bytes are sent as they are");
+    }
+
+    #[test]
+    fn only_the_bytes_of_the_number_itself_are_proposed() {
+        let takes = |attribute: &str, text: &str| path(attribute).value(text).unwrap_err();
+        for text in ["300", "abc", "18446744073709551617", "-129"] {
+            assert_eq!(takes("3/1/1", text), format!("`{text}`: DeviceNet 1 MAC ID takes 0 to 63"));
+        }
+        assert!(takes("3/1/1", "64").ends_with("to send 64 all the same, give its bytes: hex:40"));
+        assert!(takes("5/2/5", "0x800").ends_with("give its bytes: hex:0008"));
     }
 }

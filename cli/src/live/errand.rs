@@ -3,7 +3,7 @@
 use core::fmt::Debug;
 use core::ops::ControlFlow;
 use core::time::Duration;
-use std::hash::{BuildHasher as _, RandomState};
+use std::fs;
 
 use devicenet_core::MacId;
 use devicenet_core::access::{Access, Fault, StateKind};
@@ -161,14 +161,41 @@ fn no_way(endpoint: &Endpoint, errand: &impl Errand) -> Failure {
     })
 }
 
-/// Who the command is on the bus. No vendor has the number 0, and two of these at once should differ in their serial number.
+/// Who the command is on the bus. No vendor has the number 0. On an interface it is the same from run to run, so that who watches the
+/// bus does not take it for another device each time, and another one on another machine or interface.
 pub(super) fn identity(endpoint: &Endpoint) -> DeviceIdentity {
     let serial = match endpoint {
         Endpoint::Scenario(_) | Endpoint::Recording(_) => 1,
-        Endpoint::Interface(_) => RandomState::new().hash_one(std::process::id()) as u32,
+        Endpoint::Interface(name) => {
+            let known = MACHINE.iter().filter_map(|file| fs::read_to_string(file).ok());
+            let machine = known.map(|id| id.trim().to_owned()).find(|id| !id.is_empty());
+            serial(&machine.unwrap_or_default(), name)
+        },
     };
     DeviceIdentity { vendor: 0.into(), serial }
 }
 
+/// FNV-1a of 32 bits (RFC 9923), which is the same in every version of the program.
+fn serial(machine: &str, interface: &str) -> u32 {
+    let bytes = machine.bytes().chain([0]).chain(interface.bytes());
+    bytes.fold(0x811C_9DC5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
+}
+
+/// What tells a machine from others: systemd's machine ID, else its host name.
+const MACHINE: [&str; 2] = ["/etc/machine-id", "/proc/sys/kernel/hostname"];
 /// How long the way on line may take. Two duplicate MAC ID checks take two seconds, and more where others begin at the same time.
 const LONGEST_WAY: Duration = Duration::from_secs(10);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_is_the_same_device_from_run_to_run() {
+        let can0 = Endpoint::Interface("can0".into());
+        assert_eq!(identity(&can0), identity(&can0));
+        assert_ne!(identity(&can0).serial, identity(&Endpoint::Interface("can1".into())).serial);
+        // The check values of the definition of FNV-1a for "a" and "foobar", the zero between them left out of the count.
+        assert_eq!(serial("", ""), 0x050C_5D1F, "one zero byte");
+    }
+}

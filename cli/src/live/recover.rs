@@ -81,7 +81,9 @@ pub fn recover(args: &RecoverArgs, json: bool) -> Result<Exit, Failure> {
         }
     }
     if report.found == 0 {
-        output::note(format_args!("{endpoint}: no node waits for a MAC ID"));
+        output::note(format_args!(
+            "{endpoint}: no node waits for a MAC ID, or none answered: one without the offline connection set cannot be found so"
+        ));
     } else if args.assign.is_empty() && !args.assign_free {
         output::note(format_args!(
             "{}; --identify VENDOR:SERIAL makes one flash, --assign VENDOR:SERIAL=MAC gives it a MAC ID, --assign-free gives each \
@@ -113,6 +115,8 @@ enum Outcome {
     Identified(DeviceIdentity),
     Recovered(DeviceIdentity, MacId),
     NotRecovered(DeviceIdentity, MacId, Refusal),
+    /// It is not among those that answered to Who.
+    NotIdentified(DeviceIdentity),
     /// There is no MAC ID left for it.
     NoneFree(DeviceIdentity),
 }
@@ -141,6 +145,8 @@ struct Recovery {
     current: Option<Task>,
     /// Those that answer to Who are given one of these, if it is so wished.
     free: Option<VecDeque<MacId>>,
+    /// Those that have answered to Who.
+    found: Vec<DeviceIdentity>,
     is_over: bool,
     ready: VecDeque<News>,
 }
@@ -153,6 +159,7 @@ impl Recovery {
             tasks: VecDeque::from([Task::Claim, Task::Who]),
             current: None,
             free: None,
+            found: Vec::new(),
             is_over: false,
             ready: VecDeque::new(),
         }
@@ -169,6 +176,13 @@ impl Recovery {
             self.ready.push_back(News::Over);
             return true;
         };
+        // Nothing answers to Identify, so that nobody would know.
+        if let Task::Identify(device) = task
+            && !self.found.contains(&device)
+        {
+            self.tell(Outcome::NotIdentified(device));
+            return true;
+        }
         let begun = match task {
             Task::Claim => self.tool.claim(now),
             Task::Who => self.tool.who(now, DelayOffset::SERIAL),
@@ -194,6 +208,7 @@ impl Recovery {
                 self.ready.push_back(News::OwnedByAnother);
             }
             ToolEvent::Found(answer) => {
+                self.found.push(answer.device);
                 self.tell(Outcome::Found(answer.device));
                 match self.free.as_mut().map(VecDeque::pop_front) {
                     Some(Some(mac)) => self.tasks.push_back(Task::Assign(answer.device, mac)),
@@ -293,7 +308,7 @@ impl Report {
     fn tell(&mut self, outcome: Outcome) -> std::io::Result<()> {
         match &outcome {
             Outcome::Found(_) => self.found += 1,
-            Outcome::NotRecovered(..) | Outcome::NoneFree(_) => self.failed += 1,
+            Outcome::NotRecovered(..) | Outcome::NotIdentified(_) | Outcome::NoneFree(_) => self.failed += 1,
             Outcome::Identified(_) | Outcome::Recovered(..) => {}
         }
         let line = if self.json { outcome.json().to_string() } else { outcome.to_string() };
@@ -309,6 +324,7 @@ impl Outcome {
             Self::Found(device) => ("found", device),
             Self::Identified(device) => ("identify", device),
             Self::Recovered(device, _) => ("recovered", device),
+            Self::NotIdentified(device) => ("not_identified", device),
             Self::NotRecovered(device, ..) | Self::NoneFree(device) => ("not_recovered", device),
         };
         let mut object = json!({ "event": event, "vendor": device.vendor.0, "serial": device.serial });
@@ -317,6 +333,7 @@ impl Outcome {
         }
         match self {
             Self::NotRecovered(_, _, why) => object["problem"] = why.to_string().into(),
+            Self::NotIdentified(_) => object["problem"] = NOT_THERE.into(),
             Self::NoneFree(_) => object["problem"] = NONE_FREE.into(),
             Self::Found(_) | Self::Identified(_) | Self::Recovered(..) => {}
         }
@@ -329,18 +346,24 @@ impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Found(device) => write!(f, "faulted  {}", Device(*device)),
-            Self::Identified(device) => write!(f, "flashing  {}", Device(*device)),
+            Self::Identified(device) => {
+                write!(f, "asked to flash  {}: the protocol has no answer", Device(*device))
+            }
             Self::Recovered(device, mac) => {
                 write!(f, "recovered  {}  is on line as node {mac}", Device(*device))
             }
             Self::NotRecovered(device, mac, why) => {
                 write!(f, "not recovered  {}  as node {mac}: {why}", Device(*device))
             }
+            Self::NotIdentified(device) => {
+                write!(f, "not asked to flash  {}: {NOT_THERE}", Device(*device))
+            }
             Self::NoneFree(device) => write!(f, "not recovered  {}: {NONE_FREE}", Device(*device)),
         }
     }
 }
 
+const NOT_THERE: &str = "no such node answered to Who";
 const NONE_FREE: &str = "no MAC ID is free";
 /// Claiming takes two seconds, Who three, a new MAC ID about five.
 const LONGEST: Duration = Duration::from_secs(600);

@@ -51,7 +51,7 @@ fn one_flashes() {
     let run = recover(&["--identify", "0x1234:0x2347"]);
     assert_eq!(
         (run.out().as_str(), run.code()),
-        ("faulted  0x1234:0x00002347\nflashing  0x1234:0x00002347\n", 0)
+        ("faulted  0x1234:0x00002347\nasked to flash  0x1234:0x00002347: the protocol has no answer\n", 0)
     );
 }
 
@@ -59,7 +59,20 @@ fn one_flashes() {
 fn a_healthy_line_has_nobody_to_recover() {
     let run = devicenet(&["recover", "sim:two.toml", "--listen", "3s"]);
     assert_eq!((run.out().as_str(), run.code()), ("", 0));
-    assert!(run.err().contains("no node waits for a MAC ID"), "{}", run.err());
+    let note = "no node waits for a MAC ID, or none answered: one without the offline connection set cannot be found so";
+    assert!(run.err().contains(note), "{}", run.err());
+}
+
+#[test]
+fn who_is_not_there_is_not_said_to_flash() {
+    let run = devicenet(&["recover", "sim:two.toml", "--listen", "3s", "--identify", "1:1"]);
+    let line = "not asked to flash  0x0001:0x00000001: no such node answered to Who\n";
+    assert_eq!((run.out().as_str(), run.code()), (line, 1), "{}", run.err());
+    let run = recover(&["--identify", "1:1", "--json"]);
+    let events = run.json();
+    assert_eq!((events[0]["event"].as_str(), run.code()), (Some("found"), 1));
+    assert_eq!(events[1]["event"], "not_identified");
+    assert_eq!(events[1]["problem"], "no such node answered to Who");
 }
 
 #[test]
