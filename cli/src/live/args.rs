@@ -79,7 +79,7 @@ pub struct MonitorArgs {
     #[arg(long, value_name = "TIME", default_value = "10s", value_parser = parse_interval)]
     pub interval: Time,
     /// How long to listen; without, until Ctrl-C, or until the scenario or the recording ends
-    #[arg(long = "for", value_name = "TIME")]
+    #[arg(long = "for", value_name = "TIME", value_parser = parse_span)]
     pub span: Option<Time>,
     /// The bit rate of the bus, from which the load is computed, where neither a scenario nor a controller tells it; without, the
     /// load is the most that it can be, at the least rate into which the frames fit, and is not judged
@@ -87,19 +87,25 @@ pub struct MonitorArgs {
     pub bit_rate: Option<u32>,
     /// A scenario whose scan lists say which slaves belong to the bus, which devices they must be, and whose. Others, and other
     /// masters, are told
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "learn")]
     pub expect: Option<PathBuf>,
     /// How long to learn who belongs to the bus, and whose the slaves are. Others, and other masters, are told after that
     #[arg(long, value_name = "TIME")]
     pub learn: Option<Time>,
     /// Lines instead of the screen, on a terminal too
-    #[arg(long)]
+    #[arg(long, conflicts_with = "json")]
     pub text: bool,
 }
 
 fn parse_interval(text: &str) -> Result<Time, String> {
     let time: Time = text.parse().map_err(|error: crate::scenario::TimeError| error.to_string())?;
     if time.0 < SHORTEST_INTERVAL { Err("at least 10ms".to_owned()) } else { Ok(time) }
+}
+
+/// For `--for`.
+fn parse_span(text: &str) -> Result<Time, String> {
+    let time: Time = text.parse().map_err(|error: crate::scenario::TimeError| error.to_string())?;
+    if time.0.is_zero() { Err("longer than 0s".to_owned()) } else { Ok(time) }
 }
 
 /// `devicenet record`.
@@ -119,10 +125,13 @@ TRIGGER is one of
 
 Without a trigger: timeout, duplicate, error, bus-off.
 
+A recording has what a listener sees, and that of `simulate --record` what the bus does, each error frame once: their counts of error \
+frames differ.
+
 Exit codes:
   0  nothing happened until --for or Ctrl-C
   1  something was recorded
-  2  wrong usage, or the file exists already or its folder does not
+  2  wrong usage, or the file exists already, or cannot be created or written
   3  the interface failed
 
 Examples:
@@ -150,7 +159,7 @@ pub struct RecordArgs {
     #[arg(long, short = 'o', value_name = "FILE", default_value = "record.log")]
     pub output: PathBuf,
     /// How long to listen; without, until all is recorded or Ctrl-C
-    #[arg(long = "for", value_name = "TIME")]
+    #[arg(long = "for", value_name = "TIME", value_parser = parse_span)]
     pub span: Option<Time>,
 }
 
@@ -202,6 +211,7 @@ Ctrl-C ends at once.
 
 Exit codes:
   0  the node ran, until --for, Ctrl-C or the end of the scenario
+  1  it did, but in the end it was faulted: its MAC ID is in use, or it was bus-off
   2  wrong usage or bad file, or the scenario ended before it began
   3  the interface failed
   4  refused to transmit: no --allow-tx, listen-only, no confirmed bit rate, or another's slave
@@ -220,7 +230,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "NAME")]
     pub node: Option<String>,
     /// How long to run; without, until Ctrl-C, or on the simulated bus until its scenario ends
-    #[arg(long = "for", value_name = "TIME")]
+    #[arg(long = "for", value_name = "TIME", value_parser = parse_span)]
     pub span: Option<Time>,
     /// Whether it may send.
     #[command(flatten)]
@@ -302,7 +312,10 @@ pub struct GetArgs {
 As `get`, but writes. VALUE is a number for attributes whose type the command knows, and must be one that the attribute may have; \
 bytes (hex:C800) are sent as they are.
 
-Exit codes: those of `get`; 0 says that the node has taken the value.
+A MAC ID (3/1/1) at which somebody was heard or answers is refused: the node would fall silent. Else the node checks it, and comes \
+back with it.
+
+Exit codes: those of `get`; 0 says that the node has taken the value, 4 also that its new MAC ID is in use.
 
 Examples:
   devicenet set can0 10 4/100/3 hex:0102 --allow-tx

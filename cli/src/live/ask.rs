@@ -1,12 +1,13 @@
 //! `devicenet get` and `devicenet set`.
 
-use cip_core::code::{AdditionalCode, GeneralStatus};
+use cip_core::code::{AdditionalCode, ClassId, GeneralStatus};
 use devicenet_core::MacId;
 use devicenet_core::master::Cause;
 use link_core::Machine as _;
 use serde_json::json;
 
 use super::args::{AskArgs, GetArgs, SetArgs};
+use super::attribute::AttributePath;
 use super::permit;
 use super::visit::{Answer, Question, Report, Visitor};
 use crate::exit::{Exit, Failure};
@@ -39,10 +40,28 @@ fn ask(args: &AskArgs, value: Option<Vec<u8>>, json: bool) -> Result<Exit, Failu
         )));
     }
     let service = if value.is_some() { "Set" } else { "Get" };
+    let moves_to = value.as_deref().and_then(|value| new_mac_id(attribute, value)).filter(|new| *new != mac);
+    if moves_to == Some(own) {
+        return Err(Failure::Usage(format!(
+            "MAC ID {own} is this command's own while it works: give node {mac} another, or choose one with --own-mac"
+        )));
+    }
     let mut visitor = Visitor::new(endpoint, own);
-    visitor.visit(mac, vec![Question { path: *attribute, value }]);
-    let what = format!("to node {mac} Allocate, {service}_Attribute_Single {attribute}, Release");
+    let questions = vec![Question { path: *attribute, value }];
+    let mut what = format!("to node {mac} Allocate, {service}_Attribute_Single {attribute}, Release");
+    match moves_to {
+        Some(new) => {
+            visitor.visit_if_absent(new, mac, questions);
+            what = format!("to node {new} Allocate, to see whether it is there; {what}");
+        }
+        None => visitor.visit(mac, questions),
+    }
     let (mut port, heard) = permit::enter(endpoint, &node.permit, own, &what, visitor.max_in_flight())?;
+    if let Some(new) = moves_to
+        && heard.node(new).is_some_and(|node| node.first_seen.is_some())
+    {
+        return Err(in_use(mac, new));
+    }
     let reports = match permit::is_owned(mac, &heard) {
         true => vec![Report::owned(mac)],
         false => visitor.run(endpoint, &mut port)?,
@@ -53,7 +72,31 @@ fn ask(args: &AskArgs, value: Option<Vec<u8>>, json: bool) -> Result<Exit, Failu
     if let Some(cut) = report.cut {
         return Err(cut.failure(endpoint, &format!("node {mac} had answered")));
     }
-    conclude(args, report, json)
+    if report.mac != mac {
+        return Err(in_use(mac, report.mac));
+    }
+    let exit = conclude(args, report, json)?;
+    if let Some(new) = moves_to.filter(|_| exit == Exit::Done) {
+        output::note(format_args!(
+            "node {mac} now checks MAC ID {new}, and comes back as node {new}; its master has to be told"
+        ));
+    }
+    Ok(exit)
+}
+
+/// The MAC ID that the node will have: attribute 1 of the DeviceNet object.
+fn new_mac_id(path: &AttributePath, value: &[u8]) -> Option<MacId> {
+    let is_mac_id = (path.class, path.instance.0, path.attribute.0) == (ClassId::DEVICENET, 1, 1);
+    let [number] = value else { return None };
+    if is_mac_id { MacId::new(*number) } else { None }
+}
+
+/// A node that takes a MAC ID that is taken finds its duplicate, and falls silent.
+fn in_use(mac: MacId, new: MacId) -> Failure {
+    Failure::Refused(format!(
+        "MAC ID {new} is in use, and node {mac} would fall silent with it: choose one that `devicenet scan` does not list, or move \
+         node {new} first"
+    ))
 }
 
 fn conclude(args: &AskArgs, report: &Report, json: bool) -> Result<Exit, Failure> {

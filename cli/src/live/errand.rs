@@ -170,7 +170,7 @@ pub(super) fn identity(endpoint: &Endpoint) -> DeviceIdentity {
             let known = MACHINE.iter().filter_map(|file| fs::read_to_string(file).ok());
             let machine = known.map(|id| id.trim().to_owned()).find(|id| !id.is_empty());
             serial(&machine.unwrap_or_default(), name)
-        },
+        }
     };
     DeviceIdentity { vendor: 0.into(), serial }
 }

@@ -2,6 +2,7 @@
 
 use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
+use std::path::Path;
 
 use link_core::machine::Deadline;
 use link_core::{BitRate, Frame, Input, Instant, LinkCommand, Port, TxToken};
@@ -10,7 +11,8 @@ use transport_mock::{Ended, Ignore, NetworkPort, NodeConfig};
 use super::endpoint::Endpoint;
 use super::recorded::Recorded;
 use crate::exit::Failure;
-use crate::scenario::{Scenario, Time};
+use crate::recording::Recording;
+use crate::scenario::{Scenario, ScenarioError, Time};
 use crate::simulate::{self, NodeEvent};
 
 /// The bus of an endpoint.
@@ -80,7 +82,7 @@ impl LivePort {
         let bus = match endpoint {
             Endpoint::Interface(name) => interface(name, config.listen_only)?,
             Endpoint::Scenario(path) => {
-                let scenario = Scenario::load(path).map_err(|error| Failure::Usage(error.to_string()))?;
+                let scenario = Scenario::load(path).map_err(|error| no_scenario(path, &error))?;
                 let network = simulate::network(&scenario);
                 let end = Instant::ZERO + scenario.bus.duration;
                 bit_rate = Some(scenario.bus.bit_rate);
@@ -241,16 +243,22 @@ impl LivePort {
     }
 }
 
+fn no_scenario(path: &Path, error: &ScenarioError) -> Failure {
+    let is_recording = path.is_file() && Recording::open(path).is_ok();
+    Failure::Usage(match is_recording {
+        true => format!("{} is a recording: write log:{0} to play it", path.display()),
+        false => error.to_string(),
+    })
+}
+
 #[cfg(target_os = "linux")]
 fn interface(name: &str, listen_only: bool) -> Result<Bus, Failure> {
     use transport_socketcan::{Error, SocketCanPort};
     let open = if listen_only { SocketCanPort::open_listen_only } else { SocketCanPort::open };
     let port = open(name).map_err(|error| match error {
-        Error::NoInterface { .. } | Error::NotCan { .. } if std::path::Path::new(name).is_file() => {
-            Failure::Usage(format!(
-                "{name} is a file: write log:{name} for a recording, sim:{name} for a scenario"
-            ))
-        }
+        Error::NoInterface { .. } | Error::NotCan { .. } if Path::new(name).is_file() => Failure::Usage(
+            format!("{name} is a file: write log:{name} for a recording, sim:{name} for a scenario"),
+        ),
         error => Failure::Transport(error.to_string()),
     })?;
     Ok(Bus::Interface(Box::new(port)))
@@ -348,7 +356,6 @@ const NONE_IN_FLIGHT: usize = 0;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
 
     /// A command that runs late reads what came after its end, and has something to do still.
     #[test]

@@ -112,7 +112,8 @@ fn what(args: &RecoverArgs) -> String {
 #[derive(Debug)]
 enum Outcome {
     Found(DeviceIdentity),
-    Identified(DeviceIdentity),
+    /// It was asked to flash, and has or has not answered.
+    Identified(DeviceIdentity, bool),
     Recovered(DeviceIdentity, MacId),
     NotRecovered(DeviceIdentity, MacId, Refusal),
     /// It is not among those that answered to Who.
@@ -176,7 +177,7 @@ impl Recovery {
             self.ready.push_back(News::Over);
             return true;
         };
-        // Nothing answers to Identify, so that nobody would know.
+        // It need not answer to Identify, but to Who.
         if let Task::Identify(device) = task
             && !self.found.contains(&device)
         {
@@ -217,9 +218,9 @@ impl Recovery {
                 }
             }
             ToolEvent::WhoDone { .. } => self.current = None,
-            ToolEvent::IdentifyDone { .. } => {
+            ToolEvent::IdentifyDone { answered } => {
                 if let Some(Task::Identify(device)) = self.current.take() {
-                    self.tell(Outcome::Identified(device));
+                    self.tell(Outcome::Identified(device, answered));
                 }
             }
             ToolEvent::Recovered { device, mac } => {
@@ -309,7 +310,7 @@ impl Report {
         match &outcome {
             Outcome::Found(_) => self.found += 1,
             Outcome::NotRecovered(..) | Outcome::NotIdentified(_) | Outcome::NoneFree(_) => self.failed += 1,
-            Outcome::Identified(_) | Outcome::Recovered(..) => {}
+            Outcome::Identified(..) | Outcome::Recovered(..) => {}
         }
         let line = if self.json { outcome.json().to_string() } else { outcome.to_string() };
         self.output.buffer.extend_from_slice(line.as_bytes());
@@ -322,7 +323,7 @@ impl Outcome {
     fn json(&self) -> Value {
         let (event, device) = match self {
             Self::Found(device) => ("found", device),
-            Self::Identified(device) => ("identify", device),
+            Self::Identified(device, _) => ("identify", device),
             Self::Recovered(device, _) => ("recovered", device),
             Self::NotIdentified(device) => ("not_identified", device),
             Self::NotRecovered(device, ..) | Self::NoneFree(device) => ("not_recovered", device),
@@ -335,7 +336,8 @@ impl Outcome {
             Self::NotRecovered(_, _, why) => object["problem"] = why.to_string().into(),
             Self::NotIdentified(_) => object["problem"] = NOT_THERE.into(),
             Self::NoneFree(_) => object["problem"] = NONE_FREE.into(),
-            Self::Found(_) | Self::Identified(_) | Self::Recovered(..) => {}
+            Self::Identified(_, answered) => object["answered"] = (*answered).into(),
+            Self::Found(_) | Self::Recovered(..) => {}
         }
         object["text"] = self.to_string().into();
         object
@@ -346,8 +348,9 @@ impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Found(device) => write!(f, "faulted  {}", Device(*device)),
-            Self::Identified(device) => {
-                write!(f, "asked to flash  {}: the protocol has no answer", Device(*device))
+            Self::Identified(device, true) => write!(f, "flashing  {}", Device(*device)),
+            Self::Identified(device, false) => {
+                write!(f, "asked to flash  {}: it has not answered, and need not", Device(*device))
             }
             Self::Recovered(device, mac) => {
                 write!(f, "recovered  {}  is on line as node {mac}", Device(*device))

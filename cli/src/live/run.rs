@@ -1,9 +1,11 @@
 //! `devicenet slave` and `devicenet master`: a node of a scenario on a live bus.
 
 use core::ops::ControlFlow;
+use std::collections::BTreeSet;
 use std::io;
 
 use devicenet_core::MacId;
+use devicenet_core::access::Fault;
 use link_core::{Input, Instant, LinkEvent, Port as _, drive};
 
 use super::args::RunArgs;
@@ -59,25 +61,44 @@ fn run(args: &RunArgs, role: &str, is_of_role: impl Fn(&Node) -> bool, json: boo
         Err(PortError::Failed(failure)) => Err(failure),
         Err(PortError::Over) => {
             port.note_early_end(endpoint, args.span);
-            if port.over().is_some() {
-                // There is no time in which a slave could answer.
-                return Ok(Exit::Done);
+            let fault = machine.access().fault();
+            // After the end of a scenario there is no time in which a slave could answer.
+            if port.over().is_none() {
+                leave(machine.as_mut(), &mut port, &mut log)?;
             }
-            leave(machine.as_mut(), &mut port, &mut log)
+            let Some(fault) = fault else { return Ok(Exit::Done) };
+            output::error(faulted(machine.access().mac_id(), fault, args));
+            Ok(Exit::Findings)
         }
     }
 }
 
+/// Why the node was of no use in the end, and what to do.
+fn faulted(own: MacId, fault: Fault, args: &RunArgs) -> String {
+    let (endpoint, file) = (&args.endpoint, args.file.display());
+    match fault {
+        Fault::DuplicateMacId => format!(
+            "node {own} is faulted, another node on {endpoint} has MAC ID {own}: give this one another in {file}, or take that one off"
+        ),
+        Fault::BusOff => format!(
+            "node {own} is faulted, its controller went bus-off on {endpoint}: check the bit rate, the cable and its terminators"
+        ),
+    }
+}
+
 /// Goes off the bus. A master releases its slaves first, as far as they let it.
-fn leave(mut machine: &mut dyn Guest, port: &mut LivePort, log: &mut Log<'_>) -> Result<Exit, Failure> {
-    let mut held = machine.held();
+fn leave(mut machine: &mut dyn Guest, port: &mut LivePort, log: &mut Log<'_>) -> Result<(), Failure> {
+    let mut allocated: BTreeSet<MacId> = machine.allocated().into_iter().collect();
     port.end_soon();
     machine.leave(port.now());
     if !machine.held().is_empty() {
-        let ended = drive(&mut machine, port, |machine, now, event| match log.event(now, &event) {
-            Ok(()) if machine.held().is_empty() => ControlFlow::Break(Ok(())),
-            Ok(()) => ControlFlow::Continue(()),
-            Err(error) => ControlFlow::Break(Err(error)),
+        let ended = drive(&mut machine, port, |machine, now, event| {
+            allocated.extend(machine.allocated());
+            match log.event(now, &event) {
+                Ok(()) if machine.held().is_empty() => ControlFlow::Break(Ok(())),
+                Ok(()) => ControlFlow::Continue(()),
+                Err(error) => ControlFlow::Break(Err(error)),
+            }
         });
         match ended {
             Ok(done) => done?,
@@ -85,10 +106,10 @@ fn leave(mut machine: &mut dyn Guest, port: &mut LivePort, log: &mut Log<'_>) ->
             Err(PortError::Over) => {}
         }
     }
-    let kept = machine.held();
-    held.retain(|slave| !kept.contains(slave));
-    if !held.is_empty() {
-        output::note(format_args!("released the connections of {}", list(&held)));
+    let held = machine.held();
+    let (kept, released): (Vec<MacId>, Vec<MacId>) = allocated.iter().partition(|slave| held.contains(slave));
+    if !released.is_empty() {
+        output::note(format_args!("released the connections of {}", list(&released)));
     }
     if !kept.is_empty() {
         output::warn(format_args!(
@@ -96,7 +117,7 @@ fn leave(mut machine: &mut dyn Guest, port: &mut LivePort, log: &mut Log<'_>) ->
             list(&kept)
         ));
     }
-    Ok(Exit::Done)
+    Ok(())
 }
 
 fn choose<'a>(

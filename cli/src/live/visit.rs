@@ -4,7 +4,7 @@ use core::ops::ControlFlow;
 use core::time::Duration;
 use std::collections::{BTreeMap, VecDeque};
 
-use cip_core::code::{AdditionalCode, DeviceType, GeneralStatus};
+use cip_core::code::{AdditionalCode, AttributeId, ClassId, DeviceType, GeneralStatus, InstanceId};
 use cip_core::identity::{DeviceIdentity, ProductName, Revision};
 use cip_core::message::{AllocationChoice, AttributeRequest, Response};
 use devicenet_core::MacId;
@@ -86,6 +86,10 @@ impl Report {
 pub(super) struct Visitor {
     master: Box<Master<63, MESSAGE>>,
     visits: BTreeMap<MacId, Visit>,
+    /// Begins when this node has not answered.
+    next: Option<(MacId, (MacId, Vec<Question>))>,
+    /// Is to begin now.
+    due: Option<(MacId, Vec<Question>)>,
     reports: VecDeque<Report>,
 }
 
@@ -114,13 +118,31 @@ impl Visitor {
     /// With nobody to visit yet.
     pub(super) fn new(endpoint: &Endpoint, own: MacId) -> Self {
         let config = Config { tries: 2, deferred_delete: false, ..Config::new(device(endpoint), own) };
-        Self { master: Box::new(Master::new(config)), visits: BTreeMap::new(), reports: VecDeque::new() }
+        Self {
+            master: Box::new(Master::new(config)),
+            visits: BTreeMap::new(),
+            next: None,
+            due: None,
+            reports: VecDeque::new(),
+        }
     }
 
     /// Visits a node too: at most 63 of them, and not itself.
     pub(super) fn visit(&mut self, mac: MacId, questions: Vec<Question>) {
+        self.begin(Instant::ZERO, mac, questions);
+    }
+
+    /// Visits a node if nobody answers at another MAC ID; else that one is reported, and this one is left alone.
+    pub(super) fn visit_if_absent(&mut self, absent: MacId, mac: MacId, questions: Vec<Question>) {
+        let path =
+            AttributePath { class: ClassId::IDENTITY, instance: InstanceId(1), attribute: AttributeId(1) };
+        self.visit(absent, vec![Question { path, value: None }]);
+        self.next = Some((absent, (mac, questions)));
+    }
+
+    fn begin(&mut self, now: Instant, mac: MacId, questions: Vec<Question>) {
         let entry = ScanEntry::explicit_only(mac);
-        if self.master.add_slave(Instant::ZERO, entry).is_ok() {
+        if self.master.add_slave(now, entry).is_ok() {
             self.visits
                 .insert(mac, Visit { questions, answers: Vec::new(), stage: Stage::Coming, cut: None });
         }
@@ -207,6 +229,14 @@ impl Visitor {
         let Some(visit) = self.visits.remove(&mac) else { return };
         // It is in the list.
         let _ = self.master.remove_slave(mac);
+        if trouble == Some(Cause::NoAnswer)
+            && visit.stage == Stage::Coming
+            && visit.cut.is_none()
+            && let Some((_, next)) = self.next.take_if(|(absent, _)| *absent == mac)
+        {
+            self.due = Some(next);
+            return;
+        }
         self.reports.push_back(visit.report(mac, trouble));
     }
 }
@@ -284,6 +314,9 @@ impl Machine for Visitor {
         loop {
             if let Some(report) = self.reports.pop_front() {
                 return Some(Action::Event(report));
+            }
+            if let Some((mac, questions)) = self.due.take() {
+                self.begin(now, mac, questions);
             }
             match self.master.poll(now).map(Action::without_event) {
                 Some(Err(MasterEvent::Slave { mac_id, event })) => self.follow(mac_id, event),

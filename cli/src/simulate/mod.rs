@@ -48,6 +48,7 @@ use crate::exit::{Exit, Failure};
 use crate::output::{self, Output};
 use crate::scenario::{Node, Role, Scenario, TimeRange};
 use devicenet_core::MacId;
+use devicenet_core::access::Access;
 use json::JsonView;
 use link_core::{Instant, Machine};
 pub(crate) use machines::release;
@@ -76,8 +77,14 @@ pub(crate) trait Guest: Machine<Event = NodeEvent> {
     /// It is to be gone soon: it gives back what it holds of others.
     fn leave(&mut self, now: Instant);
 
-    /// The others of whom it still holds something.
+    /// The others of whom it still holds something, or may: it has asked them.
     fn held(&self) -> Vec<MacId>;
+
+    /// The others that have given it a connection.
+    fn allocated(&self) -> Vec<MacId>;
+
+    /// Its network access.
+    fn access(&self) -> &Access;
 }
 
 /// The machine of a node that speaks DeviceNet.

@@ -163,3 +163,22 @@ fn what_cannot_be_is_said_before_anything_is_sent() {
         assert_eq!(devicenet(arguments).code(), 2, "{arguments:?}");
     }
 }
+
+/// The node takes the MAC ID, says so, and starts anew with it: it would find its duplicate.
+#[test]
+fn a_node_is_not_sent_onto_a_mac_id_that_is_in_use() {
+    let set = |to, listen| devicenet(&["set", "sim:two.toml", "10", "3/1/1", to, "--listen", listen]);
+    // Heard; and nothing was heard yet, but it answers.
+    for listen in ["3s", "1us"] {
+        let run = set("11", listen);
+        assert_eq!((run.out().as_str(), run.code()), ("", 4), "{}", run.err());
+        let words = "MAC ID 11 is in use, and node 10 would fall silent with it: choose one that";
+        assert!(run.error().starts_with(words), "{}", run.err());
+        let run = set("12", listen);
+        let done = "node 10  DeviceNet 1 MAC ID: done\n";
+        assert_eq!((run.out().as_str(), run.code()), (done, 0), "{}", run.err());
+        let note = "note: node 10 now checks MAC ID 12, and comes back as node 12";
+        assert!(run.err().contains(note), "{}", run.err());
+    }
+    assert_eq!(set("62", "3s").code(), 2, "that of the command itself");
+}

@@ -167,7 +167,11 @@ fn of_get_and_set() {
 fn of_recover() {
     let run =
         |more: &[&'static str]| [&["recover", "sim:twins.toml", "--listen", "6s", "--json"], more].concat();
-    let runs = [run(&["--assign-free"]), run(&["--assign", "1:1=9"]), run(&["--identify", "0x1234:0x2347"])];
+    let runs = [
+        run(&["--assign-free"]),
+        run(&["--assign", "1:1=9"]),
+        run(&["--identify", "0x1234:0x2347", "--identify", "1:1"]),
+    ];
     let runs: Vec<&[&str]> = runs.iter().map(Vec::as_slice).collect();
     agree(&["## recover"], &runs, &[], Some);
 }

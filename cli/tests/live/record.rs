@@ -242,6 +242,15 @@ fn a_folder_that_is_not_there_is_told_at_once() {
     }
 }
 
+/// Nobody can create a file there, root neither.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_that_cannot_be_written_to_is_told_at_once() {
+    let run = devicenet(&["record", "sim:two.toml", "--for", "1s", "-o", "/proc/x.log"]);
+    assert_eq!((run.code(), run.out().as_str()), (2, ""), "{}", run.err());
+    assert!(run.error().starts_with("/proc/x.log cannot be created: "), "{}", run.err());
+}
+
 /// Of a silence of decades the rest is passed over, but not before the silence that is waited for.
 #[test]
 fn a_recording_whose_clock_was_set() {

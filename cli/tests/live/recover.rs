@@ -51,7 +51,7 @@ fn one_flashes() {
     let run = recover(&["--identify", "0x1234:0x2347"]);
     assert_eq!(
         (run.out().as_str(), run.code()),
-        ("faulted  0x1234:0x00002347\nasked to flash  0x1234:0x00002347: the protocol has no answer\n", 0)
+        ("faulted  0x1234:0x00002347\nflashing  0x1234:0x00002347\n", 0)
     );
 }
 

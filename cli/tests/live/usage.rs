@@ -104,12 +104,12 @@ fn malformed_values() {
         (
             "3/1/1",
             "64",
-            "`64`: DeviceNet 1 MAC ID takes 0 to 63; what else must be sent is given as its bytes, such as hex:40",
+            "`64`: DeviceNet 1 MAC ID takes 0 to 63; to send 64 all the same, give its bytes: hex:40",
         ),
         (
             "3/1/1",
             "-1",
-            "`-1`: DeviceNet 1 MAC ID takes 0 to 63; what else must be sent is given as its bytes, such as hex:FF",
+            "`-1`: DeviceNet 1 MAC ID takes 0 to 63; to send -1 all the same, give its bytes: hex:FF",
         ),
         ("5/2/9", "-1", "`-1`: Connection 2 expected_packet_rate takes 0 to 65535"),
         ("5/2/5", "0x800", "`0x800`: Connection 2 consumed_connection_id takes 0 to 2047 or 65535"),
@@ -164,4 +164,53 @@ fn the_help_has_every_endpoint_and_no_line_that_is_broken() {
             assert!(begins, "{command}: {line}");
         }
     }
+}
+
+#[test]
+fn a_recording_in_place_of_a_scenario() {
+    is_told(
+        &["monitor", "sim:../../../tests/captures/slave-01-startup-poll.log"],
+        2,
+        "slave-01-startup-poll.log is a recording: write log:../../../tests/captures/slave-01-startup-poll.log to play it",
+    );
+}
+
+#[test]
+fn what_excludes_each_other() {
+    for arguments in
+        [&["--expect", "line.toml", "--learn", "1s"][..], &["--text", "--json"], &["--for", "0s"]]
+    {
+        let run = devicenet(&[&["monitor", "sim:two.toml"], arguments].concat());
+        assert_eq!((run.code(), run.out().as_str()), (2, ""), "{arguments:?} {}", run.err());
+    }
+}
+
+/// The master of line.toml has a switch in its scan list that is not on this bus.
+#[test]
+fn a_master_tells_only_of_slaves_that_it_had() {
+    let run = devicenet(&["master", "sim:two.toml", "line.toml", "--listen", "3s", "--for", "5s"]);
+    assert_eq!(run.code(), 0, "{}", run.err());
+    assert!(!run.err().contains("did not answer the release"), "{}", run.err());
+    assert!(!run.err().contains("12\n"), "{}", run.err());
+}
+
+#[test]
+fn a_slave_whose_mac_id_is_taken_is_a_finding() {
+    let run = devicenet(&[
+        "slave",
+        "sim:two.toml",
+        "line.toml",
+        "--node",
+        "valve",
+        "--listen",
+        "3s",
+        "--for",
+        "5s",
+    ]);
+    assert_eq!(run.code(), 1, "{}", run.err());
+    assert_eq!(
+        run.error(),
+        "node 10 is faulted, another node on sim:two.toml has MAC ID 10: give this one another in line.toml, or take that \
+         one off"
+    );
 }

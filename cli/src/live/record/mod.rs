@@ -4,7 +4,7 @@ mod ring;
 mod told;
 
 use core::time::Duration;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -43,6 +43,7 @@ pub fn record(args: &RecordArgs, json: bool) -> Result<Exit, Failure> {
             path.display()
         )));
     }
+    check_right(&args.file_name(1))?;
     let interrupted = simulate::interruption()?;
     let mut port = LivePort::open_listen_only(&args.endpoint)?;
     port.set_interruption(interrupted);
@@ -98,6 +99,20 @@ fn check_folder(output: &Path) -> Result<(), Failure> {
         ))),
         _ => Ok(()),
     }
+}
+
+/// The file is created, and gone again: nothing else knows all that may be in the way.
+fn check_right(path: &Path) -> Result<(), Failure> {
+    if is_standard(path) {
+        return Ok(());
+    }
+    let tried = File::create_new(path).and_then(|_| fs::remove_file(path));
+    tried.map_err(|error| {
+        Failure::Usage(format!(
+            "{} cannot be created: {error}; name another file with --output",
+            path.display()
+        ))
+    })
 }
 
 fn longest_silence(triggers: &[Trigger]) -> Duration {

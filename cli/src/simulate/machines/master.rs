@@ -266,6 +266,17 @@ impl Guest for MasterMachine {
         };
         self.master.scan_list().map(|entry| entry.mac_id).filter(is_held).collect()
     }
+
+    fn allocated(&self) -> Vec<MacId> {
+        let has_answered = |slave: &MacId| {
+            matches!(self.master.state(*slave), Some(SlaveState::Configuring | SlaveState::Running))
+        };
+        self.master.scan_list().map(|entry| entry.mac_id).filter(has_answered).collect()
+    }
+
+    fn access(&self) -> &Access {
+        self.master.access()
+    }
 }
 
 impl Machine for MasterMachine {

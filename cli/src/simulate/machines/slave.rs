@@ -197,6 +197,14 @@ impl Guest for SlaveMachine {
     fn held(&self) -> Vec<MacId> {
         Vec::new()
     }
+
+    fn allocated(&self) -> Vec<MacId> {
+        Vec::new()
+    }
+
+    fn access(&self) -> &Access {
+        self.access()
+    }
 }
 
 impl Machine for SlaveMachine {
