@@ -134,6 +134,7 @@ impl Visitor {
 
     /// Visits a node if nobody answers at another MAC ID; else that one is reported, and this one is left alone.
     pub(super) fn visit_if_absent(&mut self, absent: MacId, mac: MacId, questions: Vec<Question>) {
+        // Its vendor, which every node has.
         let path =
             AttributePath { class: ClassId::IDENTITY, instance: InstanceId(1), attribute: AttributeId(1) };
         self.visit(absent, vec![Question { path, value: None }]);

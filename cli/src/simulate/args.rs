@@ -51,7 +51,8 @@ pub struct SimulateArgs {
     /// How long to run, instead of the duration of the scenario, such as 10s or 250ms; at most 24h
     #[arg(long, value_name = "TIME", value_parser = parse_until, allow_hyphen_values = true)]
     pub until: Option<Time>,
-    /// Record the bus: pcapng for a name that ends so, else a candump log; failed attempts become error frames
+    /// Record the bus: pcapng for a name that ends so, else a candump log; failed attempts become error frames, each
+    /// once, where a listener with `devicenet record` counts those that it sees
     #[arg(long, short = 'o', value_name = "FILE")]
     pub record: Option<PathBuf>,
     /// Print every I/O frame of the trace, also those with the same data as the last of their kind
