@@ -187,8 +187,11 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         let mut value = Vec::<u8, 4>::new();
         let fits = match (setting, source) {
             (Setting::ConsumedId, Some(id)) => value.extend_from_slice(&u32::from(id).to_le_bytes()),
-            // Its producer was lost in the meantime: it begins again when that is back.
-            (Setting::ConsumedId, None) => return self.set_stage(place, number, Stage::Idle),
+            // Its producer was lost in the meantime: it begins again when that is back, and the others go on.
+            (Setting::ConsumedId, None) => {
+                self.set_stage(place, number, Stage::Idle);
+                return self.advance_slot(place);
+            }
             (Setting::Trigger, _) => value.extend_from_slice(&[plan.trigger.map_or(0, |trigger| trigger.0)]),
             (Setting::WatchdogAction, _) => value.extend_from_slice(&[plan.watchdog_action.0]),
             (Setting::PacketRate, _) => value.extend_from_slice(&plan.expected_packet_rate.to_le_bytes()),
@@ -226,7 +229,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             },
             Task::OpenExplicit(number) => self.opened(place, number, &answer),
             Task::Write(number, setting) => match answer {
-                Ok(_) => self.written(place, number, setting),
+                Ok(data) => self.written(place, number, setting, &data),
                 Err(status) => self.refused(place, number, Some(status)),
             },
             Task::Check(number, looked) => self.checked(place, number, looked, answer.as_deref().ok()),
@@ -237,15 +240,15 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     }
 
     fn granted(&mut self, place: usize, number: u8, data: &[u8]) {
+        // Whatever it says, it is there.
+        if self.slots.get(place).is_some_and(|slot| slot.state == DeviceState::Retrying) {
+            self.enter(place, DeviceState::Connecting, Cause::Answered);
+        }
         let Some(asked) = self.connection_request(place, number) else { return };
         let response = Response::Success { service: ServiceCode::ALLOCATE, data };
         let Some(granted) = connection_response(&asked, &response) else {
             return self.refused(place, number, None);
         };
-        let is_retried = self.slots.get(place).is_some_and(|slot| slot.state == DeviceState::Retrying);
-        if is_retried {
-            self.enter(place, DeviceState::Connecting, Cause::Answered);
-        }
         let Some(slot) = self.slot(place) else { return };
         let address = slot.address();
         let Some(plan) = slot.planned(number) else { return };
@@ -290,10 +293,20 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         }
     }
 
-    fn written(&mut self, place: usize, number: u8, setting: Setting) {
+    fn written(&mut self, place: usize, number: u8, setting: Setting, data: &[u8]) {
         let Some(slot) = self.slot(place) else { return };
         slot.reopened = false;
         let Some(plan) = slot.planned(number) else { return };
+        // The response tells the rate that the device keeps.
+        if let (Setting::PacketRate, &[low, high], Some(made)) = (setting, data, slot.made_mut(number)) {
+            made.rate = u16::from_le_bytes([low, high]);
+        }
+        let consumes = slot.made(number).and_then(|made| made.consumes);
+        let source = plan.consumes.and_then(|source| self.source_id(source));
+        if setting >= Setting::ConsumedId && source.is_some() && source != consumes {
+            // Its producer has another connection meanwhile.
+            return self.set_stage(place, number, Stage::Configuring(Setting::ConsumedId));
+        }
         let next = setting.next().and_then(|next| plan.next_setting(next));
         match next {
             Some(setting) => self.set_stage(place, number, Stage::Configuring(setting)),
@@ -426,6 +439,10 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     /// A transaction with a device came to nothing.
     pub(super) fn failed(&mut self, place: usize, task: Task, failure: Failure) {
         let silent = matches!(failure, Failure::NoResponse | Failure::NotAcknowledged);
+        if !silent && self.slots.get(place).is_some_and(|slot| slot.state == DeviceState::Retrying) {
+            // An answer that is of no use says as well that it is there.
+            self.enter(place, DeviceState::Connecting, Cause::Answered);
+        }
         let Some(slot) = self.slot(place) else { return };
         match task {
             Task::None => {}
@@ -442,7 +459,14 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             Task::Connect(_) | Task::OpenExplicit(_) | Task::Check(..) | Task::Alive if silent => {
                 self.lost(place);
             }
-            Task::Connect(number) | Task::OpenExplicit(number) | Task::Write(number, _) => {
+            Task::Write(number, _) => {
+                // The next attempt begins with an explicit connection of its own.
+                slot.reopened = false;
+                slot.explicit = None;
+                self.refused(place, number, None);
+                self.advance_slot(place);
+            }
+            Task::Connect(number) | Task::OpenExplicit(number) => {
                 self.refused(place, number, None);
                 self.advance_slot(place);
             }
@@ -450,7 +474,10 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
                 self.set_stage(place, number, Stage::Idle);
                 self.advance_slot(place);
             }
-            Task::Alive => self.begin_poll_wait(place),
+            Task::Alive => {
+                self.begin_poll_wait(place);
+                self.advance_slot(place);
+            }
         }
     }
 }

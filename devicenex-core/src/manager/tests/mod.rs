@@ -2,5 +2,6 @@ mod addressing;
 mod bus;
 mod connecting;
 pub(super) mod edges;
+mod stubborn;
 mod talking;
 mod two_managers;
