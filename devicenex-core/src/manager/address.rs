@@ -60,6 +60,10 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         let tries = self.config.roam_tries;
         let Some(slot) = self.slot(place) else { return };
         let known = slot.device == Some(device) && !slot.state.is_absent();
+        if slot.state.is_on_line() || slot.state == DeviceState::Joining {
+            // It was restarted; if it does not come back it is what was lost.
+            slot.was = slot.device;
+        }
         slot.device = Some(device);
         match slot.state {
             DeviceState::Found => {}
@@ -108,7 +112,6 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     pub(super) fn joins(&mut self, place: usize, device: DeviceIdentity) {
         if let Some(slot) = self.slot(place) {
             slot.device = Some(device);
-            slot.hellos = 1;
         }
         self.enter(place, DeviceState::Joining, Cause::HelloRequest);
         self.begin_hello_wait(place, 2);
@@ -164,8 +167,12 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             DeviceState::Joining => self.on_line(place, Cause::WaitOver),
             DeviceState::Missing => {
                 slot.open = true;
+                let was = slot.was;
+                if was.is_some() {
+                    count(&mut self.counters.lost);
+                }
                 self.enter(place, DeviceState::Lost, Cause::WaitOver);
-                self.tell(place, PlannedEvent::Lost(None));
+                self.tell(place, PlannedEvent::Lost(was));
                 self.ask_soon();
             }
             DeviceState::Conflict => self.begin_probe(place, Cause::WaitOver),

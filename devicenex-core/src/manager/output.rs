@@ -106,17 +106,27 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             Some(Carried::Roam(address)) => self.roam_done(address, outcome),
             Some(Carried::Request(address)) => self.request_done(address, outcome),
             Some(Carried::Talk) => {
+                let wanted = !self.talk.conversation.is_cancelled();
                 self.talk.conversation.tx_done(outcome);
                 self.keep_talk_time();
+                self.count_unsent(outcome, wanted);
             }
         }
     }
 
-    fn request_done(&mut self, address: OperationalAddress, outcome: TxOutcome) {
-        if let Some(slot) = self.place(address).and_then(|place| self.slot(place)) {
-            slot.conversation.tx_done(outcome);
-            slot.keep_time();
+    /// The conversation repeats it when its wait is over.
+    fn count_unsent(&mut self, outcome: TxOutcome, wanted: bool) {
+        if wanted && outcome != TxOutcome::Sent {
+            count(&mut self.counters.not_sent);
         }
+    }
+
+    fn request_done(&mut self, address: OperationalAddress, outcome: TxOutcome) {
+        let Some(slot) = self.place(address).and_then(|place| self.slot(place)) else { return };
+        let wanted = !slot.conversation.is_cancelled();
+        slot.conversation.tx_done(outcome);
+        slot.keep_time();
+        self.count_unsent(outcome, wanted);
     }
 
     /// An answer of a device to the manager.

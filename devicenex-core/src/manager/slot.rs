@@ -32,8 +32,6 @@ pub(super) struct Slot<const CONNECTIONS: usize> {
     pub(super) roam_due: bool,
     /// How many were sent.
     pub(super) roams: u8,
-    /// Hello requests with the address.
-    pub(super) hellos: u8,
     /// What has been read so far of the identity of whoever has the address.
     pub(super) probe: Probe,
     pub(super) conversation: Conversation<MESSAGE>,
@@ -205,7 +203,6 @@ impl<const CONNECTIONS: usize> Slot<CONNECTIONS> {
             no_spare: Tell::No,
             roam_due: false,
             roams: 0,
-            hellos: 0,
             probe: Probe::default(),
             task: Task::None,
             dynamic: false,

@@ -1,8 +1,10 @@
 //! Devices that answer wrongly, late or not at all, and producers that change while their consumers are set up: the
 //! manager gets on, and never asks without a pause.
 
-use std::string::String;
+use std::string::{String, ToString};
 use std::vec::Vec;
+
+use link_core::{Input, TxOutcome};
 
 use super::bus::*;
 use crate::id::Direction;
@@ -199,4 +201,38 @@ fn the_next_attempt_has_an_explicit_connection_of_its_own() {
     }
     assert_eq!((opened.len(), set), (2, 1), "{opened:?}");
     bus.is(5, DeviceState::Running);
+}
+
+/// Of what the controller gives back, requests are counted as well as Mini-whos.
+#[test]
+fn a_request_that_is_given_back_unsent_is_counted_and_sent_again() {
+    let mut bus = Bus::connecting();
+    let at = bus.in_flight.iter().position(|(_, frame)| frame.to_string().starts_with("1D8602")).unwrap();
+    let (token, _) = bus.in_flight.remove(at);
+    let before = bus.manager.counters().not_sent;
+    bus.input(Input::TxDone(token, TxOutcome::Unknown));
+    assert_eq!(bus.manager.counters().not_sent, before + 1);
+    assert_eq!(asked(&bus.wait_on_the_bus(500), "1D8602"), 1);
+}
+
+/// A device is restarted, and gone before it has its address again: it was there, so a device that takes its place is told
+/// as such.
+#[test]
+fn a_device_that_does_not_come_back_from_a_restart_is_lost() {
+    let mut bus = Bus::running();
+    bus.hello(127, Direction::Request, PLANNED);
+    bus.wait_on_the_bus(1020 + 3 * 500);
+    bus.is(67, DeviceState::Missing);
+    bus.tells();
+    bus.wait_on_the_bus(15_000);
+    bus.is(67, DeviceState::Lost);
+    let gone = "OA 67: lost: vendor 4660, product 7, revision 1, serial 0x11223344";
+    let told = bus.tells();
+    assert!(told.iter().any(|line| line == gone), "{told:#?}");
+    assert_eq!(bus.manager.counters().lost, 1);
+    bus.hello(127, Direction::Request, SPARE);
+    bus.wait_on_the_bus(1100);
+    bus.hello(67, Direction::Request, SPARE);
+    bus.wait_on_the_bus(2100);
+    assert_eq!(bus.manager.counters().replaced, 1);
 }
