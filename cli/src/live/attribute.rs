@@ -54,10 +54,11 @@ impl AttributePath {
         let number = number(text)
             .filter(|number| ranges.iter().any(|range| range.contains(number)))
             .ok_or_else(|| {
-                let ranges: Vec<String> = ranges.iter().map(words).collect();
-                let takes = format!("`{text}`: {self} takes {}", ranges.join(" or "));
+                let takes: Vec<String> = ranges.iter().map(words).collect();
+                let takes = format!("`{text}`: {self} takes {}", takes.join(" or "));
+                let is_signed = ranges.iter().any(|range| *range.start() < 0);
                 // Only the bytes of that number: those of another would be sent by whoever copies them.
-                let Some(number) = number_of(text, size) else { return takes };
+                let Some(number) = number_of(text, size, is_signed) else { return takes };
                 let mut hex = Vec::new();
                 push_hex(&mut hex, &number.to_le_bytes()[..size], UPPER);
                 let hex = String::from_utf8_lossy(&hex);
@@ -75,10 +76,11 @@ fn words(range: &RangeInclusive<i128>) -> String {
     }
 }
 
-/// A number that so many bytes can hold, signed or not.
-fn number_of(text: &str, size: usize) -> Option<i128> {
+/// A number that so many bytes can hold.
+fn number_of(text: &str, size: usize, is_signed: bool) -> Option<i128> {
     let bits = 8 * size as u32;
-    number(text).filter(|number| (-(1 << (bits - 1))..1 << bits).contains(number))
+    let range = if is_signed { -(1 << (bits - 1))..1 << (bits - 1) } else { 0..1 << bits };
+    number(text).filter(|number| range.contains(number))
 }
 
 /// `12`, `0x0C`, `-3`.
@@ -171,7 +173,7 @@ mod tests {
     #[test]
     fn only_the_bytes_of_the_number_itself_are_proposed() {
         let takes = |attribute: &str, text: &str| path(attribute).value(text).unwrap_err();
-        for text in ["300", "abc", "18446744073709551617", "-129"] {
+        for text in ["300", "abc", "18446744073709551617", "-1"] {
             assert_eq!(takes("3/1/1", text), format!("`{text}`: DeviceNet 1 MAC ID takes 0 to 63"));
         }
         assert!(takes("3/1/1", "64").ends_with("to send 64 all the same, give its bytes: hex:40"));

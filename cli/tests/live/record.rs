@@ -251,6 +251,22 @@ fn a_folder_that_cannot_be_written_to_is_told_at_once() {
     assert!(run.error().starts_with("/proc/x.log cannot be created: "), "{}", run.err());
 }
 
+/// What was to be recorded is lost, and was not recorded.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_recording_that_cannot_be_written_is_a_failure() {
+    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_devicenet"))
+        .args(["record", concat!("sim:", env!("CARGO_MANIFEST_DIR"), "/tests/live/drop.toml"), "-o", "-"])
+        .stdout(full)
+        .output()
+        .unwrap();
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("error: cannot write: "), "{told}");
+    assert!(!told.contains("1 recording") && !told.contains("nothing happened"), "{told}");
+}
+
 /// Of a silence of decades the rest is passed over, but not before the silence that is waited for.
 #[test]
 fn a_recording_whose_clock_was_set() {

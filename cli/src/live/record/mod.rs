@@ -61,6 +61,7 @@ pub fn record(args: &RecordArgs, json: bool) -> Result<Exit, Failure> {
         zero: zero(&args.endpoint, now),
         capture: None,
         captured: 0,
+        written: 0,
         watch: Watch::new(triggers.clone()),
     };
     recorder.teller.start(args, &triggers)?;
@@ -77,7 +78,7 @@ pub fn record(args: &RecordArgs, json: bool) -> Result<Exit, Failure> {
         Err(PortError::Over) => End::TimeOver,
     };
     let t = recorder.since_begin(port.now());
-    recorder.teller.end(t, args, recorder.captured, end)?;
+    recorder.teller.end(t, args, recorder.written, end)?;
     match ended {
         Err(PortError::Failed(failure)) => return Err(failure),
         Ok(()) | Err(PortError::Over) => finished?,
@@ -149,7 +150,10 @@ struct Recorder<'a> {
     /// What to add to a moment of the port for the time of day.
     zero: Duration,
     capture: Option<Capture>,
+    /// How many were begun.
     captured: u32,
+    /// How many of them are complete.
+    written: u32,
 }
 
 struct Capture {
@@ -222,6 +226,7 @@ impl Recorder<'_> {
             return Ok(());
         };
         writer.finish().map_err(|error| unwritable(&path, error))?;
+        self.written += 1;
         let written = Written { n: self.captured, path: &path, frames, span, dropped };
         self.teller.written(self.since_begin(now), written, self.args.before)
     }

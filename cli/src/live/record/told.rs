@@ -128,6 +128,7 @@ impl Teller {
     ) -> Result<(), Failure> {
         if self.output.is_none() {
             match captured {
+                0 if matches!(end, End::Failed) => {}
                 0 => {
                     output::note(format_args!("{}: nothing happened that starts a recording", args.endpoint))
                 }
