@@ -35,6 +35,8 @@ pub enum Guess {
     Plain,
     /// The last frame could be a first fragment: first byte 0 and eight bytes.
     Candidate,
+    /// The message under way was followed by a middle fragment, after its first one was taken for a message of its own.
+    Begun,
     /// A first fragment was followed by its continuation.
     Fragmented,
 }

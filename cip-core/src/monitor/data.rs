@@ -64,7 +64,7 @@ impl Side {
             if usize::from(size) <= IO_UNFRAGMENTED_LEN {
                 return Part { flaw: check_size(Some(size), field.len()), ..Part::whole(field) };
             }
-        } else if self.guess != Guess::Fragmented
+        } else if !matches!(self.guess, Guess::Fragmented | Guess::Begun)
             && !(continues(self.guess, field) && slots.is_receiving(stream))
         {
             let before = core::mem::replace(&mut self.guess, Guess::Plain);
@@ -88,8 +88,10 @@ impl Side {
             self.guess = Guess::Plain;
             return Part { assumed: true, ..Part::whole(field) };
         }
+        let is_reconsidered = is_confirmed || (is_guessed && self.guess == Guess::Begun);
         if is_guessed {
-            self.guess = Guess::Fragmented;
+            let is_under_way = matches!(piece, Piece::Kept | Piece::Repeated);
+            self.guess = if is_reconsidered && is_under_way { Guess::Begun } else { Guess::Fragmented };
         }
         let part = Part {
             progress: Progress::Part,
@@ -102,7 +104,7 @@ impl Side {
         };
         match piece {
             Piece::Whole(message) => {
-                let progress = if is_confirmed { Progress::Reconsidered } else { Progress::Complete };
+                let progress = if is_reconsidered { Progress::Reconsidered } else { Progress::Complete };
                 Part { progress, message: Some(message), flaw: check_size(size, message.len()), ..part }
             }
             Piece::Broken(flaw) => Part { flaw: Some(flaw), ..part },

@@ -19,29 +19,60 @@ use crate::scenario::{NodeIndex, Scenario};
 /// stays with the others.
 #[must_use]
 pub fn examine(scenario: &Scenario, settings: Settings, doctor: &mut Doctor) -> Outcome {
-    let monitor = Box::new(Monitor::new(MonitorConfig::default()));
-    let practice = Rc::new(RefCell::new(Practice { doctor, monitor }));
-    let mut run = Run::new(scenario, settings, vec![Box::new(HealthView(Rc::clone(&practice)))], false);
+    examine_from(scenario, settings, [(0, doctor)])
+}
+
+/// The same with several doctors, each of which begins to listen with the frame of a number: what was before it has not heard.
+#[must_use]
+pub fn examine_from<'a>(
+    scenario: &Scenario,
+    settings: Settings,
+    doctors: impl IntoIterator<Item = (u64, &'a mut Doctor)>,
+) -> Outcome {
+    let practice = |(from, doctor)| {
+        let monitor = Box::new(Monitor::new(MonitorConfig::default()));
+        Practice { from, listens: false, doctor, monitor }
+    };
+    let practices: Rc<RefCell<Vec<Practice<'a>>>> =
+        Rc::new(RefCell::new(doctors.into_iter().map(practice).collect()));
+    let mut run = Run::new(scenario, settings, vec![Box::new(HealthView(Rc::clone(&practices)))], false);
     // Nothing is written, so nothing can fail.
     let _ = run.at_full_speed(|| Ok(()));
     let outcome = run.finish();
-    let mut practice = practice.borrow_mut();
-    let Practice { doctor, monitor } = &mut *practice;
-    doctor.tick(monitor, outcome.end);
+    for Practice { doctor, monitor, .. } in &mut *practices.borrow_mut() {
+        doctor.tick(monitor, outcome.end);
+    }
     outcome
 }
 
 struct Practice<'a> {
+    /// The number of the first frame that is heard.
+    from: u64,
+    listens: bool,
     doctor: &'a mut Doctor,
     monitor: Box<Monitor>,
 }
 
-struct HealthView<'a>(Rc<RefCell<Practice<'a>>>);
+struct HealthView<'a>(Rc<RefCell<Vec<Practice<'a>>>>);
 
 impl View for HealthView<'_> {
     fn see(&mut self, nodes: &Nodes<'_>, sight: &Sight<'_>) {
-        let mut practice = self.0.borrow_mut();
-        let Practice { doctor, monitor } = &mut *practice;
+        for practice in &mut *self.0.borrow_mut() {
+            practice.see(nodes, sight);
+        }
+    }
+}
+
+impl Practice<'_> {
+    fn see(&mut self, nodes: &Nodes<'_>, sight: &Sight<'_>) {
+        self.listens |= self.from == 0;
+        if let Sight::Frame { record, .. } = sight {
+            self.listens |= record.number >= self.from;
+        }
+        if !self.listens {
+            return;
+        }
+        let Self { doctor, monitor, .. } = self;
         match sight {
             Sight::Frame { record, .. } if record.segment == 0 => match record.outcome {
                 Sent::Ok => _ = doctor.observe(monitor, record.end, record.number, record.frame),

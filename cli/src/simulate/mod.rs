@@ -38,7 +38,7 @@ pub use build::Settings;
 pub(crate) use event::NodeEvent;
 pub use exchange::Exchange;
 pub use expectations::{Failure as FailedExpectation, Status, Verdict};
-pub use health::examine;
+pub use health::{examine, examine_from};
 pub(crate) use json::object;
 pub use run::Outcome;
 pub use selection::EventKind;

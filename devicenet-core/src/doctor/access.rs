@@ -204,6 +204,11 @@ impl<const N: usize> Clinic<'_, N> {
     /// Answers without a question: one can be that of a lost question, several are those of a second sender.
     pub(super) fn unasked(&mut self, mac: MacId, reading: &Reading<'_>) {
         let seen = Seen { n: reading.n, at: reading.at };
+        // The question, or the beginning of the message, can be from before the first frame.
+        let is_first = seen.at.saturating_since(self.begin) <= BEGUN_BEFORE;
+        if is_first && !self.records.is_allocation_told(mac) {
+            return;
+        }
         let most = if reading.problem.is_some() { MOST_UNASKED } else { MOST_UNASKED_AT_ALL };
         let patient = self.patient(mac);
         if patient.is_late() {
@@ -237,7 +242,7 @@ impl<const N: usize> Clinic<'_, N> {
         let identifier = u16::try_from(reading.frame.raw_id()).unwrap_or(u16::MAX);
         self.ledger.see(&Sign {
             rule: Rule::IdentifierCollision,
-            severity: Severity::Error,
+            severity: if self.records.is_allocation_told(mac) { Severity::Error } else { Severity::Warning },
             node: Some(mac),
             facts: Facts::Identifier(identifier),
             since: first.at,
@@ -268,9 +273,12 @@ impl<const N: usize> Clinic<'_, N> {
                 continue;
             }
             let facts = Facts::Requests { by: asked.by, count: asked.count };
-            let held = self.ledger.open(rule, Some(mac)).map(|finding| finding.facts);
-            // It is already told that its I/O stands still.
-            if held == Some(facts) || matches!(held, Some(Facts::Silence { .. })) {
+            let is_told = self.ledger.open(rule, Some(mac)).is_some_and(|held| {
+                // That its I/O stands still tells no less.
+                let stands_still = matches!(held.facts, Facts::Silence { .. }) && held.severity >= severity;
+                held.facts == facts || stands_still
+            });
+            if is_told {
                 continue;
             }
             self.ledger.see(&Sign {
@@ -362,4 +370,6 @@ const MOST_UNASKED_AT_ALL: u16 = 10;
 /// An answer that came twice weighs as much as two that did not.
 const TWICE: u8 = 2;
 const MOST_TWICE: u8 = 8;
+/// So long after the first frame there can be answers to what was asked before it.
+const BEGUN_BEFORE: Duration = Duration::from_secs(1);
 const UNASKED_WITHIN: Duration = Duration::from_secs(10);

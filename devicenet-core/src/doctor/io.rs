@@ -45,7 +45,7 @@ impl<const N: usize> Clinic<'_, N> {
             }
             _ => {}
         }
-        self.io_problem(reading, mac, doubt);
+        self.io_problem(reading, mac, doubt, is_part);
     }
 
     /// A change-of-state or cyclic message of a slave.
@@ -136,9 +136,11 @@ impl<const N: usize> Clinic<'_, N> {
         let exchange = exchange_of(which);
         let first = lane.since.or(lane.last).map(|first| first.n);
         let newest = lane.newest.map(|newest| newest.n);
+        // How long the peer waits is not known, if its allocation was before all that was heard.
+        let is_assumed = self.records.patience(mac, which).is_none() && !self.records.is_allocation_told(mac);
         self.begin_once(&Sign {
             rule: Rule::NotAnswering,
-            severity: Severity::Error,
+            severity: if is_assumed { Severity::Warning } else { Severity::Error },
             node: Some(mac),
             facts: Facts::Silence { exchange, patience },
             since,
@@ -147,7 +149,7 @@ impl<const N: usize> Clinic<'_, N> {
         });
     }
 
-    fn io_problem(&mut self, reading: &Reading<'_>, mac: MacId, doubt: Doubt) {
+    fn io_problem(&mut self, reading: &Reading<'_>, mac: MacId, doubt: Doubt, is_part: bool) {
         let seen = Seen { n: reading.n, at: reading.at };
         let (rule, facts) = match reading.problem {
             Some(Problem::Flaw(Flaw::OutOfSequence { after, found }))
@@ -167,7 +169,7 @@ impl<const N: usize> Clinic<'_, N> {
             Some(Problem::Flaw(Flaw::UnexpectedIoResponse)) if doubt == Doubt::None => {
                 return self.unasked(mac, reading);
             }
-            _ if is_unasked_from_the_start(reading) => return self.unasked(mac, reading),
+            _ if !is_part && is_unasked_from_the_start(reading) => return self.unasked(mac, reading),
             _ => return,
         };
         let node = reading.src.or(reading.dst);

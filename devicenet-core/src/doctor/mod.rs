@@ -8,7 +8,7 @@
 //!
 //! | Rule | Found when | Over when | Code | Severity |
 //! |---|---|---|---|---|
-//! | [`NotAnswering`](Rule::NotAnswering) | two or more I/O commands unanswered for EPR x 4 (1 s if it is unknown); no change-of-state message for EPR x 4; a node that was heard answers none of three requests for 2.5 s | it answers, is allocated or released, or not asked for 60 s | 72 | error |
+//! | [`NotAnswering`](Rule::NotAnswering) | two or more I/O commands unanswered for EPR x 4 (1 s if it is unknown); no change-of-state message for EPR x 4; a node that was heard answers none of three requests for 2.5 s | it answers, is allocated or released, or not asked for 60 s | 72 | error; warning if neither the allocation nor the rate was seen |
 //! | [`NotFound`](Rule::NotFound) | a node never heard answers none of three requests for 2.5 s; 5 s, if nobody expects it | it is heard, or not asked for 60 s | 78 | warning; error if it is expected |
 //! | [`SlowAnswers`](Rule::SlowAnswers) | from the first unanswered command to the answer 70 % of EPR x 4 | ten answers in time of each kind of I/O, or quiet | | warning |
 //! | [`MasterSilent`](Rule::MasterSilent) | the watchdog of a slave that has answered everything must have expired | its slaves are commanded, allocated or released | | error |
@@ -22,7 +22,7 @@
 //! | [`TwoMasters`](Rule::TwoMasters) | a request of a master on a slave of another; refused with 0x0C/0x01 | the second one gets the slave, or quiet | 83 | warning |
 //! | [`ForeignMacId`](Rule::ForeignMacId) | a node that is neither expected nor learned ([`Intrusion`]) | quiet | | error |
 //! | [`UnexpectedAllocation`](Rule::UnexpectedAllocation) | a slave is allocated by another master than the expected or learned one | quiet | | error |
-//! | [`IdentifierCollision`](Rule::IdentifierCollision) | three I/O responses of a node within 10 s that nobody has asked for; ten, if it was never asked; change-of-state or cyclic messages in a rhythm that one sender cannot have, three to six times within 10 s or EPR x 12 | quiet | | error |
+//! | [`IdentifierCollision`](Rule::IdentifierCollision) | three I/O responses of a node within 10 s that nobody has asked for; ten, if it was never asked; change-of-state or cyclic messages in a rhythm that one sender cannot have, three to six times within 10 s or EPR x 12 | quiet | | error; warning if the allocation was not seen |
 //! | [`BusOff`](Rule::BusOff) | a controller is bus-off; a node tells a bus-off counter above 0 | it takes part again; the counter is 0, or the node begins anew | 91 | error; warning |
 //! | [`ErrorPassive`](Rule::ErrorPassive) | a controller is error-passive | it is error-active, with or without warning | | warning |
 //! | [`ErrorFrames`](Rule::ErrorFrames) | 10 errors within 10 s; up to 16 form errors of one that tries again at once are one | fewer than 5 | | warning; error from 100 |

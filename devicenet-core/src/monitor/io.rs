@@ -41,7 +41,8 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
     }
     let node = state.node(slave);
     let choice = node.choice();
-    let changes = changes_only(choice);
+    let changes = changes_only(choice)
+        || flow == Flow::Consumed && node.seems_to_produce_only() && reading.frame.data().is_empty();
     let acknowledged = choice.is_none_or(|choice| !choice.contains(AllocationChoice::ACK_SUPPRESSION));
     reading.kind = kind(which, flow, changes);
     reading.assumed = node.allocation.is_none();

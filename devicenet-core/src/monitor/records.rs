@@ -78,9 +78,17 @@ impl<'a> Records<'a> {
         })
     }
 
-    /// The command of frame `n` wants an answer.
+    /// The command of frame `n` wants an answer: the allocation says so, or one before was answered.
     pub(crate) fn awaits(self, mac: MacId, which: Predefined, n: u64) -> bool {
-        self.connection(mac, which).and_then(|held| held.waiting).is_some_and(|waiting| waiting.n == n)
+        self.connection(mac, which).is_some_and(|held| {
+            held.waiting.is_some_and(|waiting| waiting.n == n)
+                && (held.answers || self.is_allocation_told(mac))
+        })
+    }
+
+    /// Allocate, Release or allocation information of a slave was seen. Otherwise its I/O is only assumed to be what it seems.
+    pub(crate) fn is_allocation_told(self, mac: MacId) -> bool {
+        self.node(mac).is_some_and(|node| node.allocation.is_some())
     }
 
     /// The bit-strobe or multicast poll command of `sender`, or to its group, wants an answer of this node.

@@ -247,3 +247,43 @@ fn the_plant() {
         insta::assert_snapshot!("health__plant", report);
     });
 }
+
+/// Whoever begins to listen later hears a part of it: it can find less than who has heard all, and nothing else.
+#[test]
+fn who_joins_later_finds_nothing_else() {
+    let plant =
+        Scenario::parse("plant", simulate::PLANT, std::path::Path::new("")).expect("the plant is right");
+    let health =
+        SCENARIOS.iter().flat_map(|(rule, ..)| [format!("health/{rule}"), format!("health/{rule}-not")]);
+    let named =
+        OTHERS.iter().map(|(name, _)| (*name).to_owned()).chain(health).map(|name| (scenario(&name), name));
+    let mut wrong = Vec::new();
+    for (scenario, name) in [(plant, "plant".to_owned())].into_iter().chain(named) {
+        let frames = simulate::outcome(&scenario, Settings::default()).summary.bus.frames;
+        let mut config = DoctorConfig::default();
+        config.bit_rate = Some(scenario.bus.bit_rate);
+        // A prime does not fall into step with what is repeated.
+        let step = (frames / CUTS).max(1) | 1;
+        let cuts = std::iter::once(0).chain((2..=frames).step_by(usize::try_from(step).expect("a few")));
+        let mut doctors: Vec<_> = cuts.map(|cut| (cut, Box::new(Doctor::new(config)))).collect();
+        let listening = doctors.iter_mut().map(|(cut, doctor)| (*cut, &mut **doctor));
+        let _ = simulate::examine_from(&scenario, Settings::default(), listening);
+        let ((_, whole), later) = doctors.split_first().expect("one has heard all");
+        for (cut, doctor) in later {
+            let is_less = |found: &Finding, known: &Finding| {
+                let rule = if found.rule == Rule::NotFound { Rule::NotAnswering } else { found.rule };
+                (known.rule == rule || known.rule == found.rule)
+                    // Who waits for recovery had a MAC ID before that.
+                    && (known.node == found.node || found.node.is_none())
+                    && found.severity <= known.severity
+            };
+            let others =
+                doctor.findings().filter(|found| !whole.findings().any(|known| is_less(found, known)));
+            wrong.extend(others.map(|found| format!("{name} from frame {cut}: {} {found}", found.severity)));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// So many begin to listen to each scenario.
+const CUTS: u64 = 40;

@@ -115,7 +115,57 @@ fn a_recording_that_starts_in_the_middle() {
     ward.poll().answer().poll().wait(2_000);
     ward.is_healthy();
     ward.poll().wait(10);
-    assert_eq!(ward.only(Rule::NotAnswering).since, Instant::from_millis(3));
+    let found = ward.only(Rule::NotAnswering);
+    assert_eq!((found.since, found.severity), (Instant::from_millis(3), Severity::Warning));
+    // The master gives it up, and asks in vain: no assumption any more.
+    for _ in 0..4 {
+        ward.group2(10, 6, &[1, 0x4B, 3, 1, 1, 1]).wait(1_000);
+    }
+    assert_eq!(ward.only(Rule::NotAnswering).severity, Severity::Error);
+}
+
+/// Frames without data to a slave that produces by itself can be those of a master that does so as well, without acknowledges.
+#[test]
+fn what_was_never_answered_need_not_be_a_poll() {
+    let mut ward = Ward::new();
+    for _ in 0..10 {
+        ward.group2(10, 5, &[]).group1(0xD, 10, &[7]).wait(500);
+    }
+    ward.is_healthy();
+}
+
+/// Whoever begins to listen does not know the connection sizes, and can come in the middle of a message.
+#[test]
+fn fragments_that_are_heard_from_the_middle_have_one_sender() {
+    let poll: [&[u8]; 3] = [&[0; 8], &[0x41, 0, 0, 0, 0, 0, 0, 0], &[0x82, 0, 0, 0, 0, 0]];
+    let frames = || [5_u8, 0xF].into_iter().flat_map(|message| poll.map(|data| (message, data)));
+    for from in 0..frames().count() {
+        let mut ward = Ward::new();
+        for (message, data) in std::iter::repeat_with(frames).take(40).flatten().skip(from) {
+            match message {
+                5 => ward.group2(10, 5, data),
+                _ => ward.group1(message, 10, data),
+            };
+        }
+        ward.is_healthy();
+    }
+    // A message of 64 fragments, of which the poll was not heard.
+    let mut ward = Ward::new();
+    for count in 20..63 {
+        ward.group1(0xF, 10, &[0x40 | count, 0, 0, 0, 0, 0, 0, 0]);
+    }
+    ward.group1(0xF, 10, &[0xBF, 0]).is_healthy();
+}
+
+/// It is one all the same, but its allocation was not seen.
+#[test]
+fn a_second_sender_on_a_bus_that_already_runs() {
+    let mut ward = Ward::new();
+    ward.poll().answer().wait(1_000);
+    for _ in 0..3 {
+        ward.poll().answer().group1(0xF, 10, &[3]);
+    }
+    assert_eq!(ward.only(Rule::IdentifierCollision).severity, Severity::Warning);
 }
 
 #[test]

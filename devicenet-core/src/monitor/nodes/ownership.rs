@@ -6,6 +6,7 @@ use cip_core::monitor::{Connection, ConnectionState};
 
 use super::Node;
 use crate::id::MacId;
+use crate::monitor::Predefined;
 
 /// Who owns a predefined connection set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -58,6 +59,14 @@ impl Node {
     /// The multicast group that its multicast poll connection belongs to.
     pub(in crate::monitor) fn multicast_group(&self) -> Option<MacId> {
         self.group.or(self.owner())
+    }
+
+    /// No allocation was seen, and the slave produces by change of state or cyclic and was never heard to answer a poll: what its
+    /// master sends it without data are no polls.
+    pub(in crate::monitor) fn seems_to_produce_only(&self) -> bool {
+        self.allocation.is_none()
+            && self.peek(Predefined::CosCyclic).produced.heard
+            && !self.peek(Predefined::Poll).answers
     }
 
     /// The choice, if an allocation is known to exist.
