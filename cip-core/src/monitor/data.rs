@@ -64,8 +64,8 @@ impl Side {
             if usize::from(size) <= IO_UNFRAGMENTED_LEN {
                 return Part { flaw: check_size(Some(size), field.len()), ..Part::whole(field) };
             }
-        } else if !matches!(self.guess, Guess::Fragmented | Guess::Begun)
-            && !(continues(self.guess, field) && slots.is_receiving(stream))
+        } else if !(matches!(self.guess, Guess::Fragmented | Guess::Begun)
+            || continues(self.guess, field) && slots.is_receiving(stream))
         {
             let before = core::mem::replace(&mut self.guess, Guess::Plain);
             if let ([0, _, _, _, _, _, _, _], FragmentationGuess::On) = (field, guess) {

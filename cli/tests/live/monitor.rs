@@ -49,7 +49,8 @@ fn evidence_is_numbered_as_decode_counts() {
     // An error frame, a line that cannot be read, a frame of CAN FD; a fault, polls without an answer, a node that checks twice.
     let mut log = String::from(
         "(1.000000) can0 20000088#0000040A00000000\n(1.010000) can0 20000088#0000040A00000000\nno frame\n\
-         (1.020000) can0 123##1aabb\n(1.030000) can0 00000455#\n(1.040000) can0 45B#0BCD010004010000\n",
+         (1.020000) can0 123##1aabb\n(1.030000) can0 00000455#\n(1.040000) can0 45B#0BCD010004010000\n\
+         (1.050000) can0 455#01\n(1.060000) can0 3CA#01\n",
     );
     for second in 2..7 {
         log += &format!("({second}.000000) can0 455#01\n({second}.100000) can0 20000088#0000040A00000000\n");
@@ -65,7 +66,7 @@ fn evidence_is_numbered_as_decode_counts() {
     let decoded = devicenet(&["decode", "--summary", "--json", path]).json();
     let decoded = evidence(decoded.into_iter().filter(|object| object["summary"] == "finding").collect());
     assert_eq!(monitored, decoded);
-    let silent = ("\"not_answering\"".to_owned(), "[6,8]".to_owned());
+    let silent = ("\"not_answering\"".to_owned(), "[8,10]".to_owned());
     assert!(monitored.len() == 4 && monitored.contains(&silent), "{monitored:?}");
 }
 
