@@ -115,7 +115,7 @@
 //! |---|---|
 //! | `database`, `config` | what it is told |
 //! | `discover`, `address`, `standing` | Hellos, Mini-whos, ROAMs: who is there, and who gets which address |
-//! | `connect`, `watch` | connections, and what becomes of them |
+//! | `connect`, `answer`, `watch` | connections, and what becomes of them |
 //! | `talk` | requests of the application, planned reads, new addresses for devices that have one |
 //! | `machine`, `slot`, `lanes`, `output` | what is kept of each device, and the order in which frames leave |
 //! | `node` | the manager as a node of its own |
@@ -141,6 +141,7 @@
 //! | learning | a device without an address gets the lowest one that is free; one that has an address keeps it. Connections are the application's business |
 
 mod address;
+mod answer;
 mod command;
 mod config;
 mod connect;
