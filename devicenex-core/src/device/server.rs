@@ -14,7 +14,7 @@ use super::connection_object::ConnectionObject;
 use super::departure::{Departure, Why};
 use super::event::DeviceEvent;
 use super::machine::Device;
-use crate::link_object::LinkObject;
+use crate::link_object::{Instances, LinkObject};
 use crate::message::ConnectionInstance;
 
 impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, MESSAGE, CONNECTIONS> {
@@ -79,8 +79,12 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
         place: Option<usize>,
         out: &mut Writer<'_>,
     ) -> Result<Effects, Failure> {
-        let instances = self.slots.iter().filter(|slot| slot.is_open()).map(|slot| slot.instance);
-        let mut link = LinkObject::new(&mut self.access, instances.collect());
+        let mut instances = Instances::new();
+        for slot in self.slots.iter().filter(|slot| slot.is_open()) {
+            // There is room: a device has no more connections. To collect them would bring panicking code.
+            let _ = instances.push(slot.instance);
+        }
+        let mut link = LinkObject::new(&mut self.access, instances);
         let effects = serve(&mut link, call, out)?;
         if let Some((address, place)) = link.new_address().zip(place) {
             self.departure = Some(Departure { why: Why::Address(address), place });

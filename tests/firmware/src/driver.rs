@@ -3,14 +3,32 @@
 
 use core::hint::black_box;
 
-use link_core::{Action, Frame, Id, Input, Instant, LinkEvent, Machine, StandardId, TxOutcome, TxToken};
+use link_core::{
+    Action, ExtendedId, Frame, Id, Input, Instant, LinkEvent, Machine, StandardId, TxOutcome, TxToken,
+};
 
-/// Feeds a machine and carries out what it asks for, for ever.
+/// Feeds a machine and carries out what it asks for, for ever. All frames have identifiers of 11 bits.
 pub fn drive<M: Machine>(machine: &mut M) -> ! {
+    run(machine, standard)
+}
+
+/// The same with identifiers of both lengths, and remote frames.
+pub fn drive_extended<M: Machine>(machine: &mut M) -> ! {
+    run(machine, |data| {
+        let extended = ExtendedId::new(black_box(0)).unwrap_or(ExtendedId::MAX);
+        match black_box(0) {
+            0 => Frame::new(Id::Extended(extended), data),
+            1 => Frame::remote(Id::Extended(extended), 8),
+            _ => standard(data),
+        }
+    })
+}
+
+fn run<M: Machine>(machine: &mut M, frame: impl Fn(&[u8]) -> Option<Frame>) -> ! {
     let mut sent = None;
     loop {
         let now = Instant::from_nanos(black_box(0));
-        machine.input(now, next_input(&mut sent));
+        machine.input(now, next_input(&mut sent, &frame));
         while let Some(action) = machine.poll(now) {
             match &action {
                 Action::Transmit(token, frame) => {
@@ -33,17 +51,20 @@ pub fn drive<M: Machine>(machine: &mut M) -> ! {
     }
 }
 
-fn next_input(sent: &mut Option<TxToken>) -> Input {
+fn next_input(sent: &mut Option<TxToken>, frame: impl Fn(&[u8]) -> Option<Frame>) -> Input {
     if let Some(token) = sent.take() {
         return Input::TxDone(token, if black_box(true) { TxOutcome::Sent } else { TxOutcome::Dropped });
     }
     if black_box(false) {
         return Input::Link(black_box(LinkEvent::Up));
     }
-    let id = Id::Standard(StandardId::new(black_box(0)).unwrap_or(StandardId::MAX));
     let data = black_box([0_u8; 8]);
-    match Frame::new(id, data.get(..black_box(8)).unwrap_or_default()) {
+    match frame(data.get(..black_box(8)).unwrap_or_default()) {
         Some(frame) => Input::Frame(frame),
         None => Input::Tick,
     }
+}
+
+fn standard(data: &[u8]) -> Option<Frame> {
+    Frame::new(Id::Standard(StandardId::new(black_box(0)).unwrap_or(StandardId::MAX)), data)
 }
