@@ -10,7 +10,7 @@ use super::ledger::{Ledger, Sign};
 use super::patient::Seen;
 use super::rule::{Rule, Severity};
 use super::window::Window;
-use crate::id::MacId;
+use crate::id::{Identifier, MacId, Purpose};
 
 /// What is counted of the bus.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -27,6 +27,8 @@ pub(super) struct Bus {
     last_kind: BusErrorKind,
     /// Missing acknowledges since the last good frame: when the first was, and how many.
     unacknowledged: Option<(Instant, u32)>,
+    /// The last frame, if it was a duplicate MAC ID check request.
+    check: Option<(Instant, Frame)>,
     /// Form errors in a row without a frame in between: when the last was, and how many.
     form_errors: Option<(Instant, u32)>,
     /// When that was over last.
@@ -45,6 +47,7 @@ impl Bus {
             last_error: None,
             last_kind: BusErrorKind::Other,
             unacknowledged: None,
+            check: None,
             form_errors: None,
             deaf_until: Instant::ZERO,
             is_blind: false,
@@ -64,10 +67,14 @@ impl Bus {
             self.takes_part(ledger, None, at);
         }
         self.form_errors = None;
-        if let Some((_, count)) = self.unacknowledged.take() {
+        if self.is_sent_again(at, frame) {
+            self.not_acknowledged(ledger, None, seen.at, Some(seen.n));
+        } else if let Some((_, count)) = self.unacknowledged.take() {
             ledger.end(Rule::NotAcknowledged, None, at);
             if count >= MOST_UNACKNOWLEDGED {
                 self.deaf_until = at;
+                // The load was that of the attempts.
+                self.load = Window::new();
             }
         }
         if config.bit_rate.is_some() {
@@ -118,7 +125,9 @@ impl Bus {
             return;
         }
         let limit = u16::from(config.load_percent).saturating_mul(10);
-        if permille > limit {
+        // Who is alone fills the bus by trying again.
+        let is_alone = self.unacknowledged.is_some_and(|(_, count)| count >= MOST_UNACKNOWLEDGED);
+        if permille > limit && !is_alone {
             let sign = Sign {
                 rule: Rule::BusLoad,
                 severity: Severity::Warning,
@@ -167,15 +176,7 @@ impl Bus {
                 self.takes_part(ledger, node, at);
                 ledger.end(Rule::ErrorPassive, node, at);
             }
-            LinkEvent::BusError(BusErrorKind::Ack) => {
-                let (since, count) = self.unacknowledged.unwrap_or((at, 0));
-                let count = count.saturating_add(1);
-                self.unacknowledged = Some((since, count));
-                if count >= MOST_UNACKNOWLEDGED && at.saturating_since(since) >= ALONE {
-                    let facts = Facts::Errors { kind: BusErrorKind::Ack, in_window: count };
-                    ledger.see(&Sign { since, ..sign(Rule::NotAcknowledged, Severity::Error, facts) });
-                }
-            }
+            LinkEvent::BusError(BusErrorKind::Ack) => self.not_acknowledged(ledger, node, at, n),
             LinkEvent::BusError(kind) => self.error(config, ledger, kind, Seen { n: n.unwrap_or(0), at }, n),
             LinkEvent::Overrun { lost } => {
                 ledger.see(&sign(Rule::Overrun, Severity::Warning, Facts::Lost(lost)));
@@ -185,6 +186,40 @@ impl Bus {
             | LinkEvent::FilterSet
             | LinkEvent::Refused(_) => {}
         }
+    }
+
+    /// What was sent has no acknowledge.
+    fn not_acknowledged<const N: usize>(
+        &mut self,
+        ledger: &mut Ledger<N>,
+        node: Option<MacId>,
+        at: Instant,
+        n: Option<u64>,
+    ) {
+        let (since, count) = self.unacknowledged.unwrap_or((at, 0));
+        let count = count.saturating_add(1);
+        self.unacknowledged = Some((since, count));
+        if count >= MOST_UNACKNOWLEDGED && at.saturating_since(since) >= ALONE {
+            ledger.see(&Sign {
+                rule: Rule::NotAcknowledged,
+                severity: Severity::Error,
+                node,
+                facts: Facts::Errors { kind: BusErrorKind::Ack, in_window: count },
+                since,
+                at,
+                frames: [n, None],
+            });
+        }
+    }
+
+    /// A duplicate MAC ID check request again at once. The next is due after a second: it is the same, which nobody has acknowledged.
+    /// A listener hears it as a frame in order when its sender is error-passive.
+    fn is_sent_again(&mut self, at: Instant, frame: &Frame) -> bool {
+        let is_check = Identifier::of_frame(frame)
+            .is_some_and(|identifier| identifier.purpose() == Purpose::DuplicateMacCheck)
+            && frame.data().first().is_some_and(|first| first & RESPONSE == 0);
+        let before = core::mem::replace(&mut self.check, is_check.then_some((at, *frame)));
+        before.is_some_and(|(last, before)| before == *frame && at.saturating_since(last) <= CHECKS_AGAIN)
     }
 
     /// A controller that hears, or is in any error state, is not bus-off. Not every one tells that it was restarted.
@@ -262,6 +297,10 @@ const MOST_UNACKNOWLEDGED: u32 = 10;
 const ALONE: Duration = Duration::from_secs(1);
 /// The longest frame at the lowest bit rate with its error frame, and time for the node to begin.
 const TRIES_AGAIN: Duration = Duration::from_millis(2);
+/// The same at the pace of a slow adapter.
+const CHECKS_AGAIN: Duration = Duration::from_millis(20);
+/// The bit of the first data byte that tells a duplicate MAC ID check response from a request.
+const RESPONSE: u8 = 0x80;
 /// Each failed attempt adds 8 to the transmit error counter; at 128 a sender is error-passive, and heard by those who listen.
 const UNTIL_ERROR_PASSIVE: u32 = 16;
 /// After so long a pause errors are another burst. Ten within ten seconds are closer on the average.

@@ -209,7 +209,13 @@ impl<const N: usize, const B: usize> SizedMonitor<N, B> {
 
     /// What is known of every node that was heard or addressed.
     pub fn nodes(&self) -> impl Iterator<Item = NodeRecord> {
-        self.state.settled().filter_map(|(mac, node)| NodeRecord::of(mac, &node, self.state.now))
+        self.nodes_at(self.state.now)
+    }
+
+    /// The same as of a moment after the last frame: who has checked its MAC ID twice is on line a second later, heard or not.
+    pub fn nodes_at(&self, now: Instant) -> impl Iterator<Item = NodeRecord> {
+        let now = now.max(self.state.now);
+        self.state.settled().filter_map(move |(mac, node)| NodeRecord::of(mac, &node, now))
     }
 
     /// What is known of a node, if it was heard or addressed.

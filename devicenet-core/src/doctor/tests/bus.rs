@@ -70,6 +70,23 @@ fn nobody_acknowledges() {
     assert!(ward.only(Rule::NotAcknowledged).is_over());
 }
 
+/// An error-passive sender that nobody acknowledges is heard by who listens, and fills the bus without being busy.
+#[test]
+fn a_check_without_an_acknowledge_is_heard_again_and_again() {
+    let config = DoctorConfig { bit_rate: Some(link_core::BitRate::K125), ..DoctorConfig::default() };
+    let mut ward = Ward::with(config);
+    for _ in 0..1_000 {
+        ward.check(10, 0, 1);
+    }
+    ward.is_healthy();
+    for _ in 0..2_000 {
+        ward.check(10, 0, 1);
+    }
+    assert_eq!(ward.only(Rule::NotAcknowledged).since, Instant::from_millis(2));
+    ward.check(11, 0, 2);
+    assert!(ward.only(Rule::NotAcknowledged).is_over());
+}
+
 /// To one that only listens, sixteen form errors in a row are a sender that nobody acknowledges. More are not.
 #[test]
 fn a_lone_sender_is_no_disturbance() {

@@ -13,6 +13,9 @@ fn a_node_comes_on_line_by_two_checks_and_a_second() {
     assert_eq!(bus.node(10).access, AccessState::FirstCheck);
     bus.wait(999).group2(10, 7, &DEVICE);
     assert_eq!(bus.node(10).access, AccessState::SecondCheck);
+    // It is, even if nothing is heard any more.
+    let later = |millis| bus.monitor.nodes_at(Instant::from_millis(bus.now + millis)).next().unwrap().access;
+    assert_eq!([later(999), later(1_000)], [AccessState::SecondCheck, AccessState::OnLine]);
     bus.wait(1000).group2(1, 7, &TWIN);
     assert_eq!(bus.node(10).access, AccessState::OnLine);
     let node = bus.node(10);

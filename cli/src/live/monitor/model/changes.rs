@@ -3,6 +3,8 @@
 use devicenet_core::MacId;
 use devicenet_core::monitor::{AccessState, ConnectionName, ConnectionRecord, ConnectionState, Monitor};
 
+use link_core::Instant;
+
 use super::event::Happening;
 
 /// What was seen at the last look. Its size is that of the monitor's tables.
@@ -29,8 +31,8 @@ impl Changes {
     }
 
     /// Compares, and tells what is new.
-    pub(super) fn look(&mut self, monitor: &Monitor, mut tell: impl FnMut(Happening)) {
-        for record in monitor.nodes() {
+    pub(super) fn look(&mut self, monitor: &Monitor, now: Instant, mut tell: impl FnMut(Happening)) {
+        for record in monitor.nodes_at(now) {
             let known = &mut self.access[usize::from(record.mac.number())];
             if *known != record.access {
                 tell(Happening::Access { mac: record.mac, from: *known, to: record.access });

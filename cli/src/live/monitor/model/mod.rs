@@ -146,7 +146,7 @@ impl Model {
         };
         if is_news || at >= self.look_at {
             self.look_at = at + LOOK_EVERY;
-            self.changes.look(&self.monitor, |what| tell(Event { at, what }));
+            self.changes.look(&self.monitor, self.now, |what| tell(Event { at, what }));
         }
         while let Some(change) = self.doctor.poll() {
             tell(Event { at, what: Happening::Finding(change) });
@@ -286,7 +286,7 @@ impl Model {
         let elapsed = self.now.saturating_since(begin);
         let total = self.total.load(elapsed);
         let mut nodes: Vec<NodePicture> =
-            self.monitor.nodes().map(|record| self.node(record, &load, &total)).collect();
+            self.monitor.nodes_at(self.now).map(|record| self.node(record, &load, &total)).collect();
         for connection in self.monitor.connections() {
             if let Ok(at) = nodes.binary_search_by_key(&connection.server, NodePicture::mac) {
                 nodes[at].connections.push(connection);
