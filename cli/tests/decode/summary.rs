@@ -183,7 +183,7 @@ fn the_bus_load_is_exact() {
     assert_eq!(objects[0]["bit_rate"], 125_000);
 }
 
-/// Two polls without an answer, a second apart; the packet rate is not known.
+/// Two polls without an answer, a second apart; neither the allocation nor the packet rate is known.
 const SILENT: &str = "(1.000000) can0 455#01\n(1.000300) can0 3CA#02\n(2.000000) can0 455#01\n\
                       (3.000000) can0 455#01\n(3.500000) can0 44D#01\n(3.500300) can0 3C9#01\n";
 
@@ -191,7 +191,7 @@ const SILENT: &str = "(1.000000) can0 455#01\n(1.000300) can0 3CA#02\n(2.000000)
 fn the_summary_says_what_is_wrong_and_what_to_check_next() {
     let output = run_with_input(&["decode", "--summary", "-"], SILENT);
     let expected = "
-error    node 10 has not answered its polls for more than 1000 ms
+warning  node 10 has not answered its polls for more than 1000 ms
          since 2.000000, frames 3 4, code 72
          check power, plug and drop cable of node 10, then its indicators: red is a duplicate MAC ID or bus-off, and takes a \
                     power cycle
@@ -203,7 +203,7 @@ error    node 10 has not answered its polls for more than 1000 ms
     for (field, value) in [
         ("channel", serde_json::json!("can0")),
         ("rule", serde_json::json!("not_answering")),
-        ("severity", serde_json::json!("error")),
+        ("severity", serde_json::json!("warning")),
         ("node", serde_json::json!(10)),
         ("scanner_status", serde_json::json!(72)),
         ("since", serde_json::json!(2.0)),
@@ -235,7 +235,7 @@ fn findings_obey_the_filters() {
         (&["--to", "900ms"], false),
     ] {
         let output = run_with_input(&[&["decode", "--summary"], filter, &["-"]].concat(), SILENT);
-        assert_eq!(stdout(&output).contains("error  "), is_shown, "{filter:?}");
+        assert_eq!(stdout(&output).contains("warning  "), is_shown, "{filter:?}");
     }
 }
 
