@@ -265,19 +265,15 @@ impl Decoder {
 }
 
 fn monitor<'a>(monitors: &'a mut Vec<Box<Monitor>>, bus: usize, sheets: &Sheets) -> &'a mut Monitor {
-    while monitors.len() <= bus {
+    of_bus(monitors, bus, || {
         let mut monitor = Box::new(Monitor::new(MonitorConfig::default()));
         sheets.prepare(&mut monitor);
-        monitors.push(monitor);
-    }
-    &mut monitors[bus]
+        monitor
+    })
 }
 
 fn nex_monitor(monitors: &mut Vec<Box<nex::Monitor>>, bus: usize) -> &mut nex::Monitor {
-    while monitors.len() <= bus {
-        monitors.push(Box::new(nex::Monitor::new(nex::MonitorConfig::default())));
-    }
-    &mut monitors[bus]
+    of_bus(monitors, bus, || Box::new(nex::Monitor::new(nex::MonitorConfig::default())))
 }
 
 /// The doctor of a bus, where one is wanted.
@@ -288,10 +284,25 @@ fn doctor<'a>(
     expected: Option<&Scenario>,
 ) -> Option<&'a mut Doctor> {
     let View::Summary { summary, .. } = view else { return None };
-    while doctors.len() <= bus {
-        doctors.push(health::doctor(summary.known_rate(), expected, None));
+    Some(of_bus(doctors, bus, || health::doctor(summary.known_rate(), expected, None)))
+}
+
+/// What there is one of for each bus, begun with the first frame of that bus.
+fn of_bus<T>(all: &mut Vec<Box<T>>, bus: usize, begin: impl Fn() -> Box<T>) -> &mut T {
+    if all.len() <= bus {
+        begin_buses(all, bus, begin);
     }
-    doctors.get_mut(bus).map(|doctor| &mut **doctor)
+    &mut all[bus]
+}
+
+/// Apart from what is done for every frame: a machine is made on the stack, and a function with hundreds of kilobytes there touches
+/// each of their pages whenever it is called.
+#[cold]
+#[inline(never)]
+fn begin_buses<T>(all: &mut Vec<Box<T>>, bus: usize, begin: impl Fn() -> Box<T>) {
+    while all.len() <= bus {
+        all.push(begin());
+    }
 }
 
 /// The MAC ID of the sender, after the channel in a recording of several buses, all but the first of which are named.
