@@ -18,6 +18,7 @@
 //! | [`link`] | what happens below the frame: bus-off, error-passive, bit rate, mode |
 //! | [`machine`] | the contract |
 //! | [`drive`](mod@drive) | the run loop and [`Port`] |
+//! | [`ethernet`] | the same contract with raw Ethernet frames |
 //! | [`codec`] | bounded reading and writing of bytes, and the laws of a type with a byte layout |
 //! | [`codes`] | numbers with names |
 //! | [`text`] | formatting without allocation |
@@ -75,6 +76,7 @@ pub mod codec;
 pub mod drive;
 #[cfg(feature = "embedded-can")]
 pub mod embedded;
+pub mod ethernet;
 pub mod filter;
 pub mod frame;
 pub mod link;

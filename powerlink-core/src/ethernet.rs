@@ -16,16 +16,10 @@
 //!
 //! Frames are written with at least [`MIN_FRAME`] bytes, and read with fewer: on a virtual link nobody pads.
 
-use core::fmt;
+pub use link_core::ethernet::{
+    HEADER as ETHERNET_HEADER, MAX_FRAME, MAX_PAYLOAD as MAX_ETHERNET_PAYLOAD, MIN_FRAME, MacAddress,
+};
 
-/// The shortest frame that a node sends.
-pub const MIN_FRAME: usize = 60;
-/// The longest frame.
-pub const MAX_FRAME: usize = 1514;
-/// Destination, source and EtherType.
-pub const ETHERNET_HEADER: usize = 14;
-/// The longest Ethernet payload.
-pub const MAX_ETHERNET_PAYLOAD: usize = MAX_FRAME - ETHERNET_HEADER;
 /// Message type, destination node, source node.
 pub const POWERLINK_HEADER: usize = 3;
 /// The most data behind the POWERLINK header.
@@ -38,54 +32,21 @@ pub const MAX_PROCESS_DATA: usize = MAX_ETHERNET_PAYLOAD - POLL_HEADER;
 /// EtherType of POWERLINK, the only field in network order.
 pub const ETHERTYPE: u16 = 0x88AB;
 
-/// An Ethernet address.
-///
-/// ```
-/// use powerlink_core::MacAddress;
-///
-/// assert_eq!(MacAddress::SOC.to_string(), "01-11-1E-00-00-01");
-/// assert!(MacAddress::SOC.is_group());
-/// ```
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
-pub struct MacAddress(pub [u8; 6]);
+/// The addresses to which all stations listen.
+pub mod group {
+    use super::MacAddress;
 
-impl MacAddress {
-    /// Every station.
-    pub const BROADCAST: Self = Self([0xFF; 6]);
     /// Where SoC goes.
-    pub const SOC: Self = Self::group(1);
+    pub const SOC: MacAddress = address(1);
     /// Where PRes goes.
-    pub const PRES: Self = Self::group(2);
+    pub const PRES: MacAddress = address(2);
     /// Where SoA goes.
-    pub const SOA: Self = Self::group(3);
+    pub const SOA: MacAddress = address(3);
     /// Where ASnd goes, also one for a single node.
-    pub const ASND: Self = Self::group(4);
+    pub const ASND: MacAddress = address(4);
 
-    const fn group(last: u8) -> Self {
-        Self([0x01, 0x11, 0x1E, 0x00, 0x00, last])
-    }
-
-    /// Whether it is one of several stations.
-    #[must_use]
-    pub const fn is_group(self) -> bool {
-        let [first, ..] = self.0;
-        first & 0x01 != 0
-    }
-}
-
-/// `01-11-1E-00-00-01`
-impl fmt::Display for MacAddress {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [a, b, c, d, e, g] = self.0;
-        write!(f, "{a:02X}-{b:02X}-{c:02X}-{d:02X}-{e:02X}-{g:02X}")
-    }
-}
-
-impl fmt::Debug for MacAddress {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Display::fmt(self, f)
+    const fn address(last: u8) -> MacAddress {
+        MacAddress([0x01, 0x11, 0x1E, 0x00, 0x00, last])
     }
 }
 

@@ -6,9 +6,8 @@
 //! | module | what |
 //! |---|---|
 //! | [`node`] | [`ControlledNode`], which joins all parts |
-//! | [`machine`] | the contract: frames and ticks in, actions out |
 //! | [`wire`] | every message with its byte table |
-//! | [`ethernet`] | addresses and lengths of frames |
+//! | [`ethernet`] | addresses and lengths of frames; the contract is [`link_core::ethernet`] |
 //! | [`nmt`] | the NMT state machine |
 //! | [`cycle`] | the cycle: frames that do not come |
 //! | [`error`] | error counters, error signalling |
@@ -22,10 +21,11 @@
 //! Eight inputs and eight outputs; the managing node is played by hand.
 //!
 //! ```
+//! use link_core::Instant;
 //! use link_core::codec::Writer;
+//! use link_core::ethernet::{Action, Input, Machine};
 //! use powerlink_core::dictionary::{Access, Device, Entry, Mappable, ObjectAddress, ObjectSet, ObjectType};
-//! use powerlink_core::ethernet::MAX_FRAME;
-//! use powerlink_core::machine::{Action, Input, Instant, Machine};
+//! use powerlink_core::ethernet::{MAX_FRAME, group};
 //! use powerlink_core::node::{Config, DefaultMapping};
 //! use powerlink_core::pdo::MappingEntry;
 //! use powerlink_core::wire::*;
@@ -75,13 +75,13 @@
 //! let poll = Body::Preq(Preq { flags: Flags::DATA_VALID, pdo_version: PdoVersion(0), data: &[0x0F] });
 //! let all = NodeId::BROADCAST;
 //! let start = [
-//!     frame(MacAddress::SOA, all, soa(RequestedService::NO_SERVICE)),
-//!     frame(MacAddress::SOA, all, soa(RequestedService::IDENT_REQUEST)),
-//!     frame(MacAddress::SOC, all, Body::Soc(Soc::default())),
-//!     frame(MacAddress::SOA, all, soa(RequestedService::UNSPECIFIED_INVITE)),
-//!     frame(MacAddress::ASND, NodeId(1), command(NmtCommandId::ENABLE_READY_TO_OPERATE)),
-//!     frame(MacAddress::ASND, all, command(NmtCommandId::START_NODE)),
-//!     frame(MacAddress::SOC, all, Body::Soc(Soc::default())),
+//!     frame(group::SOA, all, soa(RequestedService::NO_SERVICE)),
+//!     frame(group::SOA, all, soa(RequestedService::IDENT_REQUEST)),
+//!     frame(group::SOC, all, Body::Soc(Soc::default())),
+//!     frame(group::SOA, all, soa(RequestedService::UNSPECIFIED_INVITE)),
+//!     frame(group::ASND, NodeId(1), command(NmtCommandId::ENABLE_READY_TO_OPERATE)),
+//!     frame(group::ASND, all, command(NmtCommandId::START_NODE)),
+//!     frame(group::SOC, all, Body::Soc(Soc::default())),
 //!     frame(mac, NodeId(1), poll),
 //! ];
 //!
@@ -134,7 +134,6 @@ pub mod dictionary;
 pub mod error;
 pub mod ethernet;
 pub mod indicator;
-pub mod machine;
 pub mod nmt;
 pub mod node;
 pub mod node_id;

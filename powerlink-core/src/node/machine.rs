@@ -2,6 +2,7 @@
 
 use core::time::Duration;
 
+use link_core::ethernet::{Action, Input, Machine};
 use link_core::timers::TimerKey;
 use link_core::{Deadline, Instant, Queue, Timers};
 
@@ -12,7 +13,6 @@ use crate::cycle::Cycle;
 use crate::dictionary::{Dictionary, ObjectSet, Values};
 use crate::error::Signalling;
 use crate::indicator::{StatusLed, error_led};
-use crate::machine::{Action, Input, Machine};
 use crate::nmt::{Cause, Nmt, NmtState};
 use crate::pdo::{Mapping, Mappings};
 use crate::sdo::Server;

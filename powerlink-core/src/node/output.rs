@@ -1,18 +1,18 @@
 //! What the node sends. It follows from the state; there is no queue of frames.
 
 use link_core::codec::{Full, Wire, Writer};
+use link_core::ethernet::Action;
 
 use super::event::{NodeEvent, count};
 use super::machine::{ControlledNode, Reply, Request};
 use crate::dictionary::{FEATURES, ObjectSet};
-use crate::ethernet::{MIN_FRAME, POLL_HEADER};
-use crate::machine::Action;
+use crate::ethernet::{self, MIN_FRAME, POLL_HEADER, group};
 use crate::nmt::{Cause, NmtState};
 use crate::wire::{
     AsyncRequest, Flags, Header, IdentResponse, IpParameters, MessageType, NmtRequest, POWERLINK_V2, Pres,
     ServiceId, StatusResponse, pad,
 };
-use crate::{MacAddress, NodeId, ethernet};
+use crate::{MacAddress, NodeId};
 
 impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, SDO> {
     /// Whether there is anything to do.
@@ -101,7 +101,7 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         let mapping = &self.dictionary.mappings.transmit;
         let limit = usize::from(self.active.pres_limit);
         let data = self.inputs.get(..mapping.len().min(limit)).unwrap_or_default();
-        self.header(MacAddress::PRES, MessageType::PRES, NodeId::BROADCAST).emit(out)?;
+        self.header(group::PRES, MessageType::PRES, NodeId::BROADCAST).emit(out)?;
         let request = self.async_request();
         Pres { state: state.code(), flags, request, pdo_version: mapping.version, data }.emit(out)?;
         pad(out, limit.saturating_add(ethernet::ETHERNET_HEADER.saturating_add(POLL_HEADER)).max(MIN_FRAME))
@@ -154,7 +154,7 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     }
 
     fn asnd_header(&self, to: NodeId, service: ServiceId, out: &mut Writer<'_>) -> Result<(), Full> {
-        self.header(MacAddress::ASND, MessageType::ASND, to).emit(out)?;
+        self.header(group::ASND, MessageType::ASND, to).emit(out)?;
         out.u8(service.0)
     }
 

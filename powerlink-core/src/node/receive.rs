@@ -3,6 +3,7 @@
 use core::time::Duration;
 
 use link_core::codec::{Reader, Wire};
+use link_core::ethernet::LinkEvent;
 
 use super::config::VersionCheck;
 use super::event::{NodeEvent, count};
@@ -10,7 +11,7 @@ use super::machine::{ControlledNode, Reply, Timer};
 use crate::cycle::{CycleEvent, CycleMode, Losses, Supervision};
 use crate::dictionary::ObjectSet;
 use crate::error::Symptom;
-use crate::machine::LinkEvent;
+use crate::ethernet::group;
 use crate::nmt::{Cause, NmtState};
 use crate::pdo::Mapping;
 use crate::wire::{
@@ -59,7 +60,7 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
 
     fn is_for_this_adapter(&self, destination: MacAddress) -> bool {
         destination == self.config.mac
-            || [MacAddress::SOC, MacAddress::SOA, MacAddress::ASND, MacAddress::PRES, MacAddress::BROADCAST]
+            || [group::SOC, group::SOA, group::ASND, group::PRES, MacAddress::BROADCAST]
                 .contains(&destination)
     }
 

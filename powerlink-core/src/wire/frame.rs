@@ -41,11 +41,12 @@ pub struct Header {
 /// What follows the content is padding and is not looked at; [`emit`](Self::emit) pads to the shortest length of Ethernet.
 ///
 /// ```
+/// use powerlink_core::ethernet::group;
 /// use powerlink_core::wire::{Body, Frame, Header, MessageType, Soc};
 /// use powerlink_core::{MacAddress, NodeId};
 ///
 /// let soc = Frame {
-///     destination: MacAddress::SOC,
+///     destination: group::SOC,
 ///     source: MacAddress([0x02, 0, 0, 0, 0, 0xF0]),
 ///     to: NodeId::BROADCAST,
 ///     from: NodeId::MANAGING_NODE,

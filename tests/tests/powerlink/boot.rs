@@ -3,9 +3,9 @@
 
 use link_core::Instant;
 use link_core::codec::Writer;
+use link_core::ethernet::{Action, Input, Machine};
 use powerlink_core::dictionary::{Access, Device, Entry, Mappable, ObjectAddress, ObjectSet, ObjectType};
 use powerlink_core::ethernet::{MAX_FRAME, MIN_FRAME};
-use powerlink_core::machine::{Action, Input, Machine};
 use powerlink_core::nmt::NmtState;
 use powerlink_core::node::{Config, NodeEvent};
 use powerlink_core::wire::{AbortCode, Body, Frame, Identity};

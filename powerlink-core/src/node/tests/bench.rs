@@ -6,11 +6,11 @@ use std::vec::Vec;
 
 use link_core::Instant;
 use link_core::codec::Writer;
+use link_core::ethernet::{Action, Input, LinkEvent, Machine};
 
 use super::super::*;
 use crate::dictionary::{Access, Device, Entry, Mappable, ObjectAddress, ObjectSet, ObjectType};
-use crate::ethernet::MAX_FRAME;
-use crate::machine::{Action, Input, LinkEvent, Machine};
+use crate::ethernet::{MAX_FRAME, group};
 use crate::nmt::NmtState;
 use crate::pdo::MappingEntry;
 use crate::wire::{
@@ -149,7 +149,7 @@ impl Bench {
     }
 
     pub(super) fn soc(&mut self) {
-        self.of_mn(MacAddress::SOC, NodeId::BROADCAST, Body::Soc(Soc::default()));
+        self.of_mn(group::SOC, NodeId::BROADCAST, Body::Soc(Soc::default()));
     }
 
     pub(super) fn preq(&mut self, flags: Flags, data: &[u8]) {
@@ -161,7 +161,7 @@ impl Bench {
         let state = NmtStateCode::OPERATIONAL;
         let (flags, request) = (Flags::DATA_VALID, crate::wire::AsyncRequest::NONE);
         let pres = Pres { state, flags, request, pdo_version: PdoVersion(0), data: &[9] };
-        self.hears(MacAddress::PRES, NodeId::BROADCAST, NodeId(2), Body::Pres(pres));
+        self.hears(group::PRES, NodeId::BROADCAST, NodeId(2), Body::Pres(pres));
     }
 
     pub(super) fn soa(&mut self) {
@@ -171,7 +171,7 @@ impl Bench {
     pub(super) fn invite(&mut self, service: RequestedService, target: NodeId, flags: Flags) {
         let state = NmtStateCode::PRE_OPERATIONAL_1;
         let soa = Soa { state, flags, service, target, version: POWERLINK_V2 };
-        self.of_mn(MacAddress::SOA, NodeId::BROADCAST, Body::Soa(soa));
+        self.of_mn(group::SOA, NodeId::BROADCAST, Body::Soa(soa));
     }
 
     /// A SoA that asks this node for something.
@@ -184,14 +184,14 @@ impl Bench {
     }
 
     pub(super) fn command_to(&mut self, to: NodeId, command: NmtCommandId, data: &[u8]) {
-        self.of_mn(MacAddress::ASND, to, Body::NmtCommand(NmtCommand { command, data }));
+        self.of_mn(group::ASND, to, Body::NmtCommand(NmtCommand { command, data }));
     }
 
     /// SDO of the managing node, from the sequence layer on.
     pub(super) fn sdo(&mut self, hex: &str) {
         let body: Vec<u8> = hex.split(' ').map(|byte| u8::from_str_radix(byte, 16).unwrap()).collect();
         let service = crate::wire::ServiceId::SDO;
-        self.of_mn(MacAddress::ASND, NODE, Body::OtherAsnd(service, &body));
+        self.of_mn(group::ASND, NODE, Body::OtherAsnd(service, &body));
     }
 
     /// A whole cycle with a poll.

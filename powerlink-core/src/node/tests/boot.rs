@@ -109,7 +109,7 @@ fn the_length_of_a_pres_is_that_of_its_limit() {
         let node = crate::ControlledNode::<Io, 200>::new(config, Io::default());
         let mut node = node.unwrap();
         let now = link_core::Instant::ZERO;
-        use crate::machine::{Action, Input, Machine};
+        use link_core::ethernet::{Action, Input, Machine};
         node.power_on(now);
         let mut buffer = [0xA5; 1514];
         let mut sent = 0;

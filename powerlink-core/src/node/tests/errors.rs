@@ -3,10 +3,10 @@
 use core::time::Duration;
 
 use super::bench::*;
-use crate::machine::LinkEvent;
 use crate::nmt::NmtState;
 use crate::node::NodeEvent;
 use crate::wire::{ErrorCode, Flags, NmtCommandId, RequestedService};
+use link_core::ethernet::LinkEvent;
 
 const CYCLE_TIME: Duration = Duration::from_millis(CYCLE);
 const CYCLIC: [NmtState; 3] = [NmtState::ReadyToOperate, NmtState::Operational, NmtState::Stopped];

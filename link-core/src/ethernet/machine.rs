@@ -1,14 +1,16 @@
 //! The contract: frames and ticks in, actions out.
 //!
-//! It is that of [`link_core::Machine`] with Ethernet frames, which are longer than a machine would keep: what is received is
+//! It is that of [`crate::Machine`] with Ethernet frames, which are longer than a machine would keep: what is received is
 //! borrowed, and what is sent is written into a buffer of the caller. Time, timers and deadlines are the same.
 //!
-//! A transmission is not answered: the managing node decides who sends when, so nothing waits for the medium, and the
-//! protocol itself notices a frame that does not arrive.
+//! A transmission is not answered: in a protocol for this contract one station decides who sends when, so nothing waits for
+//! the medium, and the protocol itself notices a frame that does not arrive.
 
 use core::fmt::Debug;
 
-pub use link_core::{Deadline, Instant};
+#[cfg(doc)]
+use super::MAX_FRAME;
+use crate::{Deadline, Instant};
 
 /// What a machine is told.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -69,7 +71,7 @@ pub trait Machine {
     fn input(&mut self, now: Instant, input: Input<'_>);
 
     /// The next thing to do, or `None` when there is nothing more for now. A frame is written to the front of `buffer`,
-    /// which must have room for the longest, [`MAX_FRAME`](crate::ethernet::MAX_FRAME) bytes.
+    /// which must have room for the longest, [`MAX_FRAME`] bytes.
     fn poll<'b>(&mut self, now: Instant, buffer: &'b mut [u8]) -> Option<Action<'b, Self::Event>>;
 
     /// When it must be called next; a moment that has passed while output is pending.
