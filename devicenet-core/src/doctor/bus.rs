@@ -294,7 +294,7 @@ const HYSTERESIS: u16 = 50;
 /// Without a frame in between.
 const MOST_UNACKNOWLEDGED: u32 = 10;
 /// Whoever is switched on first is alone for a moment.
-const ALONE: Duration = Duration::from_secs(1);
+const ALONE: Duration = Duration::from_millis(500);
 /// The longest frame at the lowest bit rate with its error frame, and time for the node to begin.
 const TRIES_AGAIN: Duration = Duration::from_millis(2);
 /// The same at the pace of a slow adapter.

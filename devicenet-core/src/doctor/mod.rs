@@ -26,7 +26,7 @@
 //! | [`BusOff`](Rule::BusOff) | a controller is bus-off; a node tells a bus-off counter above 0 | it takes part again; the counter is 0, or the node begins anew | 91 | error; warning |
 //! | [`ErrorPassive`](Rule::ErrorPassive) | a controller is error-passive | it is error-active, with or without warning | | warning |
 //! | [`ErrorFrames`](Rule::ErrorFrames) | 10 errors within 10 s; up to 16 form errors of one that tries again at once are one | fewer than 5 | | warning; error from 100 |
-//! | [`NotAcknowledged`](Rule::NotAcknowledged) | missing acknowledges for 1 s, ten at least, without a frame in between; the same duplicate MAC ID check request again and again for 1 s | another frame | 79 | error |
+//! | [`NotAcknowledged`](Rule::NotAcknowledged) | missing acknowledges for 500 ms, ten at least, without a frame in between; the same duplicate MAC ID check request again and again for 500 ms | another frame | 79 | error |
 //! | [`ForeignTraffic`](Rule::ForeignTraffic) | a 29-bit, remote or CAN FD frame, an identifier 0x7C0-0x7EB or 0x7F0-0x7FF | quiet | | warning |
 //! | [`BusLoad`](Rule::BusLoad) | more than 70 % of the last second, by the exact bits of the frames, unless nobody acknowledges | below 65 % | | warning |
 //! | [`Overrun`](Rule::Overrun) | the controller has lost frames | quiet | 74 | warning |

@@ -172,7 +172,7 @@ const OTHERS: &[(&str, &[Found])] = &[
     ("duplicate-late", &[(Rule::DuplicateMacId, Some(10))]),
     ("duplicate-while-the-first-is-alone", &[(Rule::ErrorPassive, Some(10))]),
     ("exchange", &[]),
-    ("lone", &[(Rule::ErrorPassive, Some(10))]),
+    ("lone", &[(Rule::ErrorPassive, Some(10)), (Rule::NotAcknowledged, None)]),
     ("lone-until-another-comes", &[(Rule::ErrorPassive, Some(10))]),
     ("master-lost", &[(Rule::MasterSilent, Some(1)), (Rule::Restarted, Some(1))]),
     ("offline-repair", &[(Rule::DuplicateMacId, Some(10)), (Rule::WaitingForRecovery, Some(10))]),
@@ -183,6 +183,7 @@ const OTHERS: &[(&str, &[Found])] = &[
         "replacement",
         &[
             (Rule::ErrorPassive, Some(1)),
+            (Rule::NotAcknowledged, None),
             (Rule::NotAnswering, Some(10)),
             (Rule::IdentityChanged, Some(63)),
             (Rule::IdentityChanged, Some(10)),
