@@ -5,6 +5,7 @@ use core::time::Duration;
 use link_core::{BitRate, BusErrorKind, Frame, Instant, LinkEvent};
 
 use super::config::DoctorConfig;
+use super::errors::{self, ErrorCounts};
 use super::finding::{Facts, Foreign};
 use super::ledger::{Ledger, Sign};
 use super::patient::Seen;
@@ -20,11 +21,10 @@ pub(super) struct Bus {
     /// The number of the last frame.
     newest: Option<u64>,
     /// Errors other than missing acknowledges.
-    errors: Window,
+    errors: Window<{ ErrorCounts::KINDS }>,
     /// The first and the last of the present burst.
     first_error: Option<Instant>,
     pub(super) last_error: Option<Instant>,
-    last_kind: BusErrorKind,
     /// Missing acknowledges since the last good frame: when the first was, and how many.
     unacknowledged: Option<(Instant, u32)>,
     /// The last frame, if it was a duplicate MAC ID check request.
@@ -45,7 +45,6 @@ impl Bus {
             errors: Window::new(),
             first_error: None,
             last_error: None,
-            last_kind: BusErrorKind::Other,
             unacknowledged: None,
             check: None,
             form_errors: None,
@@ -79,7 +78,7 @@ impl Bus {
         }
         if config.bit_rate.is_some() {
             self.pass(config, ledger, at);
-            self.load.add(frame.bit_len().saturating_add(INTERMISSION));
+            self.load.add(0, frame.bit_len().saturating_add(INTERMISSION));
         }
         self.newest = Some(seen.n);
     }
@@ -97,7 +96,7 @@ impl Bus {
             self.judge_load(config, bit_rate, ledger, now);
         }
         if self.first_error.is_some() && self.errors.advance(now, config.error_window) {
-            let count = self.errors.so_far();
+            let count = ErrorCounts::new(self.errors.so_far()).total();
             if count < config.error_frames.div_ceil(2) {
                 ledger.end(Rule::ErrorFrames, None, now);
             }
@@ -204,7 +203,7 @@ impl Bus {
                 rule: Rule::NotAcknowledged,
                 severity: Severity::Error,
                 node,
-                facts: Facts::Errors { kind: BusErrorKind::Ack, in_window: count },
+                facts: Facts::Attempts(count),
                 since,
                 at,
                 frames: [n, None],
@@ -244,9 +243,9 @@ impl Bus {
         let first = self.first_error.filter(|_| !is_apart);
         let since = *self.first_error.insert(first.unwrap_or(seen.at));
         self.errors.advance(seen.at, config.error_window);
-        self.errors.add(1);
-        self.last_kind = kind;
-        let in_window = self.errors.so_far();
+        self.errors.add(errors::index(kind), 1);
+        let kinds = ErrorCounts::new(self.errors.so_far());
+        let in_window = kinds.total();
         if in_window < config.error_frames {
             return;
         }
@@ -255,7 +254,7 @@ impl Bus {
             rule: Rule::ErrorFrames,
             severity: if is_flood { Severity::Error } else { Severity::Warning },
             node: None,
-            facts: Facts::Errors { kind, in_window },
+            facts: Facts::Errors { kinds, window: config.error_window },
             since,
             at: seen.at,
             frames: [n, None],

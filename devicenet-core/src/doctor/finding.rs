@@ -4,8 +4,9 @@ use core::time::Duration;
 
 use cip_core::code::{AdditionalCode, GeneralStatus};
 use cip_core::message::AllocationChoice;
-use link_core::{BusErrorKind, Instant};
+use link_core::Instant;
 
+use super::errors::ErrorCounts;
 use super::rule::{Rule, Severity};
 use crate::id::MacId;
 use crate::master::ScannerStatus;
@@ -275,13 +276,16 @@ pub enum Facts {
         /// The highest in a window, in thousandths.
         peak_permille: u16,
     },
-    /// Errors on the bus.
+    /// Errors on the bus: the most in a window.
     Errors {
-        /// The kind of the last one.
-        kind: BusErrorKind,
-        /// The most in a window.
-        in_window: u32,
+        /// How many of which kind.
+        kinds: ErrorCounts,
+        /// How long the window is.
+        #[cfg_attr(feature = "serde", serde(serialize_with = "super::json::span"))]
+        window: Duration,
     },
+    /// Attempts to send in a row that nobody has acknowledged.
+    Attempts(u32),
     /// The bus-off counter that a node has told.
     BusOffCount(u8),
     /// Frames that were lost; 0 if the controller does not count them.

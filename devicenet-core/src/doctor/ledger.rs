@@ -319,8 +319,8 @@ fn worse(before: Facts, now: Facts) -> Facts {
         (Facts::Load { peak_permille: held }, Facts::Load { peak_permille }) => {
             Facts::Load { peak_permille: peak_permille.max(held) }
         }
-        (Facts::Errors { in_window: held, .. }, Facts::Errors { kind, in_window }) => {
-            Facts::Errors { kind, in_window: in_window.max(held) }
+        (Facts::Errors { kinds: held, .. }, Facts::Errors { kinds, .. }) if held.total() > kinds.total() => {
+            before
         }
         (Facts::Lost(held), Facts::Lost(lost)) => Facts::Lost(held.saturating_add(lost)),
         (Facts::Rivals { holder: a, rival: b }, Facts::Rivals { holder, rival }) => {

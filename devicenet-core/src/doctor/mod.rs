@@ -66,6 +66,7 @@
 mod access;
 mod bus;
 mod config;
+mod errors;
 mod finding;
 mod io;
 #[cfg(feature = "serde")]
@@ -82,6 +83,7 @@ mod text;
 mod window;
 
 pub use config::{DoctorConfig, ExpectedNode, Intrusion};
+pub use errors::ErrorCounts;
 pub use finding::{Change, ChangeKind, Evidence, Exchange, Facts, Finding, Foreign, KeyField};
 pub use ledger::Forgotten;
 pub use rule::{Rule, Severity};

@@ -46,7 +46,12 @@ fn errors_now_and_then_are_normal_and_many_are_not() {
     }
     let found = ward.only(Rule::ErrorFrames);
     assert_eq!(found.severity, Severity::Error);
-    assert!(found.to_string().ends_with("the last a form error"), "{found}");
+    assert_eq!(
+        found.to_string(),
+        "frames are destroyed: up to 109 errors in 10 s: 85 form errors, 24 stuff errors"
+    );
+    let Facts::Errors { kinds, .. } = found.facts else { panic!("{found:?}") };
+    assert_eq!(kinds.iter().collect::<Vec<_>>(), [(BusErrorKind::Form, 85), (BusErrorKind::Stuff, 24)]);
     ward.wait(12_000);
     assert!(ward.only(Rule::ErrorFrames).is_over());
 }

@@ -12,7 +12,7 @@ use super::finding::{Change, ChangeKind, Exchange, Facts, Finding};
 use super::rule::Rule;
 use crate::id::{Identifier, MacId, Purpose};
 use crate::message::DeviceState;
-use names::{Asker, Controller, Master, Millis, Node};
+use names::{Asker, Controller, Master, Millis, Node, Seconds};
 
 /// What to check next, as a plant engineer would say it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -218,11 +218,18 @@ impl Finding {
             }
             (Rule::BusOff, _) => write!(f, "{} is bus-off", Controller(self.node)),
             (Rule::ErrorPassive, _) => write!(f, "{} is error-passive", Controller(self.node)),
-            (Rule::ErrorFrames, Facts::Errors { kind, in_window }) => {
-                write!(f, "frames are destroyed: up to {in_window} errors in the window, the last a {kind}")
+            (Rule::ErrorFrames, Facts::Errors { kinds, window }) => {
+                let window = Seconds(window);
+                match kinds.iter().count() {
+                    0 | 1 => write!(f, "frames are destroyed: up to {kinds} in {window}"),
+                    _ => {
+                        let total = kinds.total();
+                        write!(f, "frames are destroyed: up to {total} errors in {window}: {kinds}")
+                    }
+                }
             }
-            (Rule::NotAcknowledged, Facts::Errors { in_window, .. }) => {
-                write!(f, "nobody acknowledges: {in_window} attempts in a row")
+            (Rule::NotAcknowledged, Facts::Attempts(count)) => {
+                write!(f, "nobody acknowledges: {count} attempts in a row")
             }
             (Rule::ForeignTraffic, Facts::Foreign(foreign)) => {
                 write!(f, "frames that are not DeviceNet's, the last with {foreign}")
