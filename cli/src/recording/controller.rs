@@ -11,12 +11,11 @@ impl ErrorFrame {
         let Self { class, data } = *self;
         let is = |bits: u32| class & bits != 0;
         let counters = LinkEvent::Counters { tec: data[6].into(), rec: data[7].into() };
-        let is_error = is(BUS_ERROR | ACK) || (is(PROTOCOL) && data[2] != ACTIVE_AGAIN);
         let problems = if is(CONTROLLER) { data[1] } else { 0 };
         let is_active = (is(PROTOCOL) && data[2] == ACTIVE_AGAIN) || problems & 0x40 != 0;
         let events = [
             is(COUNTERS).then_some(counters),
-            is_error.then(|| LinkEvent::BusError(self.kind())),
+            self.is_bus_error().then(|| LinkEvent::BusError(self.kind())),
             (problems & 0x01 != 0).then_some(LinkEvent::Overrun { lost: 0 }),
             (problems & 0x0C != 0).then_some(LinkEvent::ErrorWarning),
             (problems & 0x30 != 0).then_some(LinkEvent::ErrorPassive),
@@ -25,6 +24,12 @@ impl ErrorFrame {
             is(RESTARTED).then_some(LinkEvent::Up),
         ];
         events.into_iter().flatten()
+    }
+
+    /// Whether it tells of a frame that was destroyed, and not of the controller alone.
+    pub(crate) const fn is_bus_error(&self) -> bool {
+        let Self { class, data } = *self;
+        class & (BUS_ERROR | ACK) != 0 || (class & PROTOCOL != 0 && data[2] != ACTIVE_AGAIN)
     }
 
     const fn kind(&self) -> BusErrorKind {

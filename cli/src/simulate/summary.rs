@@ -5,6 +5,7 @@ use std::rc::Rc;
 
 use devicenet_core::master::{ScannerStatus, SlaveCounters};
 use devicenet_core::slave;
+use link_core::wire::INTERMISSION_BITS;
 use link_core::{BitRate, Instant};
 use serde::Serialize;
 use transport_mock::bus::SenderOutcome;
@@ -105,10 +106,10 @@ pub struct BusSummary {
     pub errors: u64,
     /// Attempts that were broken off without one, because all that sent went off the bus.
     pub abandoned: u64,
-    /// The share of the time, in percent, in which a frame, an error frame or an attempt that was broken off was on the bus:
-    /// exact, from start of frame to end of frame or error delimiter, without the intermission.
+    /// The part of the time, 0 to 1, in which a frame, an error frame or an attempt that was broken off was on the bus: exact, from
+    /// start of frame to the end of the intermission after end of frame or error delimiter.
     pub load: f64,
-    /// The part of the load that ended in error frames, in percent of the time.
+    /// The part of the time that was taken by what ended in error frames.
     pub error_load: f64,
 }
 
@@ -126,6 +127,8 @@ pub(super) struct Figures {
     abandoned: u64,
     busy: u64,
     destroyed: u64,
+    /// Nanoseconds.
+    intermission: u64,
 }
 
 /// What a node is when the run ends.
@@ -159,7 +162,10 @@ impl Counting {
             scan: None,
         });
         let nodes = nodes.collect();
-        let figures = Figures { nodes, frames: 0, errors: 0, abandoned: 0, busy: 0, destroyed: 0 };
+        let bit = scenario.bus.bit_rate.bit_time_nanos().unwrap_or_default();
+        let intermission = bit * u64::from(INTERMISSION_BITS);
+        let figures =
+            Figures { nodes, frames: 0, errors: 0, abandoned: 0, busy: 0, destroyed: 0, intermission };
         let figures = Rc::new(RefCell::new(figures));
         (Self { figures: Rc::clone(&figures) }, figures)
     }
@@ -170,14 +176,21 @@ impl View for Counting {
         let mut figures = self.figures.borrow_mut();
         match sight {
             Sight::Frame { record, .. } => {
-                figures.busy += length(record);
+                let with_intermission = length(record) + figures.intermission;
                 match record.outcome {
-                    Outcome::Ok => figures.frames += 1,
+                    Outcome::Ok => {
+                        figures.frames += 1;
+                        figures.busy += with_intermission;
+                    }
                     Outcome::Error(_) => {
                         figures.errors += 1;
-                        figures.destroyed += length(record);
+                        figures.busy += with_intermission;
+                        figures.destroyed += with_intermission;
                     }
-                    Outcome::Abandoned => figures.abandoned += 1,
+                    Outcome::Abandoned => {
+                        figures.abandoned += 1;
+                        figures.busy += length(record);
+                    }
                 }
                 for sender in record.senders {
                     let node = &mut figures.nodes[index(sender.node).0];
@@ -206,7 +219,7 @@ impl Figures {
                 last(NodeIndex(place));
             NodeSummary { mac, oa, state, tec, rec, max_tec, received, slave, scan, ..node.clone() }
         };
-        let percent = |nanos: u64| nanos as f64 * 100.0 / end.as_nanos().max(1) as f64;
+        let part = |nanos: u64| nanos as f64 / end.as_nanos().max(1) as f64;
         Summary {
             nodes: self.nodes.iter().enumerate().map(finish).collect(),
             bus: BusSummary {
@@ -214,8 +227,8 @@ impl Figures {
                 frames: self.frames,
                 errors: self.errors,
                 abandoned: self.abandoned,
-                load: percent(self.busy),
-                error_load: percent(self.destroyed),
+                load: part(self.busy),
+                error_load: part(self.destroyed),
             },
         }
     }
@@ -262,12 +275,13 @@ impl Summary {
         };
         let _ = writeln!(
             text,
-            "\n{} at {bit_rate}: {} and {}{broken_off}, load {:.3} %, of which {:.3} % were destroyed by errors",
+            "\n{} at {bit_rate}: {} and {}{broken_off}, load {:.3} %: {:.3} % of the time for frames, {:.3} % for what errors destroyed",
             crate::scenario::Time(core::time::Duration::from_nanos((bus.duration * 1e9).round() as u64)),
             count(bus.frames, "frame"),
             count(bus.errors, "error frame"),
-            bus.load,
-            bus.error_load
+            bus.load * 100.0,
+            (bus.load - bus.error_load) * 100.0,
+            bus.error_load * 100.0
         );
         text
     }

@@ -108,6 +108,53 @@ fn every_view_counts_error_frames_alike() {
     assert!(stdout(&table).contains(" error frames, 1 broken off, load "), "{}", stdout(&table));
 }
 
+/// What frames take of the time is one figure, from whichever side it is seen; of what errors destroyed only the simulation knows how long
+/// it was.
+#[test]
+fn every_view_has_the_load_of_frames() {
+    let recording = Scratch::new("load.log", "");
+    let simulated =
+        lines_of_json(&devicenet(&["simulate", "--json", "--summary", "--record", recording.path()]));
+    let bus = &simulated.last().expect("the summary")["bus"];
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let (all, errors) = (number(&bus["load"]), number(&bus["error_load"]));
+    let busy = (all - errors) * number(&bus["duration"]);
+    let decoded = lines_of_json(&devicenet(&["decode", "--summary", "--json", recording.path()]));
+    let decoded = &decoded[0];
+    assert_eq!(decoded["error_frames"], bus["errors"]);
+    let least = number(&decoded["error_load"]);
+    assert!(least > 0.0 && least < errors, "{least}, {errors}");
+    // From the begin of the first frame to the end of the last.
+    let first_frame = 0.000_8;
+    let span = number(&decoded["seconds"]) + first_frame;
+    let frames = (number(&decoded["load"]) - least) * span;
+    assert!((frames / busy - 1.0).abs() < 1e-4, "{frames} s instead of {busy}");
+    let endpoint = format!("log:{}", recording.path());
+    let monitored = lines_of_json(&devicenet(&["monitor", &endpoint, "--json", "--bit-rate", "125k"]));
+    let last = monitored.last().expect("the last summary");
+    let frames = number(&last["load_total"]["all"]) - number(&last["load_total"]["errors"]);
+    let frames = frames * number(&last["t"]);
+    assert!((frames / busy - 1.0).abs() < 1e-4, "{frames} s instead of {busy}");
+}
+
+/// All that is on the bus are error frames.
+#[test]
+fn a_node_that_is_alone_for_a_moment_is_found() {
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/scenarios/lone.toml");
+    for (until, code, verdict) in [("940ms", 1, "verdict: 1 error\n"), ("490ms", 0, "verdict: healthy\n")] {
+        let recording = Scratch::new("alone.log", "");
+        devicenet(&["simulate", scenario, "--summary", "--until", until, "--record", recording.path()]);
+        let output = devicenet(&["decode", "--summary", recording.path()]);
+        assert_eq!(output.status.code(), Some(code), "{}", stdout(&output));
+        assert!(stdout(&output).contains(verdict), "{}", stdout(&output));
+        assert!(
+            stdout(&output).contains(" error frames take 13."),
+            "how much of the load is known: {}",
+            stdout(&output)
+        );
+    }
+}
+
 #[test]
 fn a_recording_is_read_by_decode() {
     for name in ["plant.log", "plant.pcapng"] {

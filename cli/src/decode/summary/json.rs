@@ -18,8 +18,15 @@ impl Summary {
             let load = |count: &Count| bus.load(count, rate);
             let bit_rate = Some(rate.rate().0);
             let bit_rate_source = Some(rate.source());
-            let bus_record =
-                Record { seconds, bit_rate, bit_rate_source, verdict: bus.verdict, ..record("bus") };
+            let bus_record = Record {
+                seconds,
+                bit_rate,
+                bit_rate_source,
+                verdict: bus.verdict,
+                error_frames: Some(bus.errors.frames),
+                error_load: load(&bus.errors),
+                ..record("bus")
+            };
             push(&bus_record.with_count(&bus.total, load(&bus.total)));
             for (node, Node { count, known }) in bus.senders() {
                 let node = Record { node, ..record("node") }.with_count(count, load(count));
@@ -73,6 +80,10 @@ struct Record<'a> {
     problems: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     load: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error_frames: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error_load: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     response: Option<Response>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -43,6 +43,8 @@ struct Bus {
     /// Decimals of a second that the recording gives.
     digits: u8,
     total: Count,
+    /// Errors on the bus, of the frames in `total`.
+    errors: Count,
     /// By MAC ID or operational address, and one more for frames whose sender is not known.
     nodes: Vec<Node>,
     /// Sorted by key.
@@ -131,6 +133,9 @@ impl Summary {
         let bus = self.bus(bus);
         let seen = Counted::new(frame, meaning);
         bus.total.add(&seen);
+        if matches!(&frame.content, Content::Error(error) if error.is_bus_error()) {
+            bus.errors.add(&seen);
+        }
         bus.problems.observe(frame, meaning);
         bus.nodes[meaning.source().map_or(NODES, usize::from)].count.add(&seen);
         // A monitor keeps a limited number of dynamic connections: what it has forgotten in the end was seen here.
@@ -218,6 +223,7 @@ impl Bus {
             first_bits: 0,
             digits: 0,
             total: Count::default(),
+            errors: Count::default(),
             nodes,
             connections: Vec::new(),
             problems: Problems::default(),
@@ -265,10 +271,12 @@ impl Bus {
     }
 }
 
-/// The bits that an entry took on the bus, with the intermission; those of error and CAN FD frames are not known.
+/// The bits that an entry took on the bus, with the intermission: of an error the least that its frame can have, of a CAN FD frame none,
+/// because they are not known.
 fn bits_of(content: &Content) -> u32 {
     match content {
         Content::Classic(frame) => bus_time::bits(frame),
+        Content::Error(error) if error.is_bus_error() => bus_time::ERROR_FRAME,
         Content::Error(_) | Content::Fd(_) => 0,
     }
 }

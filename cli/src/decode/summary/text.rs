@@ -26,6 +26,16 @@ impl Summary {
                 rate,
                 if rate.known().is_some() { "" } else { " (--bit-rate says which)" },
             );
+            if bus.errors.frames > 0 {
+                let one = bus.errors.frames == 1;
+                out += &format!(
+                    "{} {} {} of it at least: how much of a frame {} ended is not recorded\n",
+                    count(bus.errors.frames, "error frame"),
+                    if one { "takes" } else { "take" },
+                    percent(bus.load(&bus.errors, rate)),
+                    if one { "it has" } else { "each has" },
+                );
+            }
             if let Some(verdict) = &bus.verdict {
                 out += &format!("verdict: {verdict}\n");
             }
