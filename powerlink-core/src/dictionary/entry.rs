@@ -236,11 +236,21 @@ impl Entry {
             Access::ReadWrite | Access::WriteOnly => {}
         }
         self.object_type.check_len(data.len())?;
-        let (least, greatest) = self.range;
         match (self.object_type, unsigned(data)) {
             (ObjectType::Boolean, Some(2..)) => Err(AbortCode::VALUE_TOO_HIGH),
-            (ObjectType::Unsigned(_), Some(value)) if value > greatest => Err(AbortCode::VALUE_TOO_HIGH),
-            (ObjectType::Unsigned(_), Some(value)) if value < least => Err(AbortCode::VALUE_TOO_LOW),
+            (ObjectType::Unsigned(_), Some(value)) => self.check_range(value),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether an unsigned value is in the range.
+    ///
+    /// # Errors
+    /// On which side it is out of it.
+    pub const fn check_range(&self, value: u32) -> Result<(), AbortCode> {
+        match self.range {
+            (_, greatest) if value > greatest => Err(AbortCode::VALUE_TOO_HIGH),
+            (least, _) if value < least => Err(AbortCode::VALUE_TOO_LOW),
             _ => Ok(()),
         }
     }

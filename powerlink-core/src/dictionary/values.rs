@@ -1,5 +1,7 @@
 //! The values that can be written.
 
+use super::write::host_name;
+use super::{Entry, ObjectAddress, STANDARD_ENTRIES};
 use crate::wire::ConfigurationStamp;
 
 /// The parameters of a node that a managing node writes, with their power-on values.
@@ -35,6 +37,20 @@ pub struct Values {
     pub basic_ethernet_timeout: u32,
     /// 0x1F9A: digits, letters and hyphens, padded with zeros.
     pub host_name: [u8; 32],
+}
+
+impl Values {
+    /// The first that is not in the range of its object. That of 0x1F98/5 depends on the node.
+    pub(crate) fn out_of_range(&self) -> Option<ObjectAddress> {
+        let numbers = [(4, self.preq_limit), (8, self.async_mtu), (9, self.prescaler)];
+        let is_out = |&(at, value): &(ObjectAddress, u16)| {
+            Entry::find(STANDARD_ENTRIES, at).is_ok_and(|entry| entry.check_range(value.into()).is_err())
+        };
+        let numbers = numbers.map(|(sub, value)| (ObjectAddress::new(0x1F98, sub), value));
+        let number = numbers.iter().find(|number| is_out(number)).map(|&(at, _)| at);
+        let name = host_name(&self.host_name).is_err().then_some(ObjectAddress::new(0x1F9A, 0));
+        number.or(name)
+    }
 }
 
 impl Default for Values {

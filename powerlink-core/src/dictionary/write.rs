@@ -122,7 +122,8 @@ fn write_mapping<O: ObjectSet>(
     }
 }
 
-fn host_name(data: &[u8]) -> Result<[u8; 32], AbortCode> {
+/// A host name of at most 32 characters, padded with zeros.
+pub(super) fn host_name(data: &[u8]) -> Result<[u8; 32], AbortCode> {
     let is_allowed = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'-';
     let name = data.split(|&byte| byte == 0).next().unwrap_or_default();
     if !name.iter().all(is_allowed) {

@@ -23,7 +23,7 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
                 let command = NmtCommand::read(reader)?;
                 self.command(&command);
             }
-            ServiceId::SDO if is_for_this_node && self.serves_objects() => {
+            ServiceId::SDO if is_for_this_node && self.serves_objects() && self.is_client(header.from) => {
                 let sdo = Sdo::read_as(reader, self.config.options.initiate_size)?;
                 self.sdo(header.from, &sdo);
             }
@@ -40,6 +40,11 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
 
     const fn serves_objects(&self) -> bool {
         self.nmt.state().is_powerlink_mode() || matches!(self.nmt.state(), NmtState::BasicEthernet)
+    }
+
+    /// An answer can be sent to one other node.
+    fn is_client(&self, node: NodeId) -> bool {
+        ![NodeId::NONE, NodeId::BROADCAST, self.config.node].contains(&node)
     }
 
     fn command(&mut self, command: &NmtCommand<'_>) {
@@ -75,11 +80,22 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
             Outcome::Ignored => count(&mut self.counters.sdo_ignored),
             Outcome::Written(at, effect) => {
                 self.raise(NodeEvent::ObjectWritten(at));
-                if let Effect::Reset(cause) = effect {
-                    self.reset_after_answer = Some(cause);
+                if let (Effect::Reset(cause), Some(index)) = (effect, connection) {
+                    self.reset_after_answer = Some((index, cause));
                 }
             }
             Outcome::Aborted(command, code) => self.raise(NodeEvent::SdoAborted { command, code }),
+        }
+        self.reset_if_answered();
+    }
+
+    /// A client that resets the node is answered first; one that closes its connection does not wait for that.
+    pub(super) fn reset_if_answered(&mut self) {
+        if let Some((index, cause)) = self.reset_after_answer
+            && !self.server.is_answering(index)
+        {
+            self.reset_after_answer = None;
+            self.cause(cause);
         }
     }
 
@@ -97,6 +113,7 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
             self.raise(NodeEvent::SdoClosed { client, by_timeout: true });
         }
         self.wait_for_client(index);
+        self.reset_if_answered();
     }
 }
 

@@ -11,7 +11,7 @@ use crate::NodeId;
 use crate::cycle::CycleState;
 use crate::dictionary::{Dictionary, ObjectSet};
 use crate::nmt::{Cause, NmtState};
-use crate::wire::{ErrorEntry, NmtCommandId};
+use crate::wire::{ErrorEntry, NetTime, NmtCommandId};
 
 /// Why a command of the application was not followed.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
@@ -20,6 +20,9 @@ pub enum NodeError {
     /// The state does not allow it.
     #[error("not possible in {0}")]
     State(NmtState),
+    /// The command needs a list of nodes, which a request does not carry.
+    #[error("{0} needs a list of nodes: ask for {plain} of each node", plain = .0.plain())]
+    Extended(NmtCommandId),
     /// Too many requests wait already.
     #[error("too many NMT requests wait for an invitation: try again after the next SoA")]
     Full,
@@ -55,14 +58,17 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         if self.cause(Cause::ApplicationReady) { Ok(()) } else { Err(NodeError::State(state)) }
     }
 
-    /// Asks the managing node for an NMT command; it is sent when the managing node invites it.
+    /// Asks the managing node for a plain NMT command; it is sent when the managing node invites it.
     ///
     /// # Errors
-    /// Outside of POWERLINK mode, and while too many wait.
+    /// Outside of POWERLINK mode, for commands with a list of nodes, and while too many wait.
     pub fn request_command(&mut self, command: NmtCommandId, target: NodeId) -> Result<(), NodeError> {
         let state = self.nmt.state();
         if !state.is_powerlink_mode() {
             return Err(NodeError::State(state));
+        }
+        if command.is_extended() {
+            return Err(NodeError::Extended(command));
         }
         self.requests.push(Request { command, target }).map_err(|_| NodeError::Full)
     }
@@ -73,7 +79,12 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         self.log(entry);
     }
 
-    /// Sets the error register (0x1001).
+    /// Whether the inputs may be used: else the PRes says so (RD), in `Operational` too. They may, until this is said.
+    pub const fn set_inputs_valid(&mut self, are_valid: bool) {
+        self.are_inputs_valid = are_valid;
+    }
+
+    /// Sets the error register (0x1001). NMTResetCommunication and deeper resets set it to 0.
     pub const fn set_error_register(&mut self, register: u8) {
         self.dictionary.error_register = register;
     }
@@ -118,6 +129,18 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     /// The objects of the application, to be changed: inputs are taken from them at each SoC.
     pub const fn objects_mut(&mut self) -> &mut O {
         &mut self.objects
+    }
+
+    /// The time of day in the last SoC of the cycle.
+    #[must_use]
+    pub const fn net_time(&self) -> NetTime {
+        self.net_time
+    }
+
+    /// RelativeTime of the last SoC of the cycle: µs since the managing node started.
+    #[must_use]
+    pub const fn relative_time(&self) -> u64 {
+        self.relative_time
     }
 
     /// Whether the error indicator is lit.

@@ -1,7 +1,7 @@
 //! What a node is told at the start.
 
 use crate::cycle::PollWithoutSoc;
-use crate::dictionary::{Device, Values};
+use crate::dictionary::{Device, ObjectAddress, Values};
 use crate::pdo::MappingEntry;
 use crate::wire::{InitiateSize, MIN_ENTRIES};
 use crate::{MacAddress, NodeId};
@@ -100,6 +100,9 @@ pub enum ConfigError {
     /// The default mapping cannot be used.
     #[error("the default mapping cannot be used: {0}")]
     Mapping(crate::wire::AbortCode),
+    /// A power-on value is not one that its object may have.
+    #[error("the value of {0} is not in its range")]
+    Value(ObjectAddress),
     /// The process data of the PRes do not fit.
     #[error("PRes of {limit} bytes of process data: the node has room for {room}, and needs at least 36")]
     PresLimit {

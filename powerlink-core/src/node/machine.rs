@@ -41,9 +41,14 @@ pub struct ControlledNode<O, const PRES: usize = 36, const SDO: usize = 256> {
     pub(super) poll: Poll,
     /// What the SoA asked for.
     pub(super) reply: Option<Reply>,
-    /// What an SDO client asked for, once its answer is sent.
-    pub(super) reset_after_answer: Option<Cause>,
+    /// What an SDO client asked for, once the answer on its connection is sent.
+    pub(super) reset_after_answer: Option<(usize, Cause)>,
+    /// Whether the application says that its inputs are valid.
+    pub(super) are_inputs_valid: bool,
+    /// Of the last SoC.
     pub(super) net_time: NetTime,
+    /// Of the last SoC, µs.
+    pub(super) relative_time: u64,
     pub(super) error_led: bool,
     pub(super) counters: NodeCounters,
     pub(super) timers: Timers<Timer, 4>,
@@ -63,10 +68,8 @@ pub(super) struct Poll {
     pub(super) had_valid_data: bool,
     /// MC of the last SoC.
     pub(super) multiplexed_cycle: bool,
-    /// A PReq came since the multiplexed cycle began.
+    /// A PReq came since the multiplexed cycle began, or none was due in it.
     pub(super) in_multiplexed_cycle: bool,
-    /// The multiplexed cycle is over, and there was no PReq in it.
-    pub(super) missed_multiplexed_cycle: bool,
 }
 
 /// An NMT command that the application asks for.
@@ -143,12 +146,15 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     /// A node without power: [`power_on`](Self::power_on) starts it.
     ///
     /// # Errors
-    /// [`ConfigError`] if the default mapping cannot be used, or the PRes is longer than `PRES`.
+    /// [`ConfigError`] if the default mapping cannot be used, a value is out of its range, or the PRes is longer than `PRES`.
     pub fn new(config: Config, objects: O) -> Result<Self, ConfigError> {
         const { assert!(PRES >= 36 && PRES <= 1490, "0x1F98/1 is 36 to 1490") };
         let limit = config.values.pres_limit;
         if usize::from(limit) > PRES || limit < 36 {
             return Err(ConfigError::PresLimit { limit, room: PRES });
+        }
+        if let Some(at) = config.values.out_of_range() {
+            return Err(ConfigError::Value(at));
         }
         let mappings = mappings::<O>(&config).map_err(ConfigError::Mapping)?;
         let room = u16::try_from(PRES).unwrap_or(u16::MAX);
@@ -168,7 +174,9 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
             poll: Poll::default(),
             reply: None,
             reset_after_answer: None,
+            are_inputs_valid: true,
             net_time: NetTime::default(),
+            relative_time: 0,
             error_led: false,
             counters: NodeCounters::default(),
             timers: Timers::new(),
@@ -223,6 +231,7 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
             NmtState::ResetCommunication => {
                 self.fall_silent();
                 self.dictionary.values = self.config.values;
+                self.dictionary.error_register = 0;
                 self.dictionary.counters.reset();
                 // They were accepted when the node was made.
                 self.dictionary.mappings = mappings::<O>(&self.config).unwrap_or_default();
@@ -232,9 +241,10 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
                 self.active = self.dictionary.values;
                 self.wait_for_the_network();
             }
+            // The multiplexed cycle in which the node gets ready is not a whole one.
+            NmtState::ReadyToOperate => self.poll.in_multiplexed_cycle = true,
             NmtState::PreOperational1
             | NmtState::PreOperational2
-            | NmtState::ReadyToOperate
             | NmtState::Operational
             | NmtState::Stopped
             | NmtState::BasicEthernet => {}

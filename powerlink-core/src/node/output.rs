@@ -72,9 +72,7 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
                 self.server.emit(index, self.config.options.initiate_size, out)?;
                 pad(out, MIN_FRAME)?;
                 self.wait_for_client(index);
-                if let Some(cause) = self.reset_after_answer.take() {
-                    self.cause(cause);
-                }
+                self.reset_if_answered();
             }
         }
         Ok(true)
@@ -95,12 +93,15 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     /// The PRes: of constant length, whatever is mapped.
     fn pres_frame(&mut self, out: &mut Writer<'_>) -> Result<(), Full> {
         let state = self.nmt.state();
-        let mut flags = self.signalling.exception_new();
-        flags.set(Flags::DATA_VALID, state == NmtState::Operational);
-        flags.set(Flags::MULTIPLEXED, self.poll.is_multiplexed);
         let mapping = &self.dictionary.mappings.transmit;
         let limit = usize::from(self.active.pres_limit);
-        let data = self.inputs.get(..mapping.len().min(limit)).unwrap_or_default();
+        // A mapping for a limit that is not in use yet has no place in this PRes.
+        let data = self.inputs.get(..mapping.len()).filter(|data| data.len() <= limit);
+        let is_valid = state == NmtState::Operational && self.are_inputs_valid && data.is_some();
+        let data = data.unwrap_or_default();
+        let mut flags = self.signalling.exception_new();
+        flags.set(Flags::DATA_VALID, is_valid);
+        flags.set(Flags::MULTIPLEXED, self.poll.is_multiplexed);
         self.header(group::PRES, MessageType::PRES, NodeId::BROADCAST).emit(out)?;
         let request = self.async_request();
         Pres { state: state.code(), flags, request, pdo_version: mapping.version, data }.emit(out)?;

@@ -13,7 +13,7 @@ use crate::dictionary::ObjectSet;
 use crate::error::Symptom;
 use crate::ethernet::group;
 use crate::nmt::{Cause, NmtState};
-use crate::pdo::Mapping;
+use crate::pdo::{Mapping, RECEIVE_CHANNELS};
 use crate::wire::{
     ErrorCode, Flags, FrameError, Header, MessageType, ParseError, PdoVersion, Pres, RequestedService, Soa,
     Soc,
@@ -23,10 +23,9 @@ use crate::{MacAddress, NodeId};
 impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, SDO> {
     pub(super) fn frame(&mut self, bytes: &[u8]) {
         if !self.nmt.state().is_communicating() {
-            return;
+            return self.frame_while_silent(bytes);
         }
-        // What was to follow the answer to a poll that nobody fetched.
-        self.after_poll();
+        self.answers_are_late();
         let mut reader = Reader::new(bytes);
         let header = match Header::read(&mut reader) {
             Ok(header) => header,
@@ -36,7 +35,7 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         if header.source == self.config.mac {
             return count(&mut self.counters.echoes);
         }
-        if !self.is_for_this_adapter(header.destination) {
+        if !self.is_for_this_adapter(&header) {
             return count(&mut self.counters.other_destinations);
         }
         let result = match header.message_type {
@@ -58,10 +57,44 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         }
     }
 
-    fn is_for_this_adapter(&self, destination: MacAddress) -> bool {
-        destination == self.config.mac
-            || [group::SOC, group::SOA, group::ASND, group::PRES, MacAddress::BROADCAST]
-                .contains(&destination)
+    /// In the initialisation the node only hears that it is to be reset once more.
+    #[cold]
+    fn frame_while_silent(&mut self, bytes: &[u8]) {
+        let mut reader = Reader::new(bytes);
+        if self.nmt.state().is_powered()
+            && let Ok(header) = Header::read(&mut reader)
+            && header.message_type == MessageType::ASND
+            && header.source != self.config.mac
+            && self.is_for_this_adapter(&header)
+            && let Err(error) = self.asnd(&header, &mut reader)
+        {
+            self.bad_frame(error);
+        }
+    }
+
+    /// An answer that nobody fetched before the next frame came would come too late. What it was to lead to still counts.
+    fn answers_are_late(&mut self) {
+        if self.poll.is_due || self.reply.is_some() {
+            count(&mut self.counters.not_sent);
+            (self.poll.is_due, self.reply) = (false, None);
+        }
+        self.after_poll();
+    }
+
+    /// Every message has its address; an ASnd may come at the node's own and at that of all as well.
+    fn is_for_this_adapter(&self, header: &Header) -> bool {
+        let destination = header.destination;
+        match header.message_type {
+            MessageType::PREQ => destination == self.config.mac,
+            MessageType::SOC => destination == group::SOC,
+            MessageType::SOA => destination == group::SOA,
+            MessageType::PRES => destination == group::PRES,
+            _ => {
+                destination == group::ASND
+                    || destination == self.config.mac
+                    || destination == MacAddress::BROADCAST
+            }
+        }
     }
 
     fn soc(&mut self, soc: &Soc) {
@@ -70,35 +103,46 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         if !self.nmt.state().is_cyclic() {
             return;
         }
-        self.net_time = soc.net_time;
-        self.jitter();
-        let multiplexed_cycle = soc.flags.contains(Flags::MULTIPLEXED_CYCLE);
-        if multiplexed_cycle != self.poll.multiplexed_cycle {
-            self.poll.multiplexed_cycle = multiplexed_cycle;
-            self.poll.missed_multiplexed_cycle = !core::mem::take(&mut self.poll.in_multiplexed_cycle);
-        }
+        (self.net_time, self.relative_time) = (soc.net_time, soc.relative_time);
+        let jitter = self.jitter();
         self.supervise_soc();
-        if let Some(cause) = self.cycle_event(CycleEvent::Soc) {
+        let multiplexed = self.multiplexed_cycle(soc.flags.contains(Flags::MULTIPLEXED_CYCLE));
+        let order = self.cycle_event(CycleEvent::Soc);
+        if let Some(cause) = jitter.or(multiplexed).or(order) {
             self.cause(cause);
         }
         // The process data of this cycle; the PRes is ready before the PReq.
         self.dictionary.mappings.transmit.pack(&self.objects, &mut self.inputs);
     }
 
+    /// MC toggles when a multiplexed cycle is over: a node that is polled in one cycle of many was to be polled in it.
+    fn multiplexed_cycle(&mut self, toggle: bool) -> Option<Cause> {
+        if core::mem::replace(&mut self.poll.multiplexed_cycle, toggle) == toggle {
+            return None;
+        }
+        let was_polled = core::mem::take(&mut self.poll.in_multiplexed_cycle);
+        let is_due = self.active.multiplexed_cycles > 0 && self.is_started();
+        if was_polled || !is_due { None } else { self.losses(Losses::PREQ) }
+    }
+
+    /// Whether process data are exchanged, so that a PReq is due.
+    const fn is_started(&self) -> bool {
+        matches!(self.nmt.state(), NmtState::ReadyToOperate | NmtState::Operational)
+    }
+
     /// The distance of two SoCs against the cycle length.
-    fn jitter(&mut self) {
-        let (Some(expected), range) = (self.timers.at(Timer::Soc), self.dictionary.values.jitter_range)
-        else {
-            return;
-        };
+    fn jitter(&mut self) -> Option<Cause> {
+        let (expected, range) = (self.timers.at(Timer::Soc)?, self.dictionary.values.jitter_range);
         let tolerance = Duration::from_nanos(self.active.loss_of_soc_tolerance.into());
         let (now, expected) = (self.timers.now(), expected.saturating_sub(tolerance));
         let jitter = now.saturating_since(expected).max(expected.saturating_since(now));
-        if jitter > Duration::from_nanos(range.into()) {
-            let is_reached = self.dictionary.counters.symptom(Symptom::SocJitter);
-            if is_reached && let Some(cause) = self.react(Symptom::SocJitter) {
-                self.cause(cause);
-            }
+        if jitter <= Duration::from_nanos(range.into()) {
+            return None;
+        }
+        if self.dictionary.counters.symptom(Symptom::SocJitter) {
+            self.react(Symptom::SocJitter)
+        } else {
+            None
         }
     }
 
@@ -116,10 +160,16 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     pub(super) fn soc_timeout(&mut self) {
         self.timers.set_after(Timer::Soc, Duration::from_micros(self.active.cycle_length.into()));
         // In `PreOperational2` the cycle length may be unknown yet.
-        if self.nmt.state() != NmtState::PreOperational2
-            && let Some(cause) = self.cycle_event(CycleEvent::SocTimeout)
-        {
-            self.cause(cause);
+        if self.nmt.state() == NmtState::PreOperational2 {
+            return;
+        }
+        match self.cycle_event(CycleEvent::SocTimeout) {
+            // A poll that came at this very moment is answered first.
+            Some(cause) if self.poll.is_due => self.poll.then = self.poll.then.or(Some(cause)),
+            Some(cause) => {
+                self.cause(cause);
+            }
+            None => {}
         }
     }
 
@@ -131,20 +181,20 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         let size = usize::from(reader.u16("Size")?);
         let state = self.nmt.state();
         if !state.answers_poll() {
-            self.poll_outside_of_the_cycle(Cause::Preq);
+            self.poll_without_answer(state);
             return Ok(());
         }
         let flags = Flags::from_bits_retain(flags);
         self.poll.is_due = true;
         self.poll.is_multiplexed = flags.contains(Flags::MULTIPLEXED) && self.active.multiplexed_cycles > 0;
         self.poll.in_multiplexed_cycle = true;
-        self.poll.missed_multiplexed_cycle = false;
         self.poll.had_valid_data = flags.contains(Flags::DATA_VALID);
         // What the answer shows stays as it is until it is sent.
         let cycle_error = self.cycle_event(CycleEvent::Preq);
         self.poll.then = cycle_error;
         self.signalling.exception_acknowledge(flags.contains(Flags::EXCEPTION_ACKNOWLEDGE));
         if state == NmtState::PreOperational2 {
+            self.dictionary.counters.preq();
             return Ok(());
         }
         let data = reader.bytes(size, "process data").ok();
@@ -173,6 +223,15 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         }
     }
 
+    /// A stopped node is not polled, but sees where in the cycle a PReq comes.
+    fn poll_without_answer(&mut self, state: NmtState) {
+        if state != NmtState::Stopped {
+            self.poll_outside_of_the_cycle(Cause::Preq);
+        } else if let Some(cause) = self.cycle_event(CycleEvent::Preq) {
+            self.cause(cause);
+        }
+    }
+
     /// PReq and PRes where there is no cycle for the node.
     fn poll_outside_of_the_cycle(&mut self, cause: Cause) {
         let options = self.config.options;
@@ -191,33 +250,32 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     /// Gives the objects what a node sent: `NONE` for the PReq of the managing node.
     fn process_data(&mut self, from: NodeId, flags: Flags, version: PdoVersion, data: &[u8]) {
         let is_operational = self.nmt.state() == NmtState::Operational;
-        let is_valid = is_operational && flags.contains(Flags::DATA_VALID);
+        let says_valid = flags.contains(Flags::DATA_VALID);
         // Data that do not count are not used in operation; before, they are taken, and told as what they are.
-        if is_operational && !is_valid {
+        if is_operational && !says_valid {
             return;
         }
         let check = self.config.options.version_check;
-        let mut error = None;
-        let mut taken = None;
-        for (channel, mapping) in (0..).zip(&self.dictionary.mappings.receive) {
+        for channel in 0..RECEIVE_CHANNELS {
+            let Some(mapping) = self.dictionary.mappings.receive.get(channel) else { return };
             if mapping.is_empty() || mapping.node != from {
                 continue;
             }
-            if !fits(mapping, version, check) {
-                error = Some(ErrorCode::PDO_MAP_VERSION);
+            let error = if !fits(mapping, version, check) {
+                ErrorCode::PDO_MAP_VERSION
             } else if data.len() < mapping.len() {
-                error = Some(ErrorCode::PDO_SHORT);
+                ErrorCode::PDO_SHORT
             } else {
                 mapping.unpack(data, &mut self.objects);
-                taken = Some(channel);
+                let channel = u8::try_from(channel).unwrap_or(u8::MAX);
+                self.raise(NodeEvent::ProcessData { channel, is_valid: is_operational });
+                continue;
+            };
+            // Who says that its data are not valid promises nothing about their form.
+            if says_valid {
+                count(&mut self.counters.pdo_errors);
+                self.error(error);
             }
-        }
-        if let Some(channel) = taken {
-            self.raise(NodeEvent::ProcessData { channel, is_valid });
-        }
-        if let Some(code) = error {
-            count(&mut self.counters.pdo_errors);
-            self.error(code);
         }
     }
 
@@ -266,20 +324,12 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     fn cycle_event(&mut self, event: CycleEvent) -> Option<Cause> {
         let state = self.nmt.state();
         let mode = if state == NmtState::Stopped { CycleMode::Stopped } else { CycleMode::Polled };
-        let is_started = matches!(state, NmtState::ReadyToOperate | NmtState::Operational);
-        let is_multiplexed = self.active.multiplexed_cycles > 0;
         let supervision = Supervision {
             is_timed: state != NmtState::PreOperational2 && self.timers.at(Timer::Soc).is_some(),
-            is_preq_due: is_started && (!is_multiplexed || self.poll.missed_multiplexed_cycle),
+            is_preq_due: self.active.multiplexed_cycles == 0 && self.is_started(),
         };
         let losses = self.cycle.apply(mode, event, supervision);
-        if losses.is_empty() {
-            return None;
-        }
-        if losses.contains(Losses::PREQ) {
-            self.poll.missed_multiplexed_cycle = false;
-        }
-        self.losses(losses)
+        if losses.is_empty() { None } else { self.losses(losses) }
     }
 
     fn losses(&mut self, losses: Losses) -> Option<Cause> {
@@ -315,6 +365,9 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     }
 
     pub(super) fn link(&mut self, event: LinkEvent) {
+        if !self.nmt.state().is_powered() {
+            return;
+        }
         match event {
             LinkEvent::Up => {}
             LinkEvent::Down => {

@@ -2,6 +2,11 @@
 
 mod bench;
 mod boot;
+mod bytes;
 mod commands;
+mod data;
 mod errors;
+mod losses;
 mod objects;
+mod started;
+mod time;

@@ -102,8 +102,8 @@ impl<const SDO: usize> Connection<SDO> {
         self.transfer = Transfer::Idle;
     }
 
-    /// Follows the sequence layer of a frame.
-    pub(super) fn receive(&mut self, sequence: SdoSequence) -> Sequence {
+    /// Follows the sequence layer of a frame. `begins` says that it asks something of the command layer.
+    pub(super) fn receive(&mut self, sequence: SdoSequence, begins: bool) -> Sequence {
         let (receive, send) = (sequence.receive, sequence.send);
         match (self.phase, receive.connection, send.connection) {
             (_, _, Con::Initialisation) => {
@@ -125,8 +125,17 @@ impl<const SDO: usize> Connection<SDO> {
                 self.due = Some(Control::Acknowledge);
                 Sequence::Opened
             }
+            // The answer to its initialisation got lost.
+            (Phase::Open, Con::Initialisation, Con::Valid | Con::Request) if send.number == self.received => {
+                self.due = Some(Control::Acknowledge);
+                Sequence::Handled
+            }
             (Phase::Open, Con::Valid | Con::Request, Con::Valid | Con::Request) => {
                 self.acknowledged(receive);
+                if begins && self.is_answering() && send.number != self.received {
+                    // One command at a time: the client sends it again when it has the answer to the last one.
+                    return Sequence::Ignored;
+                }
                 self.order(send)
             }
             (Phase::Opening | Phase::Open, ..) => Sequence::Ignored,
@@ -169,6 +178,11 @@ impl<const SDO: usize> Connection<SDO> {
                 Sequence::Ignored
             }
         }
+    }
+
+    /// Whether frames of a response still wait to be sent.
+    pub(super) fn is_answering(&self) -> bool {
+        matches!(&self.transfer, Transfer::Sending(outgoing) if outgoing.is_unsent())
     }
 
     /// The number that the next frame with a command gets.
@@ -234,9 +248,11 @@ impl<const SDO: usize> Connection<SDO> {
     }
 
     /// How long the connection waits for its client: for an acknowledge a third of the time, because it asks two times again.
+    /// With a time of 0 it waits for ever.
     pub(super) fn patience(&self, timeout: Duration) -> Option<Duration> {
         match (self.phase, &self.transfer) {
             (Phase::Closed, _) => None,
+            _ if timeout.is_zero() => None,
             (_, Transfer::Sending(outgoing)) if outgoing.is_unacknowledged() => {
                 timeout.checked_div(u32::from(MAX_RETRIES).saturating_add(1))
             }

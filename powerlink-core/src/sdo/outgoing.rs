@@ -21,6 +21,8 @@ pub(super) struct Outgoing {
     acknowledged: usize,
     /// The frame that is sent next.
     next: usize,
+    /// The frames that were sent at least once.
+    sent: usize,
     /// The next frame is sent once more, and is to be acknowledged.
     is_repeated: bool,
 }
@@ -43,6 +45,7 @@ impl Outgoing {
             first,
             acknowledged: 0,
             next: 0,
+            sent: 0,
             is_repeated: false,
         }
     }
@@ -62,6 +65,11 @@ impl Outgoing {
         window.saturating_sub(self.next)
     }
 
+    /// Whether a frame was never sent.
+    pub(super) fn is_unsent(&self) -> bool {
+        self.sent < self.frames()
+    }
+
     /// Whether a frame was sent that the client has not acknowledged.
     pub(super) const fn is_unacknowledged(&self) -> bool {
         self.next > self.acknowledged
@@ -79,7 +87,7 @@ impl Outgoing {
         let (window, acknowledged) = (usize::from(NUMBER).saturating_add(1), self.acknowledged);
         let turns = acknowledged.saturating_sub(count).div_ceil(window);
         let count = count.saturating_add(turns.saturating_mul(window));
-        if count <= acknowledged || count > self.next {
+        if count <= acknowledged || count > self.sent {
             return false;
         }
         self.acknowledged = count;
@@ -103,6 +111,7 @@ impl Outgoing {
         };
         let data = if frames == 1 { 0..self.len } else { self.part(place) };
         self.next = place.saturating_add(1);
+        self.sent = self.next.max(self.sent);
         let is_last_of_window = self.next.saturating_sub(self.acknowledged) >= WINDOW && self.next < frames;
         let wants_acknowledge = is_last_of_window || core::mem::take(&mut self.is_repeated);
         let place = u8::try_from(place & usize::from(NUMBER)).unwrap_or(0);

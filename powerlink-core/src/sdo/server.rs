@@ -77,7 +77,8 @@ impl<const SDO: usize> Server<SDO> {
             return Received { connection: None, outcome: Outcome::Ignored };
         };
         connection.client = from;
-        let outcome = match connection.receive(sdo.sequence) {
+        let begins = sdo.command.is_some_and(|command| !command.is_abort && !command.is_response);
+        let outcome = match connection.receive(sdo.sequence, begins) {
             Sequence::Handled => Outcome::Nothing,
             Sequence::Opened => Outcome::Opened,
             Sequence::Closed => Outcome::Closed,
@@ -93,6 +94,12 @@ impl<const SDO: usize> Server<SDO> {
     #[must_use]
     pub fn ready(&self) -> usize {
         self.connections.iter().map(Connection::ready).fold(0, usize::saturating_add)
+    }
+
+    /// Whether frames of a response still wait to be sent on a connection.
+    #[must_use]
+    pub fn is_answering(&self, index: usize) -> bool {
+        self.connections.get(index).is_some_and(Connection::is_answering)
     }
 
     /// To whom the next frame goes, and of which connection it is. Clients take turns.

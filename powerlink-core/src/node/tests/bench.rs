@@ -14,8 +14,9 @@ use crate::ethernet::{MAX_FRAME, group};
 use crate::nmt::NmtState;
 use crate::pdo::MappingEntry;
 use crate::wire::{
-    AbortCode, Body, Flags, Frame, Identity, NmtCommand, NmtCommandId, NmtStateCode, POWERLINK_V2,
-    PdoVersion, Preq, Pres, RequestedService, Soa, Soc,
+    AbortCode, Body, Con, Flags, Frame, Identity, NmtCommand, NmtCommandId, NmtStateCode, POWERLINK_V2,
+    PdoVersion, Preq, Pres, RequestedService, Sdo, SdoCommand, SdoCommandId, SdoSequence, SequenceHalf, Soa,
+    Soc,
 };
 use crate::{ControlledNode, MacAddress, NodeId};
 
@@ -73,6 +74,8 @@ pub(super) struct Bench {
     /// The last frame that was sent.
     pub(super) last: Vec<u8>,
     pub(super) events: Vec<NodeEvent>,
+    /// The last number of the managing node's SDO frames; nothing while there is no connection.
+    sdo_number: Option<u8>,
 }
 
 impl Bench {
@@ -80,7 +83,7 @@ impl Bench {
     pub(super) fn listening(config: Config) -> Self {
         let node = ControlledNode::new(config, Io::default()).unwrap();
         let (sent, last, events) = (Vec::new(), Vec::new(), Vec::new());
-        let mut bench = Self { node, now: Instant::from_millis(1), sent, last, events };
+        let mut bench = Self { node, now: Instant::from_millis(1), sent, last, events, sdo_number: None };
         bench.node.power_on(bench.now);
         bench.drain();
         bench.is(NmtState::NotActive);
@@ -88,33 +91,39 @@ impl Bench {
     }
 
     /// A node in any communicating state.
+    #[track_caller]
     pub(super) fn in_state(state: NmtState, config: Config) -> Self {
         let mut bench = Self::listening(config);
+        bench.goes_to(state);
+        bench
+    }
+
+    /// Leads a node that listens, or is in `PreOperational1`, to any communicating state.
+    #[track_caller]
+    pub(super) fn goes_to(&mut self, state: NmtState) {
         match state {
-            NmtState::PreOperational1 => bench.soa(),
+            NmtState::PreOperational1 => self.soa(),
             NmtState::PreOperational2
             | NmtState::ReadyToOperate
             | NmtState::Operational
             | NmtState::Stopped => {
-                bench.soa();
-                bench.cycle();
+                self.soa();
+                self.cycle();
                 if matches!(state, NmtState::ReadyToOperate | NmtState::Operational) {
-                    bench.command(NmtCommandId::ENABLE_READY_TO_OPERATE);
+                    self.command(NmtCommandId::ENABLE_READY_TO_OPERATE);
                 }
                 if state == NmtState::Operational {
-                    bench.command(NmtCommandId::START_NODE);
+                    self.command(NmtCommandId::START_NODE);
                 }
                 if state == NmtState::Stopped {
-                    bench.command(NmtCommandId::STOP_NODE);
+                    self.command(NmtCommandId::STOP_NODE);
                 }
             }
-            NmtState::BasicEthernet => bench.wait(Duration::from_secs(5)),
+            NmtState::BasicEthernet => self.wait(Duration::from_secs(5)),
             _ => {}
         }
-        bench.is(state);
-        bench.sent.clear();
-        bench.events.clear();
-        bench
+        self.is(state);
+        self.forget();
     }
 
     pub(super) fn drain(&mut self) {
@@ -149,19 +158,29 @@ impl Bench {
     }
 
     pub(super) fn soc(&mut self) {
-        self.of_mn(group::SOC, NodeId::BROADCAST, Body::Soc(Soc::default()));
+        self.soc_with(Soc::default());
+    }
+
+    pub(super) fn soc_with(&mut self, soc: Soc) {
+        self.of_mn(group::SOC, NodeId::BROADCAST, Body::Soc(soc));
     }
 
     pub(super) fn preq(&mut self, flags: Flags, data: &[u8]) {
-        let preq = Preq { flags, pdo_version: PdoVersion(0), data };
-        self.of_mn(MAC, NODE, Body::Preq(preq));
+        self.preq_of_version(PdoVersion(0), flags, data);
+    }
+
+    pub(super) fn preq_of_version(&mut self, pdo_version: PdoVersion, flags: Flags, data: &[u8]) {
+        self.of_mn(MAC, NODE, Body::Preq(Preq { flags, pdo_version, data }));
     }
 
     pub(super) fn pres_of_another(&mut self) {
-        let state = NmtStateCode::OPERATIONAL;
-        let (flags, request) = (Flags::DATA_VALID, crate::wire::AsyncRequest::NONE);
-        let pres = Pres { state, flags, request, pdo_version: PdoVersion(0), data: &[9] };
-        self.hears(group::PRES, NodeId::BROADCAST, NodeId(2), Body::Pres(pres));
+        self.pres_with(NodeId(2), PdoVersion(0), Flags::DATA_VALID, &[9]);
+    }
+
+    pub(super) fn pres_with(&mut self, from: NodeId, pdo_version: PdoVersion, flags: Flags, data: &[u8]) {
+        let (state, request) = (NmtStateCode::OPERATIONAL, crate::wire::AsyncRequest::NONE);
+        let pres = Pres { state, flags, request, pdo_version, data };
+        self.hears(group::PRES, NodeId::BROADCAST, from, Body::Pres(pres));
     }
 
     pub(super) fn soa(&mut self) {
@@ -187,11 +206,92 @@ impl Bench {
         self.of_mn(group::ASND, to, Body::NmtCommand(NmtCommand { command, data }));
     }
 
+    /// A command of a node that is not the managing node.
+    pub(super) fn command_of(&mut self, from: NodeId, command: NmtCommandId) {
+        self.hears(group::ASND, NODE, from, Body::NmtCommand(NmtCommand { command, data: &[] }));
+    }
+
+    /// A command, of which the node has not done yet what follows.
+    pub(super) fn command_undrained(&mut self, command: NmtCommandId) {
+        self.undrained(group::ASND, Body::NmtCommand(NmtCommand { command, data: &[] }));
+    }
+
+    /// A poll, of which the answer is not fetched.
+    pub(super) fn preq_undrained(&mut self) {
+        self.undrained(
+            MAC,
+            Body::Preq(Preq { flags: Flags::DATA_VALID, pdo_version: PdoVersion(0), data: &[0] }),
+        );
+    }
+
+    fn undrained(&mut self, destination: MacAddress, body: Body<'_>) {
+        let mut buffer = [0; MAX_FRAME];
+        let frame = Frame { destination, source: MN_MAC, to: NODE, from: NodeId::MANAGING_NODE, body };
+        self.node.input(self.now, Input::Frame(frame.emit(&mut buffer).unwrap()));
+    }
+
     /// SDO of the managing node, from the sequence layer on.
     pub(super) fn sdo(&mut self, hex: &str) {
         let body: Vec<u8> = hex.split(' ').map(|byte| u8::from_str_radix(byte, 16).unwrap()).collect();
         let service = crate::wire::ServiceId::SDO;
         self.of_mn(group::ASND, NODE, Body::OtherAsnd(service, &body));
+    }
+
+    /// The managing node writes an object, with an invitation for each answer.
+    ///
+    /// # Errors
+    /// The abort code of the node.
+    #[track_caller]
+    pub(super) fn writes(&mut self, index: u16, sub: u8, value: &[u8]) -> Result<(), AbortCode> {
+        let [low, high] = index.to_le_bytes();
+        let data = [&[low, high, sub, 0], value].concat();
+        self.asks_object(SdoCommandId::WRITE_BY_INDEX, &data).map(|_| ())
+    }
+
+    /// The managing node reads an object.
+    ///
+    /// # Errors
+    /// The abort code of the node.
+    #[track_caller]
+    pub(super) fn reads(&mut self, index: u16, sub: u8) -> Result<Vec<u8>, AbortCode> {
+        let [low, high] = index.to_le_bytes();
+        self.asks_object(SdoCommandId::READ_BY_INDEX, &[low, high, sub, 0])
+    }
+
+    #[track_caller]
+    fn asks_object(&mut self, command: SdoCommandId, data: &[u8]) -> Result<Vec<u8>, AbortCode> {
+        if self.sdo_number.is_none() {
+            for opening in ["00 01 00 00", "01 02 00 00"] {
+                self.sdo(opening);
+                self.gives_a_slot();
+            }
+        }
+        let last = self.sdo_number.unwrap_or(0);
+        let number = (last + 1) & 0x3F;
+        self.sdo_number = Some(number);
+        let command = SdoCommand::request(number, command, data);
+        let sequence = SdoSequence {
+            receive: SequenceHalf::new(last, Con::Valid),
+            send: SequenceHalf::new(number, Con::Valid),
+        };
+        self.of_mn(group::ASND, NODE, Body::Sdo(Sdo { sequence, command: Some(command) }));
+        self.gives_a_slot();
+        let last = self.last.clone();
+        let Ok(Frame { body: Body::Sdo(Sdo { command: Some(answer), .. }), .. }) = Frame::parse(&last) else {
+            panic!("no answer: {last:02X?}")
+        };
+        assert_eq!(answer.transaction, number);
+        self.forget();
+        answer.abort().map_or_else(|| Ok(answer.data.to_vec()), Err)
+    }
+
+    /// The next asynchronous slot, with the cycle before it where there is one.
+    fn gives_a_slot(&mut self) {
+        if self.node.state().is_cyclic() {
+            self.soc();
+            self.preq(Flags::DATA_VALID, &[0]);
+        }
+        self.asks(RequestedService::UNSPECIFIED_INVITE);
     }
 
     /// A whole cycle with a poll.

@@ -1,4 +1,4 @@
-//! What has to be there for a managing node to start a node.
+//! From power-on to `Operational`, and what happens without a managing node.
 
 use core::time::Duration;
 
@@ -8,57 +8,6 @@ use crate::indicator::StatusLed;
 use crate::nmt::{Cause, NmtState};
 use crate::node::NodeEvent;
 use crate::wire::{Flags, NmtCommandId, RequestedService};
-
-const ANSWERING: [NmtState; 5] = [
-    NmtState::PreOperational1,
-    NmtState::PreOperational2,
-    NmtState::ReadyToOperate,
-    NmtState::Operational,
-    NmtState::Stopped,
-];
-const SILENT: [NmtState; 2] = [NmtState::NotActive, NmtState::BasicEthernet];
-
-#[test]
-fn an_ident_response_has_176_bytes_in_every_state() {
-    for state in ANSWERING {
-        let mut bench = Bench::in_state(state, config());
-        bench.asks(RequestedService::IDENT_REQUEST);
-        bench.says(&std::format!(
-            "node 1 -> all: IdentResponse, {}, vendor 0x00000123, product 0x00000007, revision 0x00010000, PR=0 RS=0",
-            state.code()
-        ));
-        assert_eq!(bench.last.len(), 176);
-    }
-    for state in SILENT {
-        let mut bench = Bench::in_state(state, config());
-        bench.asks(RequestedService::IDENT_REQUEST);
-        bench.says_nothing();
-        bench.is(NmtState::PreOperational1);
-        bench.asks(RequestedService::IDENT_REQUEST);
-        assert_eq!(bench.last.len(), 176);
-    }
-}
-
-#[test]
-fn a_status_response_has_72_bytes_in_every_state_and_ec_follows_er() {
-    for state in ANSWERING {
-        let mut bench = Bench::in_state(state, config());
-        for (er, ec) in [(false, 1), (true, 1), (true, 1), (false, 0), (false, 0)] {
-            if state.is_cyclic() {
-                bench.soc();
-                bench.preq(Flags::empty(), &[0]);
-                bench.forget();
-            }
-            let flags = if er { Flags::EXCEPTION_RESET } else { Flags::empty() };
-            bench.invite(RequestedService::STATUS_REQUEST, NODE, flags);
-            bench.says(&std::format!(
-                "node 1 -> all: StatusResponse, {}, EC={ec} EN=0, PR=0 RS=0",
-                state.code()
-            ));
-            assert_eq!(bench.last.len(), 72);
-        }
-    }
-}
 
 /// openPOWERLINK 2.7.2 answers first.
 #[test]
@@ -72,31 +21,6 @@ fn ec_may_follow_er_one_answer_later() {
         bench.says(&std::format!(
             "node 1 -> all: StatusResponse, NMT_PRE_OPERATIONAL_1, EC={ec} EN=0, PR=0 RS=0"
         ));
-    }
-}
-
-#[test]
-fn a_poll_is_answered_in_three_states_and_data_are_valid_in_one() {
-    for state in ANSWERING {
-        let mut bench = Bench::in_state(state, config());
-        bench.node.objects_mut().input = 0x5A;
-        bench.soc();
-        let polled = bench.node.state();
-        bench.preq(Flags::DATA_VALID, &[0x77]);
-        if !polled.answers_poll() {
-            bench.says_nothing();
-            continue;
-        }
-        let is_operational = polled == NmtState::Operational;
-        let rd = u8::from(is_operational);
-        bench.says(&std::format!("node 1 -> all: PRes, {}, EN=0 RD={rd}, PR=0 RS=0, 1 bytes", polled.code()));
-        assert_eq!((bench.last.len(), bench.last[24]), (60, 0x5A));
-        let is_taken = polled != NmtState::PreOperational2;
-        assert_eq!(bench.node.objects().output, if is_taken { 0x77 } else { 0 }, "{state}");
-        assert_eq!(
-            bench.events.contains(&NodeEvent::ProcessData { channel: 0, is_valid: true }),
-            is_operational
-        );
     }
 }
 

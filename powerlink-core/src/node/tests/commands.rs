@@ -1,21 +1,12 @@
 //! NMT commands, plain and with a list, to one node and to all.
 
+use std::string::ToString;
+
 use super::bench::*;
 use crate::NodeId;
 use crate::nmt::NmtState;
 use crate::node::NodeEvent;
-use crate::wire::{ErrorCode, Flags, NmtCommandId, NodeList, RequestedService};
-
-#[test]
-fn broadcast_commands_are_followed() {
-    let mut bench = Bench::in_state(NmtState::ReadyToOperate, config());
-    bench.command_to(NodeId::BROADCAST, NmtCommandId::START_NODE, &[]);
-    bench.is(NmtState::Operational);
-    bench.command_to(NodeId(2), NmtCommandId::STOP_NODE, &[]);
-    bench.is(NmtState::Operational);
-    bench.command_to(NodeId::BROADCAST, NmtCommandId::RESET_NODE, &[]);
-    bench.is(NmtState::NotActive);
-}
+use crate::wire::{ErrorCode, Flags, NmtCommandId, NodeList};
 
 #[test]
 fn extended_commands_are_for_the_nodes_of_their_list() {
@@ -76,26 +67,109 @@ fn start_may_need_valid_data() {
 }
 
 #[test]
-fn an_nmt_request_waits_for_its_invitation_and_is_more_urgent_than_sdo() {
+fn requests_for_commands_have_their_limits() {
     let mut bench = Bench::in_state(NmtState::Operational, config());
-    bench.sdo("00 01 00 00");
-    bench.node.request_command(NmtCommandId::RESET_NODE, NODE).unwrap();
-    bench.soc();
-    bench.preq(Flags::empty(), &[1]);
-    bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=7 RS=1, 1 bytes");
-    bench.asks(RequestedService::NMT_REQUEST_INVITE);
-    bench.says("node 1 -> MN: NMTRequest, NMTResetNode for node 1");
-    bench.asks(RequestedService::NMT_REQUEST_INVITE);
+    let count = (0..9).filter(|_| bench.node.request_command(NmtCommandId::RESET_NODE, NODE).is_ok()).count();
+    assert_eq!(count, 4);
+    let full = bench.node.request_command(NmtCommandId::RESET_NODE, NODE).unwrap_err();
+    assert_eq!(
+        full.to_string(),
+        "too many NMT requests wait for an invitation: try again after the next SoA"
+    );
+    let list = bench.node.request_command(NmtCommandId::STOP_NODE_EX, NODE).unwrap_err();
+    assert_eq!(list.to_string(), "NMTStopNodeEx needs a list of nodes: ask for NMTStopNode of each node");
+    let mut bench = Bench::listening(config());
+    let silent = bench.node.request_command(NmtCommandId::RESET_NODE, NODE).unwrap_err();
+    assert_eq!(silent.to_string(), "not possible in NotActive");
     bench.says_nothing();
-    bench.asks(RequestedService::STATUS_REQUEST);
-    bench.says("node 1 -> all: StatusResponse, NMT_OPERATIONAL, EC=1 EN=0, PR=3 RS=1");
-    bench.asks(RequestedService::UNSPECIFIED_INVITE);
-    bench.says("node 1 -> MN: SDO, rcon=1/0 scon=1/0");
-    bench.asks(RequestedService::UNSPECIFIED_INVITE);
-    bench.says_nothing();
-    bench.asks(RequestedService::STATUS_REQUEST);
-    bench.says("node 1 -> all: StatusResponse, NMT_OPERATIONAL, EC=1 EN=0, PR=0 RS=0");
+}
 
-    let full = (0..9).filter(|_| bench.node.request_command(NmtCommandId::RESET_NODE, NODE).is_ok()).count();
-    assert_eq!(full, 4);
+/// EPSG DS 301 and replays against openPOWERLINK 2.7.2, through frames: a row a command, a column a state, `.` for ignored. A
+/// reset ends in `NotActive`, whatever its depth.
+#[test]
+fn every_command_in_every_state() {
+    use NmtState::*;
+    const STATES: [NmtState; 7] =
+        [NotActive, PreOperational1, PreOperational2, ReadyToOperate, Operational, Stopped, BasicEthernet];
+    const ROWS: [(NmtCommandId, &str); 8] = [
+        (NmtCommandId::START_NODE, ". . . OP . . ."),
+        (NmtCommandId::STOP_NODE, ". . ST ST ST . ."),
+        (NmtCommandId::ENTER_PRE_OPERATIONAL_2, ". . . . P2 P2 ."),
+        (NmtCommandId::ENABLE_READY_TO_OPERATE, ". . RO . . . ."),
+        (NmtCommandId::RESET_NODE, "NA NA NA NA NA NA NA"),
+        (NmtCommandId::RESET_COMMUNICATION, "NA NA NA NA NA NA NA"),
+        (NmtCommandId::RESET_CONFIGURATION, "NA NA NA NA NA NA NA"),
+        (NmtCommandId::SW_RESET, "NA NA NA NA NA NA NA"),
+    ];
+    let mut list = NodeList::default();
+    list.insert(NODE);
+    for (plain, row) in ROWS {
+        let extended = NmtCommandId(plain.0 + 0x20);
+        for (from, expected) in STATES.into_iter().zip(row.split(' ')) {
+            let to = match expected {
+                "OP" => Operational,
+                "ST" => Stopped,
+                "P2" => PreOperational2,
+                "RO" => ReadyToOperate,
+                "NA" => NotActive,
+                _ => from,
+            };
+            for (command, node, data) in [
+                (plain, NODE, &[][..]),
+                (plain, NodeId::BROADCAST, &[]),
+                (extended, NODE, &list.0),
+                (extended, NodeId::BROADCAST, &list.0),
+            ] {
+                let mut bench = Bench::in_state(from, config());
+                bench.command_to(node, command, data);
+                assert_eq!(bench.node.state(), to, "{command} to {node} in {from}");
+                let is_ignored = expected == ".";
+                assert_eq!(
+                    bench.node.counters().commands_ignored,
+                    u32::from(is_ignored),
+                    "{command} in {from}"
+                );
+            }
+        }
+    }
+}
+
+/// What a controlled node does not follow, for others and of others: nothing changes in any state.
+#[test]
+fn commands_that_nobody_follows() {
+    for state in [NmtState::PreOperational1, NmtState::Operational, NmtState::Stopped] {
+        let mut bench = Bench::in_state(state, config());
+        let followed = |number| matches!(number, 0x21..=0x24 | 0x28..=0x2B | 0x41..=0x44 | 0x48..=0x4B);
+        for number in (0..=u8::MAX).filter(|&number| !followed(number)) {
+            bench.command(NmtCommandId(number));
+        }
+        assert_eq!(bench.node.counters().commands_ignored, 240);
+        bench.command_to(NodeId(2), NmtCommandId::RESET_NODE, &[]);
+        bench.command_of(NodeId(7), NmtCommandId::RESET_NODE);
+        bench.is(state);
+        bench.says_nothing();
+    }
+}
+
+/// A reset that comes during another one: the initialisation begins again where the deeper of the two does.
+#[test]
+fn a_reset_may_come_during_the_initialisation() {
+    let mut bench = Bench::in_state(NmtState::Operational, config());
+    bench.command_undrained(NmtCommandId::RESET_CONFIGURATION);
+    bench.is(NmtState::ResetConfiguration);
+    bench.command_undrained(NmtCommandId::START_NODE);
+    bench.is(NmtState::ResetConfiguration);
+    for (command, state) in [
+        (NmtCommandId::RESET_COMMUNICATION, NmtState::ResetCommunication),
+        (NmtCommandId::RESET_NODE, NmtState::ResetApplication),
+        (NmtCommandId::RESET_COMMUNICATION, NmtState::ResetApplication),
+        (NmtCommandId::SW_RESET, NmtState::Initialising),
+        (NmtCommandId::RESET_NODE, NmtState::Initialising),
+    ] {
+        bench.command_undrained(command);
+        bench.is(state);
+    }
+    bench.drain();
+    bench.is(NmtState::NotActive);
+    bench.says_nothing();
 }

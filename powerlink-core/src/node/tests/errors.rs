@@ -150,29 +150,6 @@ fn a_frame_that_is_cut_is_dropped() {
     assert_eq!(bench.node.counters().bad_frames, 1);
 }
 
-#[test]
-fn frames_without_padding_are_accepted() {
-    let mut bench = Bench::listening(config());
-    let soa: &[u8] =
-        &[1, 0x11, 0x1E, 0, 0, 3, 2, 0, 0, 0, 0, 0xF0, 0x88, 0xAB, 5, 255, 240, 0x1D, 0, 0, 1, 1, 0x20];
-    assert_eq!(soa.len(), 23);
-    bench.bytes(soa);
-    bench.is(NmtState::PreOperational1);
-    bench.bytes(soa);
-    assert_eq!(bench.last.len(), 176);
-    let mut soc = [0; 36];
-    soc[..17].copy_from_slice(&[1, 0x11, 0x1E, 0, 0, 1, 2, 0, 0, 0, 0, 0xF0, 0x88, 0xAB, 1, 255, 240]);
-    bench.bytes(&soc);
-    bench.is(NmtState::PreOperational2);
-    let mut preq = [0; 25];
-    preq[..24].copy_from_slice(&[
-        2, 0, 0, 0, 0, 1, 2, 0, 0, 0, 0, 0xF0, 0x88, 0xAB, 3, 1, 240, 0, 1, 0, 0, 0, 1, 0,
-    ]);
-    bench.forget();
-    bench.bytes(&preq);
-    bench.says("node 1 -> all: PRes, NMT_PRE_OPERATIONAL_2, EN=0 RD=0, PR=0 RS=0, 1 bytes");
-}
-
 /// An error reaches the managing node: EN in the PRes, the entry in the StatusResponse, EA in the next PReq.
 #[test]
 fn an_error_is_told_until_it_is_acknowledged() {

@@ -1,0 +1,141 @@
+//! Whole frames, byte by byte: what makes a node drop a frame, and what does not. Made after the specification; those with a
+//! verdict of openPOWERLINK 2.7.2 were sent to its controlled node.
+
+use super::bench::*;
+use crate::nmt::NmtState;
+use crate::node::{NodeCounters, NodeEvent};
+use crate::wire::ErrorCode;
+
+fn bytes(hex: &str) -> std::vec::Vec<u8> {
+    (0..hex.len()).step_by(2).map(|at| u8::from_str_radix(&hex[at..at + 2], 16).unwrap()).collect()
+}
+
+/// The node hears a frame in a state, within a cycle; what it counts by that.
+fn hears(state: NmtState, hex: &str) -> (Bench, NodeCounters) {
+    let mut bench = Bench::in_state(state, config());
+    if state.is_cyclic() {
+        bench.soc();
+    }
+    bench.node.clear_counters();
+    bench.forget();
+    bench.bytes(&bytes(hex));
+    let counters = *bench.node.counters();
+    (bench, counters)
+}
+
+const ALL: [NmtState; 4] =
+    [NmtState::PreOperational1, NmtState::PreOperational2, NmtState::Operational, NmtState::Stopped];
+
+/// PReq with Size 37 where the limit is 36: openPOWERLINK answers, and resets its communication.
+#[test]
+fn a_poll_longer_than_the_limit_is_answered_before_the_reset() {
+    let mut frame = std::string::String::from("0200000000010200000000f088ab0301f0000100000025");
+    frame.push_str(&"00".repeat(38));
+    for (state, to) in [
+        (NmtState::PreOperational2, NmtState::PreOperational2),
+        (NmtState::ReadyToOperate, NmtState::NotActive),
+        (NmtState::Operational, NmtState::NotActive),
+    ] {
+        let (mut bench, counters) = hears(state, &frame);
+        let rd = u8::from(state == NmtState::Operational);
+        bench.says(&std::format!("node 1 -> all: PRes, {}, EN=0 RD={rd}, PR=0 RS=0, 1 bytes", state.code()));
+        bench.is(to);
+        assert_eq!(counters, NodeCounters { errors_untold: 0, ..NodeCounters::default() });
+        let told = bench.events.contains(&NodeEvent::Error(ErrorCode::INVALID_FORMAT));
+        assert_eq!(told, to == NmtState::NotActive);
+    }
+}
+
+#[test]
+fn an_unknown_message_type_is_dropped() {
+    let frame = "0200000000010200000000f088ab0901f000010000000100000000000000000000000000000000000000000000000000000000000000000000000000";
+    for state in ALL {
+        let (mut bench, counters) = hears(state, frame);
+        assert_eq!(counters, NodeCounters { unknown: 1, ..NodeCounters::default() });
+        bench.says_nothing();
+        bench.is(state);
+    }
+}
+
+/// A PReq that ends in its Size, and a SoA that ends behind its target.
+#[test]
+fn cut_frames_are_dropped() {
+    for frame in
+        ["0200000000010200000000f088ab0301f0000100000001", "01111e0000030200000000f088ab05fff01d00000101"]
+    {
+        for state in ALL {
+            let (mut bench, counters) = hears(state, frame);
+            assert_eq!(counters, NodeCounters { bad_frames: 1, ..NodeCounters::default() });
+            assert!(matches!(bench.events[..], [NodeEvent::BadFrame(_)]));
+            bench.says_nothing();
+            bench.is(state);
+        }
+    }
+}
+
+/// NMTStartNode for this node at the MAC address of another; and each message at the address of another message.
+#[test]
+fn foreign_addresses_are_dropped() {
+    let rest = "0200000000f088ab";
+    let at = |mac: &str, body: &str| std::format!("{mac}{rest}{body}");
+    let soc = &*std::format!("01fff0{}", "00".repeat(19));
+    let poll = "0301f000010000000000";
+    let command = "0601f0042800";
+    let ident = "05fff01d00000101200000";
+    for (mac, body) in [
+        ("02000000aaaa", command),
+        ("01111e000001", command),
+        ("01111e000003", soc),
+        ("020000000001", soc),
+        ("01111e000001", poll),
+        ("ffffffffffff", poll),
+        ("01111e000004", ident),
+        ("01111e000005", soc),
+    ] {
+        for state in ALL {
+            let (mut bench, counters) = hears(state, &at(mac, body));
+            let expected = NodeCounters { other_destinations: 1, ..NodeCounters::default() };
+            assert_eq!(counters, expected, "{mac} {body}");
+            bench.says_nothing();
+            bench.is(state);
+        }
+    }
+    // An ASnd is accepted at three addresses.
+    for mac in ["01111e000004", "020000000001", "ffffffffffff"] {
+        let (bench, _) = hears(NmtState::PreOperational1, &at(mac, command));
+        bench.is(NmtState::NotActive);
+    }
+}
+
+/// SoA IdentRequest with reserved bits, and with bit 7 of the message type.
+#[test]
+fn reserved_bits_are_ignored() {
+    for kind in ["05", "85"] {
+        let frame = std::format!("01111e0000030200000000f088ab{kind}fff01d00ff01012001{}", "00".repeat(30));
+        for state in ALL {
+            let (bench, counters) = hears(state, &frame);
+            assert_eq!((bench.last.len(), counters), (176, NodeCounters::default()), "{state}");
+        }
+    }
+}
+
+/// A node that is asked for something it does not know says nothing: SyncRequest, and what is the manufacturer's.
+#[test]
+fn unknown_requests_and_services_are_ignored() {
+    for service in ["06", "a0", "fe"] {
+        let frame = std::format!("01111e0000030200000000f088ab05fff01d0000{service}0120");
+        for state in ALL {
+            let (mut bench, _) = hears(state, &frame);
+            bench.says_nothing();
+            bench.is(state);
+        }
+    }
+    for service in ["06", "a0", "fe"] {
+        let (mut bench, counters) = hears(
+            NmtState::PreOperational1,
+            &std::format!("01111e0000040200000000f088ab0601f0{service}0000"),
+        );
+        assert_eq!(counters, NodeCounters { unknown: 1, ..NodeCounters::default() });
+        bench.says_nothing();
+    }
+}
