@@ -15,6 +15,7 @@
 //! | [`pdo`] | objects in process data |
 //! | [`sdo`] | the server by which objects are read and written |
 //! | [`indicator`] | status and error LED |
+//! | [`monitor`] | the passive decoder: what every frame on the wire means |
 //!
 //! # A node is started
 //!
@@ -134,6 +135,7 @@ pub mod dictionary;
 pub mod error;
 pub mod ethernet;
 pub mod indicator;
+pub mod monitor;
 pub mod nmt;
 pub mod node;
 pub mod node_id;
