@@ -4,7 +4,7 @@ use core::time::Duration;
 
 use link_core::Instant;
 
-use super::{ConnectionState, Seen};
+use super::{ConnectionState, Flaw, Remark, Remarks, Seen};
 use crate::code::InstanceId;
 use crate::connection::{TimeoutMultiplier, time_out};
 
@@ -247,6 +247,53 @@ impl Connection {
     #[must_use]
     pub fn is_alive(&self) -> bool {
         self.state == ConnectionState::Established || (self.state == ConnectionState::Unknown && self.answers)
+    }
+
+    /// A frame of an explicit connection.
+    pub fn explicit(&mut self, reading: &mut impl Remarks, flow: Flow, at: Instant) {
+        match (self.state, flow) {
+            // The server's watchdog is restarted by what it receives.
+            (ConnectionState::Established, Flow::Consumed) => self.touch(at),
+            // The server takes it while I/O goes on.
+            (ConnectionState::DeferredDelete, Flow::Consumed) => self.enter(ConnectionState::Established, at),
+            (ConnectionState::NonExistent | ConnectionState::TimedOut, Flow::Consumed) => {
+                self.is_missing(reading);
+            }
+            (ConnectionState::Unknown, _) => self.active = at,
+            _ => {}
+        }
+    }
+
+    /// A frame wants the connection, which is not established.
+    pub fn is_missing(&self, reading: &mut impl Remarks) {
+        reading.remark(Remark::NoConnection(self.state));
+        if self.assumed {
+            reading.remark(Remark::Assumed);
+        }
+    }
+
+    /// The server takes part in the connection: it is established, whatever was seen before.
+    pub fn prove(&mut self, reading: &mut impl Remarks, at: Instant) {
+        if self.state == ConnectionState::Established {
+            return;
+        }
+        if !self.assumed {
+            reading.remark(Remark::NoConnection(self.state));
+            reading.remark(Remark::Assumed);
+        }
+        self.infer(ConnectionState::Established, at);
+    }
+
+    /// A frame answers the command or message that waits, which is returned. Without one it is wrong if the other side was
+    /// `heard`.
+    pub fn answer(&mut self, reading: &mut impl Remarks, heard: bool, at: Instant) -> Option<Seen> {
+        let Some(waiting) = self.waiting.take() else {
+            reading.remark(if heard { Remark::Flaw(Flaw::UnexpectedIoResponse) } else { Remark::Assumed });
+            return None;
+        };
+        reading.remark(Remark::Answers(waiting.answered(at)));
+        self.answers = true;
+        Some(waiting)
     }
 
     /// Counts a frame of the connection.

@@ -2,7 +2,7 @@
 
 use link_core::Instant;
 
-use super::{Flaw, Frag, Guess, Piece, Side, Slots, Span, Stream};
+use super::{Flaw, Frag, Guess, Piece, Remark, Remarks, Side, Slots, Span, Stream};
 use crate::fragment::{FragmentByte, FragmentKind, IO_UNFRAGMENTED_LEN};
 
 /// Whether fragmented I/O is guessed, where nothing tells the size of a message.
@@ -122,6 +122,19 @@ impl Side {
 }
 
 impl Part<'_> {
+    /// What is to be said of the frame.
+    pub fn tell(&self, reading: &mut impl Remarks) {
+        if self.assumed {
+            reading.remark(Remark::Assumed);
+        }
+        if let Some(flaw) = self.flaw {
+            reading.remark(Remark::Flaw(flaw));
+        }
+        if self.overflows {
+            reading.remark(Remark::NotStored);
+        }
+    }
+
     /// A frame that is a message of its own.
     fn whole(field: &[u8]) -> Self {
         Self {

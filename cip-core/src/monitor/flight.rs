@@ -4,27 +4,14 @@ use core::time::Duration;
 
 use link_core::Instant;
 
-use super::{Answered, Flaw, Flow, Seen};
-use crate::fragment::{FragmentByte, FragmentKind};
+use super::{Flaw, Flow, Frag, Remark, Remarks, Seen};
+use crate::fragment::{AckStatus, FragmentByte, FragmentKind};
 
 /// What is under way in both directions of an explicit connection: the fragments that want an acknowledge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Flights {
     consumed: Lane,
     produced: Lane,
-}
-
-/// What becomes of an acknowledge.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Acknowledged {
-    /// It answers the fragment; a flaw if it is late, or has another transaction ID.
-    Fragment(Answered, Option<Flaw>),
-    /// It was seen before.
-    Repeated,
-    /// The fragment could have been sent before the recording began.
-    Assumed,
-    /// Nobody waits for it.
-    Unknown(Flaw),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -83,35 +70,51 @@ impl Flights {
         overdue.then_some(Flaw::FragmentUnacknowledged { count: flight.count })
     }
 
-    /// The fragment with that count in a direction is acknowledged.
-    pub fn acknowledge(&mut self, flow: Flow, at: Instant, count: u8, xid: bool) -> Acknowledged {
+    /// The same in both directions, as a complete message does.
+    pub fn give_up_all(&mut self, at: Instant) -> Option<Flaw> {
+        let consumed = self.give_up(Flow::Consumed, at);
+        consumed.or(self.give_up(Flow::Produced, at))
+    }
+
+    /// A fragment that went in that direction is acknowledged. Returns true if its receiver has refused the message.
+    pub fn acknowledge(
+        &mut self,
+        reading: &mut impl Remarks,
+        flow: Flow,
+        at: Instant,
+        frag: Frag,
+        xid: bool,
+    ) -> bool {
+        let count = frag.byte.count();
+        let unknown = Remark::Flaw(Flaw::UnknownAcknowledge { count });
         let Lane { flight, known } = self.lane(flow);
         let Some(flight) = flight else {
-            return if *known {
-                Acknowledged::Unknown(Flaw::UnknownAcknowledge { count })
-            } else {
-                Acknowledged::Assumed
-            };
+            // The fragment could have been sent before the recording began.
+            reading.remark(if *known { unknown } else { Remark::Assumed });
+            return false;
         };
         if flight.count != count {
             let is_before = count == flight.count.wrapping_sub(1) & COUNT_MASK && flight.count != 0;
-            return if is_before {
-                Acknowledged::Repeated
-            } else {
-                Acknowledged::Unknown(Flaw::UnknownAcknowledge { count })
-            };
+            reading.remark(if is_before { Remark::Repeated } else { unknown });
+            return false;
         }
         if flight.acknowledged {
-            return Acknowledged::Repeated;
+            reading.remark(Remark::Repeated);
+            return false;
         }
         flight.acknowledged = true;
         let answered = flight.seen.answered(at);
-        let flaw = if flight.xid != xid {
-            Some(Flaw::TransactionMismatch)
-        } else {
-            (answered.latency > ACK_TIME).then_some(Flaw::LateAcknowledge { count })
-        };
-        Acknowledged::Fragment(answered, flaw)
+        reading.remark(Remark::Answers(answered));
+        let is_refused = frag.status.map(AckStatus::from) == Some(AckStatus::TooMuchData);
+        if is_refused {
+            reading.remark(Remark::Flaw(Flaw::FragmentRefused));
+        }
+        if flight.xid != xid {
+            reading.remark(Remark::Flaw(Flaw::TransactionMismatch));
+        } else if answered.latency > ACK_TIME {
+            reading.remark(Remark::Flaw(Flaw::LateAcknowledge { count }));
+        }
+        is_refused
     }
 
     fn lane(&mut self, flow: Flow) -> &mut Lane {

@@ -8,6 +8,7 @@
 //! | [`Flaw`] | what can be wrong with a message |
 //! | [`Frag`] | the fragmentation byte of a frame |
 //! | [`Seen`], [`Answered`] | a frame of the recording, and what its answer says of it |
+//! | [`Remark`] | what a rule has found, for the [reading](Remarks) of the network |
 //! | [`Slots`] | the messages that are being put together from fragments |
 //! | [`Span`] | where in a message its value stands |
 //!
@@ -23,6 +24,7 @@ mod frag;
 #[cfg(feature = "serde")]
 pub mod json;
 pub mod packet;
+mod remarks;
 mod seen;
 mod slots;
 mod span;
@@ -34,8 +36,9 @@ pub use connection::{Connection, Flow, Guess, Side};
 pub use data::{FragmentationGuess, Part, Progress};
 pub use explicit::{Asked, Explicit, PacketRate, ReadRequest, ReadResponse, likely_format};
 pub use flaw::Flaw;
-pub use flight::{Acknowledged, Flights};
+pub use flight::Flights;
 pub use frag::Frag;
+pub use remarks::{Remark, Remarks};
 pub use seen::{Answered, Seen};
 pub use slots::{Piece, Slots, Stream};
 pub use span::Span;

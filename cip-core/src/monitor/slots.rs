@@ -4,7 +4,7 @@ use core::time::Duration;
 
 use link_core::Instant;
 
-use super::Flaw;
+use super::{Flaw, Remark, Remarks};
 use crate::fragment::{
     ExplicitOutcome, ExplicitReassembly, FragmentByte, FragmentKind, IoOutcome, IoReassembly,
 };
@@ -42,6 +42,25 @@ pub enum Piece<'b> {
     Broken(Flaw),
     /// The message is lost, because it exceeds the store.
     Overflow,
+}
+
+impl<'b> Piece<'b> {
+    /// The whole message; without one, what has become of the fragment is remarked. `known`: the sender's messages were seen
+    /// from where they begin, so that a fragment without a first is wrong.
+    pub fn whole(self, reading: &mut impl Remarks, byte: FragmentByte, known: bool) -> Option<&'b [u8]> {
+        match self {
+            Self::Whole(message) => return Some(message),
+            Self::Kept => {}
+            Self::Repeated => reading.remark(Remark::Repeated),
+            Self::Headless if known => {
+                reading.remark(Remark::Flaw(Flaw::NoFirstFragment { found: byte.count() }));
+            }
+            Self::Headless => reading.remark(Remark::Assumed),
+            Self::Broken(flaw) => reading.remark(Remark::Flaw(flaw)),
+            Self::Overflow => reading.remark(Remark::NotStored),
+        }
+        None
+    }
 }
 
 /// Up to `N` messages of up to `B` bytes in progress.

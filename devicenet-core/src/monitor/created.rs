@@ -10,7 +10,7 @@ use link_core::Instant;
 use super::FragmentationGuess;
 use super::connections::Predefined;
 use super::explicit::Channel;
-use super::io::{self, prove};
+use super::io;
 use super::kind::Kind;
 use super::learn::connection_id;
 use super::nodes::Node;
@@ -148,7 +148,7 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
     let held = state.dynamics.get_mut(index)?.as_mut()?;
     reading.assumed = held.connection.state == ConnectionState::Unknown;
     if flow == Flow::Produced {
-        prove(reading, &mut held.connection);
+        held.connection.prove(reading, at);
         held.connection.touch(at);
     }
     reading.dynamic = Some(held.told());

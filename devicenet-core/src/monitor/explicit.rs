@@ -2,9 +2,7 @@
 
 use cip_core::fragment::{AckStatus, FragmentByte, FragmentKind};
 use cip_core::message::BodyFormat;
-use cip_core::monitor::{
-    Acknowledged, ConnectionState, Flaw, Flights, Flow, Frag, Piece, Seen, Slots, Stream,
-};
+use cip_core::monitor::{ConnectionState, Flaw, Flights, Flow, Frag, Seen, Slots, Stream};
 
 use super::bodies::{self, Parsed};
 use super::connections::Predefined;
@@ -12,7 +10,7 @@ use super::kind::Kind;
 use super::nodes::Roles;
 use super::pairing::Transaction;
 use super::problem::Problem;
-use super::reading::{Message, Note, Reading};
+use super::reading::{Message, Reading};
 use super::state::{Dynamic, Link, State};
 use crate::id::{Identifier, MacId};
 use crate::message::ExplicitHeader;
@@ -109,13 +107,7 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
             slots.discard(opposite);
         }
         let channel = state.channel(route.link);
-        let unacknowledged = match intrudes {
-            true => None,
-            false => {
-                let consumed = channel.flights.give_up(Flow::Consumed, reading.at);
-                consumed.or(channel.flights.give_up(Flow::Produced, reading.at))
-            }
-        };
+        let unacknowledged = if intrudes { None } else { channel.flights.give_up_all(reading.at) };
         let seen = Seen { n: reading.n, at: reading.at };
         bodies::message(state, route, seen, header, body, 1).apply(reading);
         reading.flag_if(unacknowledged);
@@ -131,7 +123,7 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
     reading.frag = Some(Frag::new(byte));
     if byte.kind == FragmentKind::Acknowledge {
         reading.kind = Kind::FragmentAck;
-        acknowledge(state, slots, reading, header, route, piece);
+        acknowledge(state, slots, reading, header, route, byte, piece);
         return None;
     }
     fragment(state, slots, reading, header, route, byte, piece)
@@ -176,20 +168,7 @@ fn address<const N: usize>(state: &mut State<N>, reading: &mut Reading<'_>, rout
     if intrudes {
         return true;
     }
-    match (connection.state, route.flow) {
-        // The server's watchdog is restarted by what it receives.
-        (ConnectionState::Established, Flow::Consumed) => connection.touch(at),
-        // The server takes it while I/O goes on.
-        (ConnectionState::DeferredDelete, Flow::Consumed) => {
-            connection.enter(ConnectionState::Established, at);
-        }
-        (ConnectionState::NonExistent | ConnectionState::TimedOut, Flow::Consumed) => {
-            reading.note = Some(Note::NoConnection(connection.state));
-            reading.assumed |= connection.assumed;
-        }
-        (ConnectionState::Unknown, _) => connection.active = at,
-        _ => {}
-    }
+    connection.explicit(reading, route.flow, at);
     reading.dynamic = state.held(route.link).map(Dynamic::told);
     false
 }
@@ -224,35 +203,11 @@ fn fragment<'s, const N: usize, const B: usize>(
     }
     let (piece, mismatch) = slots.explicit(route.stream, at, header.xid, byte, piece);
     reading.flag_if(mismatch);
-    match piece {
-        Piece::Kept => None,
-        Piece::Repeated => {
-            reading.note = Some(Note::Repeated);
-            None
-        }
-        Piece::Headless if known => {
-            reading.flag(Flaw::NoFirstFragment { found: byte.count() });
-            None
-        }
-        Piece::Headless => {
-            reading.assumed = true;
-            None
-        }
-        Piece::Broken(problem) => {
-            reading.flag(problem);
-            None
-        }
-        Piece::Overflow => {
-            reading.note = Some(Note::NotStored);
-            None
-        }
-        Piece::Whole(body) => {
-            let parsed = bodies::message(state, route, seen, header, body, 0);
-            let Parsed { kind, fields, .. } = parsed;
-            parsed.apply_around(reading);
-            Some(Message { kind, fields, data: body })
-        }
-    }
+    let body = piece.whole(reading, byte, known)?;
+    let parsed = bodies::message(state, route, seen, header, body, 0);
+    let Parsed { kind, fields, .. } = parsed;
+    parsed.apply_around(reading);
+    Some(Message { kind, fields, data: body })
 }
 
 fn acknowledge<const N: usize, const B: usize>(
@@ -261,14 +216,12 @@ fn acknowledge<const N: usize, const B: usize>(
     reading: &mut Reading<'_>,
     header: ExplicitHeader,
     route: &Route,
+    byte: FragmentByte,
     rest: &[u8],
 ) {
-    let Some(frag) = &mut reading.frag else { return };
-    let count = frag.byte.count();
-    frag.status = rest.first().copied();
-    let status = frag.status.map(AckStatus::from);
-    let acknowledged = route.flow.opposite();
-    if let Some(AckStatus::Reserved(found)) = status {
+    let frag = Frag { byte, status: rest.first().copied() };
+    reading.frag = Some(frag);
+    if let Some(AckStatus::Reserved(found)) = frag.status.map(AckStatus::from) {
         let polled = route.link.dynamic.is_none()
             && route.flow == Flow::Produced
             && state.node(route.link.server).connection(Predefined::Poll).waiting.is_some();
@@ -286,30 +239,13 @@ fn acknowledge<const N: usize, const B: usize>(
     if route.intrudes {
         return;
     }
+    let (acknowledged, at) = (route.flow.opposite(), reading.at);
     let flights = &mut state.channel(route.link).flights;
-    let (answered, flaw) = match flights.acknowledge(acknowledged, reading.at, count, header.xid) {
-        Acknowledged::Fragment(answered, flaw) => (answered, flaw),
-        Acknowledged::Repeated => {
-            reading.note = Some(Note::Repeated);
-            return;
-        }
-        Acknowledged::Assumed => {
-            reading.assumed = true;
-            return;
-        }
-        Acknowledged::Unknown(flaw) => {
-            reading.flag(flaw);
-            return;
-        }
-    };
-    reading.request = Some(answered);
-    if status == Some(AckStatus::TooMuchData) {
-        reading.flag(Flaw::FragmentRefused);
-        if let Some(stream) = route.opposite {
-            slots.discard(stream);
-        }
+    if flights.acknowledge(reading, acknowledged, at, frag, header.xid)
+        && let Some(stream) = route.opposite
+    {
+        slots.discard(stream);
     }
-    reading.flag_if(flaw);
 }
 
 const ACK_LEN: usize = 3;

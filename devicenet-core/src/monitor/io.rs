@@ -10,7 +10,7 @@ use super::connections::Predefined;
 use super::kind::Kind;
 use super::nodes::{Node, Roles};
 use super::problem::Problem;
-use super::reading::{Fields, Message, Note, Reading};
+use super::reading::{Fields, Message, Reading};
 use super::state::State;
 use super::volley;
 use crate::id::{Identifier, MacId};
@@ -120,8 +120,7 @@ fn changes_only(choice: Option<AllocationChoice>) -> bool {
 fn command(reading: &mut Reading<'_>, connection: &mut Connection, answered: bool, reconsidered: bool) {
     let told_absent = !connection.assumed && !connection.is_alive();
     if told_absent || matches!(connection.state, ConnectionState::TimedOut | ConnectionState::NonExistent) {
-        reading.note = Some(Note::NoConnection(connection.state));
-        reading.assumed |= connection.assumed;
+        connection.is_missing(reading);
     }
     if reconsidered {
         connection.waiting = None;
@@ -149,24 +148,21 @@ pub(super) fn has_other_length(reading: &Reading<'_>) -> bool {
 
 /// The answer to a command or message of the other side, of which at least one was `heard`.
 fn response(reading: &mut Reading<'_>, connection: &mut Connection, heard: bool, reconsidered: bool) {
-    if let Some(command) = connection.waiting.take() {
-        reading.request = Some(command.answered(reading.at));
-        connection.answers = true;
-        prove(reading, connection);
-        if core::mem::take(&mut connection.excused) {
-            connection.touch(command.at);
-        }
-    } else if reconsidered {
+    if reconsidered && connection.waiting.is_none() {
         // Its first fragment has been paired.
-    } else if heard {
-        reading.flag(Flaw::UnexpectedIoResponse);
-    } else {
-        reading.assumed = true;
+        return;
+    }
+    let at = reading.at;
+    let Some(command) = connection.answer(reading, heard, at) else { return };
+    connection.prove(reading, at);
+    if core::mem::take(&mut connection.excused) {
+        connection.touch(command.at);
     }
 }
 
 /// A COS or cyclic message of the slave.
 fn produced(reading: &mut Reading<'_>, node: &mut Node, acknowledged: bool, reconsidered: bool) {
+    let at = reading.at;
     let connection = node.connection(Predefined::CosCyclic);
     if reconsidered {
         connection.waiting = None;
@@ -177,25 +173,13 @@ fn produced(reading: &mut Reading<'_>, node: &mut Node, acknowledged: bool, reco
         reading.flag(Flaw::Unacknowledged { n: before.n });
     }
     if acknowledged {
-        connection.waiting = Some(Seen { n: reading.n, at: reading.at });
+        connection.waiting = Some(Seen { n: reading.n, at });
     }
-    prove(reading, connection);
+    connection.prove(reading, at);
     if !acknowledged || !connection.answers {
         // Only an acknowledge restarts the watchdog; without acknowledges there is none.
-        connection.touch(reading.at);
+        connection.touch(at);
     }
-}
-
-/// The slave takes part in the connection: it is established, whatever was seen before.
-pub(super) fn prove(reading: &mut Reading<'_>, connection: &mut Connection) {
-    if connection.state == ConnectionState::Established {
-        return;
-    }
-    if !connection.assumed {
-        reading.note = Some(Note::NoConnection(connection.state));
-        reading.assumed = true;
-    }
-    connection.infer(ConnectionState::Established, reading.at);
 }
 
 /// The data of a frame, and the message that it completes.
@@ -210,10 +194,6 @@ pub(super) fn data<'s, const N: usize, const B: usize>(
     let part = side.frame(slots, reading.at, stream, reading.frame.data(), guess);
     reading.fields.explicit.value = part.value;
     reading.frag = part.frag;
-    reading.assumed |= part.assumed;
-    reading.flag_if(part.flaw);
-    if part.overflows {
-        reading.note = Some(Note::NotStored);
-    }
+    part.tell(reading);
     (part.progress, part.message)
 }

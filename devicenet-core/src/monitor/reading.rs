@@ -2,7 +2,7 @@
 
 use cip_core::code::VendorId;
 use cip_core::message::AllocationChoice;
-use cip_core::monitor::{Answered, ConnectionState, Explicit, Frag, Span};
+use cip_core::monitor::{Answered, ConnectionState, Explicit, Frag, Remark, Remarks, Span};
 use link_core::{Frame, Instant};
 
 use super::connections::DynamicConnection;
@@ -222,6 +222,19 @@ impl<'a> Reading<'a> {
     pub(super) fn flag_if(&mut self, problem: Option<impl Into<Problem>>) {
         if let Some(problem) = problem {
             self.flag(problem);
+        }
+    }
+}
+
+impl Remarks for Reading<'_> {
+    fn remark(&mut self, remark: Remark) {
+        match remark {
+            Remark::Flaw(flaw) => self.flag(flaw),
+            Remark::NoConnection(state) => self.note = Some(Note::NoConnection(state)),
+            Remark::NotStored => self.note = Some(Note::NotStored),
+            Remark::Repeated => self.note = Some(Note::Repeated),
+            Remark::Assumed => self.assumed = true,
+            Remark::Answers(request) => self.request = Some(request),
         }
     }
 }

@@ -5,7 +5,7 @@ use cip_core::monitor::{Connection, ConnectionState, Flaw, Guess, Progress, Seen
 
 use super::FragmentationGuess;
 use super::connections::Predefined;
-use super::io::{self, prove};
+use super::io;
 use super::kind::Kind;
 use super::nodes::{Node, Roles, Volley};
 use super::problem::Problem;
@@ -174,7 +174,8 @@ fn answer(reading: &mut Reading<'_>, volley: Option<&mut Volley>, slave: MacId) 
 /// A slave that answers a command to many.
 fn join(reading: &mut Reading<'_>, connection: &mut Connection) {
     connection.answers = true;
-    prove(reading, connection);
+    let at = reading.at;
+    connection.prove(reading, at);
 }
 
 fn last(node: &mut Node, which: Predefined) -> &mut Option<Volley> {

@@ -6,8 +6,7 @@ use cip_core::fragment::{AckStatus, FragmentByte, FragmentKind};
 use cip_core::message::{BodyFormat, Response};
 use cip_core::monitor::packet::has_parts;
 use cip_core::monitor::{
-    Acknowledged, Answered, ConnectionState, Explicit, Flaw, Flow, Frag, Piece, Seen, Slots, Stream,
-    likely_format,
+    Answered, ConnectionState, Explicit, Flaw, Flow, Frag, Seen, Slots, Stream, likely_format,
 };
 
 use super::connections::{ConnectionName, Held};
@@ -15,7 +14,7 @@ use super::kind::Kind;
 use super::learn;
 use super::nodes::Roles;
 use super::problem::Problem;
-use super::reading::{Fields, Message, Note, Reading};
+use super::reading::{Fields, Message, Reading};
 use super::state::State;
 use super::talk::{Ends, Pairing, Port, Request};
 use super::vocabulary::DEVICENEX;
@@ -112,18 +111,8 @@ fn connection<const N: usize>(
     let held = state.held(index)?;
     held.client = Some(client);
     held.settle(at);
-    let connection = &mut held.connection;
-    connection.count(reading.frame.data().len());
-    match (connection.state, flow) {
-        // The server's watchdog is restarted by what it receives.
-        (ConnectionState::Established, Flow::Consumed) => connection.touch(at),
-        (ConnectionState::NonExistent | ConnectionState::TimedOut, Flow::Consumed) => {
-            reading.note = Some(Note::NoConnection(connection.state));
-            reading.assumed |= connection.assumed;
-        }
-        (ConnectionState::Unknown, _) => connection.active = at,
-        _ => {}
-    }
+    held.connection.count(reading.frame.data().len());
+    held.connection.explicit(reading, flow, at);
     reading.connection = Some(held.told());
     Some(index)
 }
@@ -141,8 +130,7 @@ fn complete<const N: usize, const B: usize>(
     let at = reading.at;
     let mut unacknowledged = None;
     if let Some(talk) = state.talk(path.ends, at) {
-        let consumed = talk.flights.give_up(Flow::Consumed, at);
-        unacknowledged = consumed.or(talk.flights.give_up(Flow::Produced, at));
+        unacknowledged = talk.flights.give_up_all(at);
         talk.flights.know();
     }
     let seen = Seen { n: reading.n, at };
@@ -189,34 +177,10 @@ fn fragment<'s, const N: usize, const B: usize>(
     }
     reading.fields.transaction = transaction;
     let (piece, _) = slots.explicit(path.stream, at, false, byte, piece);
-    match piece {
-        Piece::Kept => None,
-        Piece::Repeated => {
-            reading.note = Some(Note::Repeated);
-            None
-        }
-        Piece::Headless if known => {
-            reading.flag(Flaw::NoFirstFragment { found: byte.count() });
-            None
-        }
-        Piece::Headless => {
-            reading.assumed = true;
-            None
-        }
-        Piece::Broken(flaw) => {
-            reading.flag(flaw);
-            None
-        }
-        Piece::Overflow => {
-            reading.note = Some(Note::NotStored);
-            None
-        }
-        Piece::Whole(body) => {
-            let parsed = message(state, path, seen, transaction, body);
-            around(reading, &parsed);
-            Some(Message { kind: parsed.kind, fields: parsed.fields, data: body })
-        }
-    }
+    let body = piece.whole(reading, byte, known)?;
+    let parsed = message(state, path, seen, transaction, body);
+    around(reading, &parsed);
+    Some(Message { kind: parsed.kind, fields: parsed.fields, data: body })
 }
 
 fn acknowledge<const N: usize, const B: usize>(
@@ -227,39 +191,20 @@ fn acknowledge<const N: usize, const B: usize>(
     byte: FragmentByte,
 ) {
     let frame = reading.frame;
-    let status = frame.data().first().copied();
-    reading.frag = Some(Frag { byte, status });
-    let status = status.map(AckStatus::from);
-    if let Some(AckStatus::Reserved(found)) = status {
+    let frag = Frag { byte, status: frame.data().first().copied() };
+    reading.frag = Some(frag);
+    if let Some(AckStatus::Reserved(found)) = frag.status.map(AckStatus::from) {
         reading.flag(Flaw::ReservedValue { field: "acknowledge status", found: found.into() });
     }
     if frame.data().len() != 1 {
         let found = u16::try_from(frame.data().len()).unwrap_or_default();
         reading.flag(Flaw::Length { expected: 1, found });
     }
-    let Some(talk) = state.talk(path.ends, reading.at) else { return };
-    let (answered, flaw) =
-        match talk.flights.acknowledge(path.flow.opposite(), reading.at, byte.count(), false) {
-            Acknowledged::Fragment(answered, flaw) => (answered, flaw),
-            Acknowledged::Repeated => {
-                reading.note = Some(Note::Repeated);
-                return;
-            }
-            Acknowledged::Assumed => {
-                reading.assumed = true;
-                return;
-            }
-            Acknowledged::Unknown(flaw) => {
-                reading.flag(flaw);
-                return;
-            }
-        };
-    reading.request = Some(answered);
-    if status == Some(AckStatus::TooMuchData) {
-        reading.flag(Flaw::FragmentRefused);
+    let (acknowledged, at) = (path.flow.opposite(), reading.at);
+    let Some(talk) = state.talk(path.ends, at) else { return };
+    if talk.flights.acknowledge(reading, acknowledged, at, frag, false) {
         slots.discard(path.opposite);
     }
-    reading.flag_if(flaw);
 }
 
 /// Reads a complete message. Its transaction ID is `None` if its first fragment was not seen.

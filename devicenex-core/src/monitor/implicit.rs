@@ -7,7 +7,7 @@ use super::connections::{ConnectionName, Held, Manner};
 use super::kind::Kind;
 use super::nodes::Roles;
 use super::problem::Problem;
-use super::reading::{Fields, Message, Note, Reading};
+use super::reading::{Fields, Message, Reading};
 use super::state::State;
 use crate::id::{Identifier, Layout, OperationalAddress};
 
@@ -53,11 +53,7 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
     let part = connection.side(flow).frame(slots, at, stream, reading.frame.data(), guess);
     reading.fields.explicit.value = part.value;
     reading.frag = part.frag;
-    reading.assumed |= part.assumed;
-    reading.flag_if(part.flaw);
-    if part.overflows {
-        reading.note = Some(Note::NotStored);
-    }
+    part.tell(reading);
     match part.progress {
         Progress::Complete => moves(reading, held, flow, manner, false),
         Progress::Reconsidered => moves(reading, held, flow, manner, true),
@@ -70,7 +66,8 @@ pub(super) fn observe<'s, const N: usize, const B: usize>(
 
 /// A whole message has gone one way. Its first fragment was paired already if it is `reconsidered`.
 fn moves(reading: &mut Reading<'_>, held: &mut Held, flow: Flow, manner: Manner, reconsidered: bool) {
-    let seen = Seen { n: reading.n, at: reading.at };
+    let at = reading.at;
+    let seen = Seen { n: reading.n, at };
     let connection = &mut held.connection;
     if reconsidered {
         connection.waiting = None;
@@ -78,8 +75,7 @@ fn moves(reading: &mut Reading<'_>, held: &mut Held, flow: Flow, manner: Manner,
     match (flow, manner) {
         (Flow::Consumed, _) => {
             if matches!(connection.state, ConnectionState::TimedOut | ConnectionState::NonExistent) {
-                reading.note = Some(Note::NoConnection(connection.state));
-                reading.assumed |= connection.assumed;
+                connection.is_missing(reading);
             }
             if let Some(before) = connection.waiting.replace(seen)
                 && connection.answers
@@ -87,20 +83,14 @@ fn moves(reading: &mut Reading<'_>, held: &mut Held, flow: Flow, manner: Manner,
             {
                 reading.flag(Flaw::PollUnanswered { n: before.n });
             }
-            connection.touch(reading.at);
+            connection.touch(at);
         }
         (Flow::Produced, Manner::Polled) => {
-            if let Some(command) = connection.waiting.take() {
-                let answered = command.answered(reading.at);
-                reading.request = Some(answered);
-                held.last_latency = Some(answered.latency);
-                connection.answers = true;
-            } else if connection.consumed.heard && !reconsidered {
-                reading.flag(Flaw::UnexpectedIoResponse);
-            } else if !reconsidered {
-                reading.assumed = true;
+            if !reconsidered && let Some(command) = connection.answer(reading, connection.consumed.heard, at)
+            {
+                held.last_latency = Some(command.answered(at).latency);
             }
-            prove(reading, held);
+            connection.prove(reading, at);
         }
         (Flow::Produced, Manner::Acknowledged) => {
             if let Some(before) = connection.waiting.replace(seen)
@@ -109,28 +99,15 @@ fn moves(reading: &mut Reading<'_>, held: &mut Held, flow: Flow, manner: Manner,
                 reading.flag(Flaw::Unacknowledged { n: before.n });
             }
             if !connection.answers {
-                connection.touch(reading.at);
+                connection.touch(at);
             }
-            prove(reading, held);
+            connection.prove(reading, at);
         }
         (Flow::Produced, Manner::Multicast | Manner::Consumer | Manner::Explicit | Manner::Unknown) => {
-            connection.touch(reading.at);
-            prove(reading, held);
+            connection.touch(at);
+            connection.prove(reading, at);
         }
     }
-}
-
-/// The server produces: the connection is established, whatever was seen before.
-fn prove(reading: &mut Reading<'_>, held: &mut Held) {
-    let connection = &mut held.connection;
-    if connection.state == ConnectionState::Established {
-        return;
-    }
-    if !connection.assumed {
-        reading.note = Some(Note::NoConnection(connection.state));
-        reading.assumed = true;
-    }
-    connection.infer(ConnectionState::Established, reading.at);
 }
 
 /// Reads an acknowledge of change-of-state or cyclic data. It names a connection of the node that sends it.
@@ -169,19 +146,13 @@ pub(super) fn acknowledge<const N: usize>(
 /// What a connection produces is acknowledged.
 fn acknowledged(reading: &mut Reading<'_>, held: &mut Held) {
     reading.dst = Some(held.server);
+    let at = reading.at;
     let connection = &mut held.connection;
     connection.count(reading.frame.data().len());
-    match connection.waiting.take() {
-        Some(seen) => {
-            let answered = seen.answered(reading.at);
-            reading.request = Some(answered);
-            held.last_latency = Some(answered.latency);
-            connection.answers = true;
-        }
-        None if connection.produced.heard => reading.flag(Flaw::UnexpectedIoResponse),
-        None => reading.assumed = true,
+    if let Some(message) = connection.answer(reading, connection.produced.heard, at) {
+        held.last_latency = Some(message.answered(at).latency);
     }
-    connection.touch(reading.at);
+    connection.touch(at);
     reading.connection = Some(held.told());
 }
 

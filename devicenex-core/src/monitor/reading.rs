@@ -3,7 +3,7 @@
 use core::time::Duration;
 
 use cip_core::code::InstanceId;
-use cip_core::monitor::{Answered, ConnectionState, Explicit, Frag, Span};
+use cip_core::monitor::{Answered, ConnectionState, Explicit, Frag, Remark, Remarks, Span};
 use link_core::{Frame, Instant};
 
 use super::connections::ConnectionName;
@@ -233,6 +233,19 @@ impl<'a> Reading<'a> {
     pub(super) fn flag_if(&mut self, problem: Option<impl Into<Problem>>) {
         if let Some(problem) = problem {
             self.flag(problem);
+        }
+    }
+}
+
+impl Remarks for Reading<'_> {
+    fn remark(&mut self, remark: Remark) {
+        match remark {
+            Remark::Flaw(flaw) => self.flag(flaw),
+            Remark::NoConnection(state) => self.note = Some(Note::NoConnection(state)),
+            Remark::NotStored => self.note = Some(Note::NotStored),
+            Remark::Repeated => self.note = Some(Note::Repeated),
+            Remark::Assumed => self.assumed = true,
+            Remark::Answers(request) => self.request = Some(request),
         }
     }
 }
