@@ -101,6 +101,12 @@ pub struct ReadResponse {
 }
 
 impl Explicit<'static> {
+    /// A message that is all data, as those of I/O are.
+    #[must_use]
+    pub fn of_data(data: &[u8]) -> Self {
+        Self { value: Span::tail(data.len(), data.len()), ..Self::default() }
+    }
+
     /// Reads a request in a body format. `before` is the number of bytes before the service byte in what spans refer to.
     /// Some servers answer even to a message with the response bit set.
     #[must_use]
@@ -173,7 +179,14 @@ impl Explicit<'static> {
     }
 }
 
-impl Explicit<'_> {
+impl<'a> Explicit<'a> {
+    /// Gives a response to Multiple_Service_Packet the requests that it answers.
+    pub fn answers_parts(&mut self, parts: Option<&'a Parts>) {
+        if self.requested == Some(ServiceCode::MULTIPLE_SERVICE_PACKET) {
+            self.parts = parts;
+        }
+    }
+
     /// Gives a response what only its request has said.
     pub fn answers(&mut self, asked: &Asked, body: &[u8]) {
         self.requested = Some(asked.service);

@@ -1,6 +1,9 @@
 //! The fragmentation byte of a reading.
 
+use core::fmt;
+
 use crate::fragment::{FragmentByte, FragmentKind};
+use crate::text::write_prefixed_hex;
 
 /// A fragmentation byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -26,6 +29,21 @@ impl Frag {
             FragmentKind::Middle => "middle",
             FragmentKind::Last => "last",
             FragmentKind::Acknowledge => "ack",
+        }
+    }
+}
+
+/// `last fragment 2`; `acknowledge of fragment 0: too much data`.
+impl fmt::Display for Frag {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(&self.byte, f)?;
+        match self.status {
+            Some(0) | None => Ok(()),
+            Some(1) => f.write_str(": too much data"),
+            Some(status) => {
+                f.write_str(": status ")?;
+                write_prefixed_hex(f, status.into())
+            }
         }
     }
 }

@@ -102,7 +102,6 @@ pub(crate) use records::{Records, Rhythm, Told};
 pub use state::Lost;
 pub use text::{ValueText, Words};
 
-use cip_core::code::ServiceCode;
 use cip_core::monitor::{Flaw, Flow, Slots};
 use link_core::{Frame, Instant};
 
@@ -191,12 +190,9 @@ impl<const N: usize, const B: usize> SizedMonitor<N, B> {
         // Words of a response that answers several requests in one.
         if let Some(request) = reading.request {
             let parts = state.packets.of(request.n);
-            let fields =
-                [Some(&mut reading.fields), reading.message.as_mut().map(|message| &mut message.fields)];
-            for fields in fields.into_iter().flatten() {
-                if fields.explicit.requested == Some(ServiceCode::MULTIPLE_SERVICE_PACKET) {
-                    fields.explicit.parts = parts;
-                }
+            reading.fields.explicit.answers_parts(parts);
+            if let Some(message) = &mut reading.message {
+                message.fields.explicit.answers_parts(parts);
             }
         }
         (reading, state.records())

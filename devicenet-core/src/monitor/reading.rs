@@ -2,7 +2,7 @@
 
 use cip_core::code::VendorId;
 use cip_core::message::AllocationChoice;
-use cip_core::monitor::{Answered, ConnectionState, Explicit, Frag, Remark, Remarks, Span};
+use cip_core::monitor::{Answered, ConnectionState, Explicit, Frag, Remark, Remarks};
 use link_core::{Frame, Instant};
 
 use super::connections::DynamicConnection;
@@ -179,8 +179,7 @@ pub enum Note {
 impl Fields<'_> {
     /// Of a message that is all data.
     pub(super) fn of_data(data: &[u8]) -> Self {
-        let value = Span::tail(data.len(), data.len());
-        Self { explicit: Explicit { value, ..Explicit::default() }, ..Self::default() }
+        Self { explicit: Explicit::of_data(data), ..Self::default() }
     }
 }
 

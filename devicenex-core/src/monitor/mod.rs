@@ -96,7 +96,7 @@ pub use reading::{Detail, Fields, Message, Note, OnConnection, Reading, Stage};
 pub use state::Lost;
 pub use text::Words;
 
-use cip_core::code::{InstanceId, ServiceCode};
+use cip_core::code::InstanceId;
 use cip_core::monitor::Slots;
 use link_core::{Frame, Instant};
 
@@ -170,12 +170,9 @@ impl<const N: usize, const B: usize> SizedMonitor<N, B> {
         // Words of a response that answers several requests in one.
         if let Some(request) = reading.request {
             let parts = state.packets.of(request.n);
-            let fields =
-                [Some(&mut reading.fields), reading.message.as_mut().map(|message| &mut message.fields)];
-            for fields in fields.into_iter().flatten() {
-                if fields.explicit.requested == Some(ServiceCode::MULTIPLE_SERVICE_PACKET) {
-                    fields.explicit.parts = parts;
-                }
+            reading.fields.explicit.answers_parts(parts);
+            if let Some(message) = &mut reading.message {
+                message.fields.explicit.answers_parts(parts);
             }
         }
         reading

@@ -3,7 +3,7 @@
 use core::time::Duration;
 
 use cip_core::code::InstanceId;
-use cip_core::monitor::{Answered, ConnectionState, Explicit, Frag, Remark, Remarks, Span};
+use cip_core::monitor::{Answered, ConnectionState, Explicit, Frag, Remark, Remarks};
 use link_core::{Frame, Instant};
 
 use super::connections::ConnectionName;
@@ -261,8 +261,7 @@ impl<'a> Message<'a> {
 impl Fields<'_> {
     /// Of a message that is all data.
     pub(super) fn of_data(data: &[u8]) -> Self {
-        let value = Span::tail(data.len(), data.len());
-        Self { explicit: Explicit { value, ..Explicit::default() }, ..Self::default() }
+        Self { explicit: Explicit::of_data(data), ..Self::default() }
     }
 }
 

@@ -4,8 +4,8 @@ use core::fmt::{self, Display, Formatter};
 
 use cip_core::code::{AdditionalCode, InstanceId, ServiceCode};
 use cip_core::fragment::FragmentKind;
-use cip_core::monitor::text::{ValueText, write_bytes, write_status};
-use cip_core::text::{write_decimal, write_prefixed_hex};
+use cip_core::monitor::text::{ValueText, write_bytes, write_data, write_remarks, write_status};
+use cip_core::text::write_decimal;
 
 use super::connections::ConnectionName;
 use super::kind::Kind;
@@ -112,12 +112,7 @@ fn write_words(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fmt::Result {
             write_message(f, reading.kind, &reading.fields, reading.value().unwrap_or_default())?;
         }
     }
-    if let Some(note) = reading.note {
-        f.write_str(" (")?;
-        note.fmt(f)?;
-        f.write_str(")")?;
-    }
-    if reading.assumed { f.write_str(" (assumed)") } else { Ok(()) }
+    write_remarks(f, reading.note, reading.assumed)
 }
 
 /// `1 -> 67  `
@@ -267,16 +262,9 @@ fn write_message(f: &mut Formatter<'_>, kind: Kind, fields: &Fields<'_>, value: 
 fn write_fragment(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fmt::Result {
     write_ends(f, reading.src, reading.dst)?;
     let Some(frag) = reading.frag else { return f.write_str("fragment") };
-    frag.byte.fmt(f)?;
+    frag.fmt(f)?;
     if frag.byte.kind == FragmentKind::Acknowledge {
-        return match frag.status {
-            Some(0) | None => Ok(()),
-            Some(1) => f.write_str(": too much data"),
-            Some(status) => {
-                f.write_str(": status ")?;
-                write_prefixed_hex(f, status.into())
-            }
-        };
+        return Ok(());
     }
     match &reading.message {
         Some(message) => {
@@ -313,17 +301,7 @@ fn write_implicit(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fmt::Result {
         None => f.write_str("*")?,
     }
     let data = reading.frame.data();
-    match (&reading.frag, &reading.message) {
-        (Some(frag), Some(message)) => {
-            write!(f, "  {} completes", frag.byte)?;
-            write_bytes(f, message.data)
-        }
-        (Some(frag), None) => {
-            write!(f, "  {}", frag.byte)?;
-            write_bytes(f, data.get(1..).unwrap_or_default())
-        }
-        (None, _) => write_bytes(f, data),
-    }
+    write_data(f, reading.frag, reading.message.as_ref().map(|message| message.data), data)
 }
 
 const fn production_name(production: Production) -> &'static str {

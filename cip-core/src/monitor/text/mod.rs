@@ -7,7 +7,7 @@ pub use value::ValueText;
 
 use core::fmt::{self, Display, Formatter};
 
-use super::{Explicit, Vocabulary};
+use super::{Explicit, Frag, Vocabulary};
 use crate::code::{AdditionalCode, GeneralStatus, ServiceCode};
 use crate::text::{Hex, write_decimal, write_hex8, write_prefixed_hex};
 
@@ -164,6 +164,41 @@ pub fn write_status(
             write_prefixed_hex(f, additional.0.into())
         }
     }
+}
+
+/// The data of I/O: those of the frame, of a fragment what it is and its piece, in the last one the `whole` message.
+///
+/// # Errors
+/// When `f` fails.
+pub fn write_data(
+    f: &mut Formatter<'_>,
+    frag: Option<Frag>,
+    whole: Option<&[u8]>,
+    data: &[u8],
+) -> fmt::Result {
+    let Some(frag) = frag else { return write_bytes(f, data) };
+    f.write_str("  ")?;
+    frag.fmt(f)?;
+    match whole {
+        Some(message) => {
+            f.write_str(" completes")?;
+            write_bytes(f, message)
+        }
+        None => write_bytes(f, data.get(1..).unwrap_or_default()),
+    }
+}
+
+/// ` (restart) (assumed)`: what stands after the words of a reading, if there is anything.
+///
+/// # Errors
+/// When `f` fails.
+pub fn write_remarks(f: &mut Formatter<'_>, note: Option<impl Display>, assumed: bool) -> fmt::Result {
+    if let Some(note) = note {
+        f.write_str(" (")?;
+        note.fmt(f)?;
+        f.write_str(")")?;
+    }
+    if assumed { f.write_str(" (assumed)") } else { Ok(()) }
 }
 
 /// Two spaces and the bytes, if there are any.

@@ -6,7 +6,6 @@ use cip_core::code::ClassId;
 use cip_core::fragment::FragmentKind;
 use cip_core::monitor::text::write_bytes;
 use cip_core::monitor::{Explicit, Vocabulary};
-use cip_core::text::write_prefixed_hex;
 
 use super::write_ends;
 use crate::monitor::kind::Kind;
@@ -58,16 +57,9 @@ pub(super) fn write_message(
 pub(super) fn write_fragment(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fmt::Result {
     write_ends(f, reading.src, reading.dst)?;
     let Some(frag) = reading.frag else { return f.write_str("fragment") };
-    fmt::Display::fmt(&frag.byte, f)?;
+    fmt::Display::fmt(&frag, f)?;
     if frag.byte.kind == FragmentKind::Acknowledge {
-        return match frag.status {
-            Some(0) | None => Ok(()),
-            Some(1) => f.write_str(": too much data"),
-            Some(status) => {
-                f.write_str(": status ")?;
-                write_prefixed_hex(f, status.into())
-            }
-        };
+        return Ok(());
     }
     match &reading.message {
         Some(message) => {

@@ -8,7 +8,7 @@ pub use value::ValueText;
 
 use core::fmt::{self, Formatter};
 
-use cip_core::monitor::text::write_bytes;
+use cip_core::monitor::text::{write_bytes, write_data, write_remarks};
 use cip_core::text::{write_decimal, write_hex8};
 
 use super::kind::Kind;
@@ -96,12 +96,7 @@ fn write_words(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fmt::Result {
             write_message(f, kind, &reading.fields, reading.value().unwrap_or_default())?;
         }
     }
-    if let Some(note) = reading.note {
-        f.write_str(" (")?;
-        fmt::Display::fmt(&note, f)?;
-        f.write_str(")")?;
-    }
-    if reading.assumed { f.write_str(" (assumed)") } else { Ok(()) }
+    write_remarks(f, reading.note, reading.assumed)
 }
 
 /// `1 -> 10  `
@@ -142,20 +137,7 @@ fn write_io(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fmt::Result {
     f.write_str(if is_command { " <- " } else { " -> " })?;
     write_mac(f, master)?;
     let data = reading.frame.data();
-    match (&reading.frag, &reading.message) {
-        (Some(frag), Some(message)) => {
-            f.write_str("  ")?;
-            fmt::Display::fmt(&frag.byte, f)?;
-            f.write_str(" completes")?;
-            write_bytes(f, message.data)
-        }
-        (Some(frag), None) => {
-            f.write_str("  ")?;
-            fmt::Display::fmt(&frag.byte, f)?;
-            write_bytes(f, data.get(1..).unwrap_or_default())
-        }
-        (None, _) => write_bytes(f, data),
-    }
+    write_data(f, reading.frag, reading.message.as_ref().map(|message| message.data), data)
 }
 
 fn write_check(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fmt::Result {
