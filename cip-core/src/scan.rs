@@ -6,6 +6,7 @@ use crate::code::{DeviceType, VendorId};
 use crate::epath::Epath;
 use crate::identity::Revision;
 use crate::message::AllocationChoice;
+use crate::text::write_joined;
 
 bitflags::bitflags! {
     /// Kinds of I/O connections, as the I/O type mask of an EDS has them (CIP Vol. 3, chapter 7).
@@ -47,13 +48,11 @@ impl defmt::Format for IoTypes {
 /// `poll + cyclic`; `none` for zero.
 impl fmt::Display for IoTypes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut separator = "";
-        for ty in IoType::ALL.into_iter().filter(|ty| self.contains(ty.mask())) {
-            f.write_str(separator)?;
-            f.write_str(ty.name())?;
-            separator = " + ";
+        if !self.intersects(Self::all()) {
+            return f.write_str("none");
         }
-        if separator.is_empty() { f.write_str("none") } else { Ok(()) }
+        let own = IoType::ALL.into_iter().filter(|ty| self.contains(ty.mask()));
+        write_joined(f, " + ", own.map(IoType::name))
     }
 }
 

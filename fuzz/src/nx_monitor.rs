@@ -89,11 +89,15 @@ fn check_summary(monitor: &Monitor, sent: &[Sent]) {
     let nodes: Vec<_> = monitor.nodes().collect();
     let addressed = nodes.iter().filter(|node| !node.address.is_none());
     assert!(addressed.map(|node| node.address).is_sorted_by(|one, next| one < next), "each address once");
-    assert!(nodes.iter().map(|node| node.frames).sum::<u64>() <= frames);
-    assert!(nodes.iter().map(|node| node.bytes).sum::<u64>() <= bytes);
+    assert!(nodes.iter().map(|node| node.traffic.frames).sum::<u64>() <= frames);
+    assert!(nodes.iter().map(|node| node.traffic.bytes).sum::<u64>() <= bytes);
     for node in &nodes {
-        assert!(node.problems <= node.frames && node.error_responses <= node.frames, "{node:?}");
-        assert!(node.responses <= node.frames && node.first_seen <= node.last_seen, "{node:?}");
+        let traffic = node.traffic;
+        assert!(traffic.problems <= traffic.frames && traffic.error_responses <= traffic.frames, "{node:?}");
+        assert!(
+            traffic.responses <= traffic.frames && traffic.first_seen() <= traffic.last_seen(),
+            "{node:?}"
+        );
     }
     for connection in monitor.connections() {
         assert!(connection.frames <= frames && connection.bytes <= bytes, "{connection:?}");

@@ -129,6 +129,21 @@ pub fn write_signed(f: &mut fmt::Formatter<'_>, value: i64) -> fmt::Result {
     write_decimal(f, value.unsigned_abs())
 }
 
+/// Writes words with a separator between them.
+pub fn write_joined<'a>(
+    f: &mut fmt::Formatter<'_>,
+    separator: &str,
+    words: impl IntoIterator<Item = &'a str>,
+) -> fmt::Result {
+    let mut before = "";
+    for word in words {
+        f.write_str(before)?;
+        f.write_str(word)?;
+        before = separator;
+    }
+    Ok(())
+}
+
 fn write_character(f: &mut fmt::Formatter<'_>, byte: u8) -> fmt::Result {
     match byte {
         b'"' | b'\\' => {

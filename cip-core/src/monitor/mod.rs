@@ -11,6 +11,7 @@
 //! | [`Remark`] | what a rule has found, for the [reading](Remarks) of the network |
 //! | [`Slots`] | the messages that are being put together from fragments |
 //! | [`Span`] | where in a message its value stands |
+//! | [`Traffic`] | what a node has sent, in numbers |
 //!
 //! Storage is fixed, and what a frame costs is bounded.
 
@@ -30,6 +31,7 @@ mod slots;
 mod span;
 mod state;
 pub mod text;
+mod traffic;
 mod vocabulary;
 
 pub use connection::{Connection, Flow, Guess, Side};
@@ -43,4 +45,5 @@ pub use seen::{Answered, Seen};
 pub use slots::{Piece, Slots, Stream};
 pub use span::Span;
 pub use state::ConnectionState;
+pub use traffic::{Sent, Traffic};
 pub use vocabulary::Vocabulary;

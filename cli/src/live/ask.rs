@@ -58,7 +58,7 @@ fn ask(args: &AskArgs, value: Option<Vec<u8>>, json: bool) -> Result<Exit, Failu
     }
     let (mut port, heard) = permit::enter(endpoint, &node.permit, own, &what, visitor.max_in_flight())?;
     if let Some(new) = moves_to
-        && heard.node(new).is_some_and(|node| node.first_seen.is_some())
+        && heard.node(new).is_some_and(|node| node.traffic.first_seen().is_some())
     {
         return Err(in_use(mac, new));
     }

@@ -84,7 +84,7 @@ impl Heard {
 
     /// Every node that has sent something, in the order of the MAC IDs.
     pub(super) fn nodes(&self) -> impl Iterator<Item = NodeRecord> {
-        self.monitor.nodes().filter(|node| node.first_seen.is_some())
+        self.monitor.nodes().filter(|node| node.traffic.first_seen().is_some())
     }
 
     /// Another master that has the node, or `None` in its place if it is not known who sends it its data.

@@ -277,7 +277,7 @@ impl Row {
         }
         object["owned"] = self.is_owned.into();
         if let Some(record) = &self.record {
-            object["frames"] = record.frames.into();
+            object["frames"] = record.traffic.frames.into();
         }
         if let Some(finding) = &self.finding {
             object["problem"] = finding.clone().into();

@@ -148,7 +148,7 @@ impl Node {
         let known =
             identity.vendor.zip(identity.serial).map(|(vendor, serial)| DeviceIdentity { vendor, serial });
         let is_last = |before: &Seen| {
-            before.at == self.last_seen && at.saturating_since(before.at) <= REPETITION_WITHIN
+            Some(before.at) == self.traffic.last_seen() && at.saturating_since(before.at) <= REPETITION_WITHIN
         };
         self.rival.or(known) == Some(device) && self.check.as_ref().is_some_and(is_last)
     }

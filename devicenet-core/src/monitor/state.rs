@@ -2,7 +2,7 @@
 
 use cip_core::code::InstanceId;
 use cip_core::monitor::packet::Packets;
-use cip_core::monitor::{Connection, ConnectionState, Flow, Seen};
+use cip_core::monitor::{Connection, ConnectionState, Flow, Seen, Sent};
 use link_core::Instant;
 
 use super::connections::{DynamicConnection, Predefined};
@@ -266,21 +266,15 @@ impl<const N: usize> State<N> {
             self.lost.long_messages = self.lost.long_messages.saturating_add(1);
         }
         let Some(source) = reading.src else { return };
-        let bytes = u64::try_from(reading.frame.data().len()).unwrap_or_default();
-        let refused = reading.fields.explicit.status.is_some()
+        let is_refused = reading.fields.explicit.status.is_some()
             || reading.message.is_some_and(|message| message.fields.explicit.status.is_some());
-        let node = self.node(source);
-        node.first_seen.get_or_insert(reading.at);
-        node.last_seen = reading.at;
-        let counters = &mut node.counters;
-        counters.frames = counters.frames.saturating_add(1);
-        counters.bytes = counters.bytes.saturating_add(bytes);
-        counters.problems = counters.problems.saturating_add(u64::from(reading.problem.is_some()));
-        counters.error_responses = counters.error_responses.saturating_add(u64::from(refused));
-        if let Some(request) = reading.request {
-            counters.responses = counters.responses.saturating_add(1);
-            node.last_latency = Some(request.latency);
-        }
+        self.node(source).traffic.count(Sent {
+            at: reading.at,
+            bytes: reading.frame.data().len(),
+            is_problem: reading.problem.is_some(),
+            is_error_response: is_refused,
+            latency: reading.request.map(|request| request.latency),
+        });
     }
 
     pub(super) fn add_role(&mut self, mac: MacId, role: Roles) {

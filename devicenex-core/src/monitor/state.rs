@@ -2,7 +2,7 @@
 
 use cip_core::code::InstanceId;
 use cip_core::monitor::packet::Packets;
-use cip_core::monitor::{Connection, ConnectionState, Seen};
+use cip_core::monitor::{Connection, ConnectionState, Seen, Sent};
 use link_core::Instant;
 
 use super::connections::{ConnectionName, Held};
@@ -86,7 +86,7 @@ impl<const N: usize> State<N> {
         let index = match found {
             Some(index) => index,
             None => {
-                let (index, is_taken) = place(&self.newcomers, |node| (true, node.last_seen))?;
+                let (index, is_taken) = place(&self.newcomers, |node| (true, node.traffic.last_seen()))?;
                 self.lost.devices = self.lost.devices.saturating_add(u64::from(is_taken));
                 let node = Node { device: Some(device), ..Node::new(OperationalAddress::NONE) };
                 *self.newcomers.get_mut(index)? = Some(node);
@@ -189,23 +189,18 @@ impl<const N: usize> State<N> {
         let Some(source) = reading.src else { return };
         let is_refused = reading.fields.explicit.status.is_some()
             || reading.message.is_some_and(|message| message.fields.explicit.status.is_some());
-        let bytes = u64::try_from(reading.frame.data().len()).unwrap_or_default();
         let node = match reading.fields.device.filter(|_| source.is_none()) {
             Some(device) => self.newcomer(device),
             None => self.node(source),
         };
         let Some(node) = node else { return };
-        node.first_seen.get_or_insert(reading.at);
-        node.last_seen = reading.at;
-        let counters = &mut node.counters;
-        counters.frames = counters.frames.saturating_add(1);
-        counters.bytes = counters.bytes.saturating_add(bytes);
-        counters.problems = counters.problems.saturating_add(u64::from(reading.problem.is_some()));
-        counters.error_responses = counters.error_responses.saturating_add(u64::from(is_refused));
-        if let Some(latency) = reading.response_time() {
-            counters.responses = counters.responses.saturating_add(1);
-            node.last_latency = Some(latency);
-        }
+        node.traffic.count(Sent {
+            at: reading.at,
+            bytes: reading.frame.data().len(),
+            is_problem: reading.problem.is_some(),
+            is_error_response: is_refused,
+            latency: reading.response_time(),
+        });
     }
 }
 

@@ -109,12 +109,13 @@ fn check_summary(monitor: &Monitor, sent: &[Sent]) {
     let bytes: u64 = sent.iter().map(|sent| sent.frame.data().len() as u64).sum();
     let nodes: Vec<_> = monitor.nodes().collect();
     assert!(nodes.iter().map(|node| node.mac).is_sorted_by(|one, next| one < next), "each MAC ID once");
-    assert!(nodes.iter().map(|node| node.frames).sum::<u64>() <= frames);
-    assert!(nodes.iter().map(|node| node.bytes).sum::<u64>() <= bytes);
+    assert!(nodes.iter().map(|node| node.traffic.frames).sum::<u64>() <= frames);
+    assert!(nodes.iter().map(|node| node.traffic.bytes).sum::<u64>() <= bytes);
     for node in &nodes {
-        assert!(node.problems <= node.frames && node.error_responses <= node.frames, "{node:?}");
-        assert!(node.responses <= node.frames, "{node:?}");
-        assert!(node.first_seen <= node.last_seen, "{node:?}");
+        let traffic = node.traffic;
+        assert!(traffic.problems <= traffic.frames && traffic.error_responses <= traffic.frames, "{node:?}");
+        assert!(traffic.responses <= traffic.frames, "{node:?}");
+        assert!(traffic.first_seen() <= traffic.last_seen(), "{node:?}");
     }
     for connection in monitor.connections() {
         assert!(connection.frames <= frames && connection.bytes <= bytes, "{connection:?}");

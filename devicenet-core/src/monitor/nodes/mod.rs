@@ -4,11 +4,9 @@ mod access;
 mod ownership;
 mod record;
 
-use core::time::Duration;
-
 use cip_core::code::{DeviceType, VendorId};
 use cip_core::message::AllocationChoice;
-use cip_core::monitor::{Connection, ConnectionState, Seen, Side};
+use cip_core::monitor::{Connection, ConnectionState, Seen, Side, Traffic};
 use link_core::Instant;
 
 use super::connections::Predefined;
@@ -40,16 +38,6 @@ pub(super) struct Identity {
     pub(super) device_type: Option<DeviceType>,
     pub(super) product: Option<u16>,
     pub(super) revision: Option<(u8, u8)>,
-}
-
-/// The counters of a node.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub(super) struct Counters {
-    pub(super) frames: u64,
-    pub(super) bytes: u64,
-    pub(super) responses: u64,
-    pub(super) error_responses: u64,
-    pub(super) problems: u64,
 }
 
 /// All that is known of a MAC ID.
@@ -89,10 +77,7 @@ pub(super) struct Node {
     pub(super) multicast_side: Side,
     pub(super) heartbeat: Option<Instant>,
     pub(super) heartbeat_interval: Option<u8>,
-    pub(super) counters: Counters,
-    pub(super) last_latency: Option<Duration>,
-    pub(super) first_seen: Option<Instant>,
-    pub(super) last_seen: Instant,
+    pub(super) traffic: Traffic,
 }
 
 impl Node {
@@ -125,10 +110,7 @@ impl Node {
         multicast_side: Side::NEW,
         heartbeat: None,
         heartbeat_interval: None,
-        counters: Counters { frames: 0, bytes: 0, responses: 0, error_responses: 0, problems: 0 },
-        last_latency: None,
-        first_seen: None,
-        last_seen: Instant::ZERO,
+        traffic: Traffic::NONE,
     };
 
     pub(super) fn connection(&mut self, which: Predefined) -> &mut Connection {

@@ -79,7 +79,7 @@ fn a_twin_is_told_by_its_identity_and_by_the_response() {
     assert_eq!(heard.text, "dup MAC 10 response  vendor 4660 serial 0x00002345  ! duplicate MAC ID 10");
     let node = bus.node(10);
     assert_eq!((node.access, node.serial), (AccessState::OnLine, Some(0x2345)), "it has defended its MAC ID");
-    assert_eq!(node.problems, 2, "both frames stay problems");
+    assert_eq!(node.traffic.problems, 2, "both frames stay problems");
     // The next to ask is suspected anew.
     let heard = bus.wait(5000).group2(10, 7, &TWIN);
     assert_eq!(heard.problem, Some(Problem::TwoIdentities { mac: mac(10) }));
@@ -100,7 +100,7 @@ fn a_suspected_node_that_restarts_comes_on_line_by_two_undisputed_checks() {
     assert_eq!(bus.node(10).access, AccessState::SecondCheck);
     bus.wait(1000).group2(1, 7, &TWIN);
     let node = bus.node(10);
-    assert_eq!((node.access, node.serial, node.problems), (AccessState::OnLine, Some(0x2345), 1));
+    assert_eq!((node.access, node.serial, node.traffic.problems), (AccessState::OnLine, Some(0x2345), 1));
 }
 
 #[test]

@@ -18,7 +18,7 @@ fn a_response_answers_the_request_with_its_transaction_and_service() {
     assert_eq!(heard.request.unwrap().latency, core::time::Duration::from_millis(4));
     let heard = bus.group2(10, 3, &[0x41, 0x8E, 0x34, 0x12]);
     assert_eq!(heard.problem, Some(Problem::Flaw(Flaw::UnexpectedResponse)));
-    assert_eq!(bus.node(10).last_latency, Some(core::time::Duration::from_millis(4)));
+    assert_eq!(bus.node(10).traffic.last_latency, Some(core::time::Duration::from_millis(4)));
 }
 
 /// Both answer on the identifier of explicit responses.
@@ -36,7 +36,7 @@ fn the_unconnected_port_and_the_connection_are_told_apart() {
     );
     let heard = bus.group2(10, 3, &[0x01, 0x8E, 0x34, 0x12]);
     assert_eq!((heard.kind, heard.answers()), (Kind::ExplicitResponse, Some(connected)));
-    assert_eq!(bus.node(10).error_responses, 1);
+    assert_eq!(bus.node(10).traffic.error_responses, 1);
 }
 
 #[test]
@@ -170,7 +170,7 @@ fn the_identity_of_a_node_is_learned_from_its_answers() {
     assert_eq!(node.vendor.map(u16::from), Some(0x1234));
     assert_eq!((node.serial, node.product, node.revision), (Some(0x2345), Some(42), Some((1, 2))));
     assert_eq!(node.product_name, b"abc");
-    assert_eq!(node.responses, 7);
+    assert_eq!(node.traffic.responses, 7);
 }
 
 /// A slave ignores a master that does not own it, and so does its watchdog.

@@ -3,10 +3,8 @@
 mod access;
 mod record;
 
-use core::time::Duration;
-
 use cip_core::code::DeviceType;
-use cip_core::monitor::Seen;
+use cip_core::monitor::{Seen, Traffic};
 use link_core::Instant;
 
 use crate::id::OperationalAddress;
@@ -34,20 +32,7 @@ pub(super) struct Node {
     pub(super) rival: Option<DeviceIdentity>,
     /// The ROAM that the device has got, and the address in it.
     pub(super) roam: Option<(Seen, OperationalAddress)>,
-    pub(super) counters: Counters,
-    pub(super) last_latency: Option<Duration>,
-    pub(super) first_seen: Option<Instant>,
-    pub(super) last_seen: Instant,
-}
-
-/// The counters of a node.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub(super) struct Counters {
-    pub(super) frames: u64,
-    pub(super) bytes: u64,
-    pub(super) responses: u64,
-    pub(super) error_responses: u64,
-    pub(super) problems: u64,
+    pub(super) traffic: Traffic,
 }
 
 impl Node {
@@ -65,10 +50,7 @@ impl Node {
             hello: None,
             rival: None,
             roam: None,
-            counters: Counters { frames: 0, bytes: 0, responses: 0, error_responses: 0, problems: 0 },
-            last_latency: None,
-            first_seen: None,
-            last_seen: Instant::ZERO,
+            traffic: Traffic::NONE,
         }
     }
 

@@ -1,9 +1,10 @@
 //! What a summary says of a node.
 
 use core::fmt;
-use core::time::Duration;
 
 use cip_core::code::DeviceType;
+use cip_core::monitor::Traffic;
+use cip_core::text::write_joined;
 use link_core::Instant;
 
 use super::Node;
@@ -30,15 +31,8 @@ bitflags::bitflags! {
 
 impl fmt::Display for Roles {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut separator = "";
-        for (role, name) in ROLES {
-            if self.contains(role) {
-                f.write_str(separator)?;
-                f.write_str(name)?;
-                separator = ", ";
-            }
-        }
-        Ok(())
+        let own = ROLES.into_iter().filter(|&(role, _)| self.contains(role));
+        write_joined(f, ", ", own.map(|(_, name)| name))
     }
 }
 
@@ -61,27 +55,13 @@ pub struct NodeRecord {
     pub minor_revision: Option<u8>,
     /// Identity object, attribute 7: ISO 8859-1 characters.
     pub product_name: heapless::Vec<u8, NAME_CAPACITY>,
-    /// Frames that it has sent.
-    pub frames: u64,
-    /// Data bytes that it has sent.
-    pub bytes: u64,
-    /// Responses whose request was seen.
-    pub responses: u64,
-    /// Error responses that it has sent.
-    pub error_responses: u64,
-    /// Problems of frames that it has sent.
-    pub problems: u64,
-    /// Response time of its last response.
-    pub last_latency: Option<Duration>,
-    /// When it was first heard.
-    pub first_seen: Option<Instant>,
-    /// When it was last heard.
-    pub last_seen: Option<Instant>,
+    /// What it has sent.
+    pub traffic: Traffic,
 }
 
 impl NodeRecord {
     pub(in crate::monitor) fn of(node: &Node, now: Instant) -> Option<Self> {
-        let is_known = node.first_seen.is_some() || !node.roles.is_empty() || node.device.is_some();
+        let is_known = node.traffic.first_seen().is_some() || !node.roles.is_empty() || node.device.is_some();
         is_known.then(|| Self {
             address: node.address,
             roles: node.roles,
@@ -91,14 +71,7 @@ impl NodeRecord {
             device_type: node.device_type,
             minor_revision: node.minor_revision,
             product_name: node.name.clone(),
-            frames: node.counters.frames,
-            bytes: node.counters.bytes,
-            responses: node.counters.responses,
-            error_responses: node.counters.error_responses,
-            problems: node.counters.problems,
-            last_latency: node.last_latency,
-            first_seen: node.first_seen,
-            last_seen: node.first_seen.map(|_| node.last_seen),
+            traffic: node.traffic,
         })
     }
 }

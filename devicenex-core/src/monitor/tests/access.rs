@@ -33,7 +33,7 @@ fn a_device_gets_an_address() {
     bus.wait(1000).mini_who(1);
     let nodes: Vec<_> = bus.monitor.nodes().collect();
     let [node] = &nodes[..] else { panic!("{nodes:?}") };
-    assert_eq!((node.address, node.access, node.frames), (oa(67), AccessState::OnLine, 2));
+    assert_eq!((node.address, node.access, node.traffic.frames), (oa(67), AccessState::OnLine, 2));
     assert_eq!(node.device, Some(device(0x1122_3344)));
 }
 

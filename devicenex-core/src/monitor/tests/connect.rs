@@ -49,7 +49,7 @@ fn a_refusal_is_told() {
     );
     assert_eq!(answered.code(), Some("connection_refused"));
     assert_eq!(bus.monitor.connections().count(), 0);
-    assert_eq!(bus.node(67).error_responses, 1);
+    assert_eq!(bus.node(67).traffic.error_responses, 1);
 }
 
 #[test]

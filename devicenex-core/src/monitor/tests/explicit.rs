@@ -15,11 +15,11 @@ fn a_request_and_its_response() {
     assert_eq!((heard.kind, heard.answers()), (Kind::ExplicitResponse, Some(asked.n)));
     assert_eq!(heard.text, "67 -> 1  Get_Attribute_Single: Vendor 4660");
     assert_eq!(bus.held(67, 1).last_latency, Some(core::time::Duration::from_millis(1)));
-    assert_eq!(bus.node(67).last_latency, Some(core::time::Duration::from_millis(1)));
+    assert_eq!(bus.node(67).traffic.last_latency, Some(core::time::Duration::from_millis(1)));
     bus.extended(0x1086_0206, &[0x10, 1, 1, 7, 0]);
     let heard = bus.extended(0x1003_8606, &[0x94, 0x0E, 0xFF]);
     assert_eq!(heard.text, "67 -> 1  Set_Attribute_Single: error 0x0E Attribute not settable");
-    assert_eq!((heard.problem, bus.node(67).error_responses), (None, 1));
+    assert_eq!((heard.problem, bus.node(67).traffic.error_responses), (None, 1));
 }
 
 #[test]

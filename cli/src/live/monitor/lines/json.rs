@@ -105,7 +105,7 @@ fn node(node: &NodePicture) -> Value {
     let mut object = json!({
         "mac": record.mac.number(),
         "state": record.access.name(),
-        "frames": record.frames,
+        "frames": record.traffic.frames,
         "load": part(node.load),
         "load_total": part(node.total),
         "connections": node.connections.iter().map(connection).collect::<Vec<_>>(),

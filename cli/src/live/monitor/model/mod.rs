@@ -319,7 +319,7 @@ impl Model {
             io: Times::of(&self.responses[mac].io),
             explicit: Times::of(&self.responses[mac].explicit),
             limit: None,
-            silent: record.last_seen.map(|last| self.now.saturating_since(last)),
+            silent: record.traffic.last_seen().map(|last| self.now.saturating_since(last)),
             record,
         }
     }

@@ -65,8 +65,8 @@ fn facts<'a>(scene: &Scene<'_>, node: &NodePicture, width: u16) -> Vec<Line<'a>>
     }
     let traffic = vec![
         format!("load {} now, {} in all", percent(node.load), percent(node.total)),
-        format!("{} frames", record.frames),
-        format!("{} error responses", record.error_responses),
+        format!("{} frames", record.traffic.frames),
+        format!("{} error responses", record.traffic.error_responses),
     ];
     let mut facts = [fact("state", state), fact("identity", identity), fact("traffic", traffic)].concat();
     if let Some(times) = node.io {
