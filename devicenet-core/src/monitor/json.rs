@@ -68,20 +68,8 @@ fn fields<M: SerializeMap>(
     fields: &Fields<'_>,
     value: Option<&[u8]>,
 ) -> Result<(), M::Error> {
-    optional(map, "service", fields.explicit.service)?;
-    optional(map, "service_name", fields.service_name(kind))?;
-    optional(
-        map,
-        "requested",
-        fields.explicit.requested.filter(|&requested| fields.explicit.service != Some(requested)),
-    )?;
-    optional(map, "class", fields.explicit.class)?;
-    optional(map, "instance", fields.explicit.instance)?;
-    optional(map, "attribute", fields.explicit.attribute)?;
-    optional(map, "attribute_name", fields.explicit.attribute_name(&Vocabulary::DEVICENET))?;
-    optional(map, "status", fields.explicit.status)?;
-    optional(map, "additional", fields.explicit.additional)?;
-    optional(map, "status_name", fields.explicit.status.and_then(|status| status.name()))?;
+    let explicit = &fields.explicit;
+    explicit.entries(map, &Vocabulary::DEVICENET, fields.service_name(kind), explicit.instance)?;
     optional(map, "choice", fields.choice.map(|choice| choice.bits()))?;
     optional(map, "vendor", fields.vendor)?;
     optional(map, "serial", fields.serial)?;

@@ -81,17 +81,9 @@ fn fields<M: SerializeMap>(
     fields: &Fields<'_>,
     value: Option<&[u8]>,
 ) -> Result<(), M::Error> {
-    let explicit = &fields.explicit;
     optional(map, "transaction", fields.transaction)?;
-    optional(map, "service", explicit.service)?;
-    optional(map, "service_name", fields.service_name(kind))?;
-    optional(map, "requested", explicit.requested.filter(|&requested| explicit.service != Some(requested)))?;
-    optional(map, "class", explicit.class)?;
-    optional(map, "attribute", explicit.attribute)?;
-    optional(map, "attribute_name", explicit.attribute_name(&DEVICENEX))?;
-    optional(map, "status", explicit.status)?;
-    optional(map, "additional", explicit.additional)?;
-    optional(map, "status_name", explicit.status.and_then(|status| status.name()))?;
+    // The detail tells the instance.
+    fields.explicit.entries(map, &DEVICENEX, fields.service_name(kind), None)?;
     optional(map, "vendor", fields.device.map(|device| device.vendor))?;
     optional(map, "product", fields.device.map(|device| device.product_code))?;
     optional(map, "revision", fields.device.map(|device| device.major_revision))?;
