@@ -74,6 +74,7 @@ extern crate std;
 mod code;
 pub mod codec;
 pub mod drive;
+pub mod edge;
 #[cfg(feature = "embedded-can")]
 pub mod embedded;
 pub mod ethernet;
@@ -91,6 +92,7 @@ pub mod timers;
 pub mod wire;
 
 pub use drive::{Port, drive};
+pub use edge::{Edge, NumberedEdge};
 pub use embedded_can_types::{ExtendedId, Id, StandardId};
 pub use filter::{Filter, FilterSet};
 pub use frame::Frame;

@@ -58,15 +58,7 @@ pub enum ExplicitCause {
 }
 
 /// A transition.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct ExplicitEdge {
-    /// The state that it leaves.
-    pub from: ExplicitState,
-    /// Why.
-    pub cause: ExplicitCause,
-    /// The state that it enters.
-    pub to: ExplicitState,
-}
+pub type ExplicitEdge = link_core::Edge<ExplicitState, ExplicitCause>;
 
 /// An instance of the Connection object for explicit messages, on the server's side.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -229,13 +221,6 @@ impl fmt::Display for ExplicitState {
 impl fmt::Display for ExplicitCause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
-    }
-}
-
-/// `| Established | Reset | Established |`
-impl fmt::Display for ExplicitEdge {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "| {} | {} | {} |", self.from, self.cause, self.to)
     }
 }
 

@@ -66,15 +66,7 @@ pub enum IoCause {
 }
 
 /// A transition.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct IoEdge {
-    /// The state that it leaves.
-    pub from: IoState,
-    /// Why.
-    pub cause: IoCause,
-    /// The state that it enters.
-    pub to: IoState,
-}
+pub type IoEdge = link_core::Edge<IoState, IoCause>;
 
 /// An instance of the Connection object for I/O, on the server's side. `K` is what its network calls a kind of connection:
 /// it decides whether anything arrives whose absence could be noticed.
@@ -306,13 +298,6 @@ impl fmt::Display for IoState {
 impl fmt::Display for IoCause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
-    }
-}
-
-/// `| Configuring | EPR set | Established |`
-impl fmt::Display for IoEdge {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "| {} | {} | {} |", self.from, self.cause, self.to)
     }
 }
 

@@ -164,18 +164,8 @@ pub enum Cause {
     BusOffRestart,
 }
 
-/// A transition.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub struct Edge {
-    /// The row of the transition table of CIP Vol. 3 that it implements.
-    pub number: u8,
-    /// The state that it leaves.
-    pub from: StateKind,
-    /// Why.
-    pub cause: Cause,
-    /// The state that it enters.
-    pub to: StateKind,
-}
+/// A transition; its number is that of the row in the transition table of CIP Vol. 3.
+pub type Edge = link_core::NumberedEdge<StateKind, Cause>;
 
 impl State {
     /// The state without its data.
@@ -261,13 +251,6 @@ impl Cause {
 impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
-    }
-}
-
-/// `| 1 | NonExistent | link up | SendingDupMac |`
-impl fmt::Display for Edge {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "| {} | {} | {} | {} |", self.number, self.from, self.cause, self.to)
     }
 }
 

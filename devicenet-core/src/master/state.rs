@@ -120,15 +120,7 @@ pub enum Cause {
 }
 
 /// A transition.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub struct Edge {
-    /// From.
-    pub from: SlaveState,
-    /// Why.
-    pub cause: Cause,
-    /// To.
-    pub to: SlaveState,
-}
+pub type Edge = link_core::Edge<SlaveState, Cause>;
 
 impl Stage {
     pub(super) const fn state(&self) -> SlaveState {
@@ -171,13 +163,6 @@ impl fmt::Display for Cause {
             Self::TimedOut => "timed out",
             Self::Commanded => "commanded",
         })
-    }
-}
-
-/// `| Waiting | retry due | Contacting |`
-impl fmt::Display for Edge {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "| {} | {} | {} |", self.from, self.cause, self.to)
     }
 }
 

@@ -87,15 +87,7 @@ pub enum Cause {
 }
 
 /// A transition.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub struct Edge {
-    /// From.
-    pub from: ToolState,
-    /// Why.
-    pub cause: Cause,
-    /// To.
-    pub to: ToolState,
-}
+pub type Edge = link_core::Edge<ToolState, Cause>;
 
 impl State {
     pub(super) const fn kind(&self) -> ToolState {
@@ -141,13 +133,6 @@ impl fmt::Display for Cause {
             Self::Released => "released",
             Self::OffLine => "off line",
         })
-    }
-}
-
-/// `| Idle | claimed | Claiming |`
-impl fmt::Display for Edge {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "| {} | {} | {} |", self.from, self.cause, self.to)
     }
 }
 

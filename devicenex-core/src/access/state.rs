@@ -162,18 +162,8 @@ pub enum Cause {
     Refused,
 }
 
-/// A transition.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub struct Edge {
-    /// The row of [`EDGES`].
-    pub number: u8,
-    /// The state that it leaves.
-    pub from: StateKind,
-    /// Why.
-    pub cause: Cause,
-    /// The state that it enters.
-    pub to: StateKind,
-}
+/// A transition; its number is that of the row in [`EDGES`].
+pub type Edge = link_core::NumberedEdge<StateKind, Cause>;
 
 impl State {
     /// The state without its data.
@@ -245,13 +235,6 @@ impl Cause {
 impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
-    }
-}
-
-/// `| 1 | NonExistent | link up | DetectingBitRate |`
-impl fmt::Display for Edge {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "| {} | {} | {} | {} |", self.number, self.from, self.cause, self.to)
     }
 }
 

@@ -87,18 +87,8 @@ pub enum Cause {
     Answered,
 }
 
-/// A transition.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub struct Edge {
-    /// The row of [`EDGES`].
-    pub number: u8,
-    /// The state that it leaves.
-    pub from: DeviceState,
-    /// Why.
-    pub cause: Cause,
-    /// The state that it enters.
-    pub to: DeviceState,
-}
+/// A transition; its number is that of the row in [`EDGES`].
+pub type Edge = link_core::NumberedEdge<DeviceState, Cause>;
 
 impl DeviceState {
     /// The name.
@@ -165,13 +155,6 @@ impl Cause {
 impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
-    }
-}
-
-/// `| 1 | Idle | started | Probing |`
-impl fmt::Display for Edge {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "| {} | {} | {} | {} |", self.number, self.from, self.cause, self.to)
     }
 }
 
