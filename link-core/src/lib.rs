@@ -86,6 +86,8 @@ pub mod machine;
 #[doc(hidden)]
 pub mod machine_laws;
 mod queue;
+#[cfg(feature = "std")]
+pub mod stamps;
 pub mod text;
 pub mod time;
 pub mod timers;

@@ -61,7 +61,6 @@ mod outbox;
 mod port;
 mod receive;
 mod socket;
-mod stamp;
 #[cfg(feature = "tokio")]
 mod tokio;
 

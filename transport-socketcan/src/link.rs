@@ -10,6 +10,7 @@ use std::io;
 use std::os::fd::{AsFd, BorrowedFd};
 
 use link_core::machine::TxToken;
+use link_core::stamps::Stamps;
 use link_core::{Filter, FilterSet, Frame, Input, Instant, LinkEvent};
 
 use crate::echo::EchoWatch;
@@ -19,7 +20,6 @@ use crate::interface::Interface;
 use crate::outbox::Outbox;
 use crate::receive::{BATCH, Message, Patience};
 use crate::socket::{self, Socket};
-use crate::stamp::Stamps;
 
 #[derive(Debug)]
 pub(crate) struct Link {

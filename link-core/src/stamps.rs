@@ -1,9 +1,8 @@
-//! The kernel's time of a frame on the clock of the port.
+//! The kernel's time of a frame on the clock of a port.
 
 use core::time::Duration;
 
-use link_core::Instant;
-use link_core::time::Clock;
+use crate::time::{Clock, Instant};
 
 /// Brings the kernel's stamps, which follow the wall clock, to a clock that only goes forward.
 ///
@@ -11,7 +10,7 @@ use link_core::time::Clock;
 /// ahead than frames can be told late, says that somebody has set the wall clock: then it is measured again, and the stamp
 /// is held between the last known moment and the present. So no jump of the wall clock reaches a machine.
 #[derive(Debug)]
-pub(crate) struct Stamps {
+pub struct Stamps {
     clock: Clock,
     /// What the wall clock, since 1970, is ahead of ours.
     ahead: Duration,
@@ -22,24 +21,27 @@ pub(crate) struct Stamps {
 }
 
 impl Stamps {
-    pub(crate) fn start() -> Self {
+    /// The clock starts now.
+    #[must_use]
+    pub fn start() -> Self {
         let clock = Clock::start();
         Self { clock, ahead: wall(), measured: Instant::ZERO, last: Instant::ZERO }
     }
 
     /// The latest moment that is known: the present, but for the work since.
-    pub(crate) const fn last(&self) -> Instant {
+    #[must_use]
+    pub const fn last(&self) -> Instant {
         self.last
     }
 
     /// The present moment.
-    pub(crate) fn now(&mut self) -> Instant {
+    pub fn now(&mut self) -> Instant {
         self.last = self.last.max(self.clock.now());
         self.last
     }
 
     /// The moment of a stamp, since 1970.
-    pub(crate) fn moment(&mut self, stamp: Duration) -> Instant {
+    pub fn moment(&mut self, stamp: Duration) -> Instant {
         if let Some(at) = self.on_our_clock(stamp).filter(|at| self.is_trusted(*at)) {
             self.last = at;
             return at;
