@@ -1,9 +1,11 @@
-//! Raw Ethernet: addresses, lengths, and the contract of a machine on it.
+//! Raw Ethernet: addresses, lengths, the contract of a machine on it, and the run loop.
 
 mod address;
+pub mod drive;
 mod machine;
 
 pub use address::MacAddress;
+pub use drive::{Port, drive};
 pub use machine::{Action, Input, LinkEvent, Machine};
 
 /// The shortest frame that a station sends: from the destination address on, without the CRC, which the adapter makes and checks.
