@@ -6,7 +6,7 @@ use cargo_metadata::{DependencyKind, MetadataCommand};
 use devicenet_tests::workspace_root;
 
 /// Each crate, and the crates of this workspace that it may depend on.
-const MAY_SEE: [(&str, &[&str]); 10] = [
+const MAY_SEE: [(&str, &[&str]); 11] = [
     ("link-core", &[]),
     ("cip-core", &["link-core"]),
     ("devicenet-core", &["link-core", "cip-core"]),
@@ -14,6 +14,7 @@ const MAY_SEE: [(&str, &[&str]); 10] = [
     ("powerlink-core", &["link-core"]),
     ("transport-mock", &["link-core"]),
     ("transport-socketcan", &["link-core"]),
+    ("transport-ethernet", &["link-core"]),
     (
         "devicenet-cli",
         &[
@@ -21,8 +22,10 @@ const MAY_SEE: [(&str, &[&str]); 10] = [
             "cip-core",
             "devicenet-core",
             "devicenex-core",
+            "powerlink-core",
             "transport-mock",
             "transport-socketcan",
+            "transport-ethernet",
         ],
     ),
     (
@@ -34,6 +37,7 @@ const MAY_SEE: [(&str, &[&str]); 10] = [
             "devicenex-core",
             "powerlink-core",
             "transport-mock",
+            "transport-ethernet",
             "devicenet-cli",
         ],
     ),
