@@ -122,6 +122,12 @@ bitflags::bitflags! {
         /// bit rate, bus-off interrupt and bus-off counter. Without it they can be read, and are as the
         /// [`Config`](super::Config) says, from switches for instance.
         const SETTINGS = 1 << 11;
+        /// That anything is told at all. Without it the application looks: at its data, which were put to
+        /// [rest](Application::rest) if nothing keeps them up to date, and at [`Slave`](super::Slave). A Reset, which is that of
+        /// a power cycle, is then the slave's alone, and the effects of objects are nobody's. What has more to tell needs it:
+        /// reports, the events of indicators, and what is to be stored, which are settings, the heartbeat, optional
+        /// attributes and a bit rate that was detected.
+        const EVENTS = 1 << 12;
     }
 }
 

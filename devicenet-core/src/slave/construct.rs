@@ -69,6 +69,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         const {
             let room = <<A::Long as LongMessages>::Slots as Slots>::CHOICE;
             assert!(room.contains(A::IO), "PollOnly has room for poll only: let Application::Long be ()");
+            let tells = A::PARTS.contains(Parts::EVENTS) || !A::PARTS.intersects(TELLING);
+            assert!(tells, "what Application::PARTS has needs Parts::EVENTS");
         }
         let device = application.identity().device;
         let (vendor, serial) = (device.vendor, device.serial);
@@ -161,3 +163,11 @@ fn check_sizes<A: Application>(application: &mut A) -> Result<(), InvalidSlave> 
     }
     Ok(())
 }
+
+/// The parts that have something to tell.
+const TELLING: Parts = Parts::SETTINGS
+    .union(Parts::HEARTBEAT)
+    .union(Parts::OPTIONAL_ATTRIBUTES)
+    .union(Parts::BIT_RATE_DETECTION)
+    .union(Parts::INDICATOR_EVENTS)
+    .union(Parts::REPORTS);

@@ -207,16 +207,21 @@ pub(super) struct Events<Q> {
 impl<Q: EventQueue> Events<Q> {
     #[inline(never)]
     pub(super) fn raise<A: Application>(&mut self, event: SlaveEvent) {
-        if !self.queue.push(event) {
+        if A::PARTS.contains(Parts::EVENTS) && !self.queue.push(event) {
             count::<A>(&mut self.counters.events_lost);
         }
     }
 
-    pub(super) const fn received(&mut self, connection: IoKind) {
-        self.received |= received_bit(connection);
+    pub(super) const fn received<A: Application>(&mut self, connection: IoKind) {
+        if A::PARTS.contains(Parts::EVENTS) {
+            self.received |= received_bit(connection);
+        }
     }
 
     pub(super) fn pop<A: Application>(&mut self) -> Option<SlaveEvent> {
+        if !A::PARTS.contains(Parts::EVENTS) {
+            return None;
+        }
         if let Some(kind) = IoKind::find::<A>(|kind| self.received & received_bit(kind) != 0) {
             self.received &= !received_bit(kind);
             return Some(SlaveEvent::Received(kind));
@@ -224,8 +229,8 @@ impl<Q: EventQueue> Events<Q> {
         self.queue.pop()
     }
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.queue.is_empty() && self.received == 0
+    pub(super) fn is_empty<A: Application>(&self) -> bool {
+        !A::PARTS.contains(Parts::EVENTS) || (self.queue.is_empty() && self.received == 0)
     }
 }
 

@@ -113,7 +113,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         lines.ready::<A>().is_some()
             || (self.errand != Errand::None && self.has_errand())
             || self.access.wants_to_transmit()
-            || !self.node.events.is_empty()
+            || !self.node.events.is_empty::<A>()
             || (A::PARTS.contains(Parts::INDICATOR_EVENTS)
                 && (self.shown != self.network_status() || self.module != self.module_status()))
             || self.is_explicit_ready()

@@ -16,7 +16,7 @@ use crate::slave::{
 
 /// A device with the parts that these bits stand for.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
-struct Small<const PARTS: u16 = 0>(Block);
+struct Small<const PARTS: u16 = TELLING>(Block);
 
 impl<const PARTS: u16> Application for Small<PARTS> {
     const IO: AllocationChoice = Block::IO;
@@ -152,7 +152,7 @@ fn a_small_slave_has_no_settings_that_it_need_not_have() {
     small.asks(&[0x10, 5, 2, 18, 1], &[0x94, 0x14, 0xFF]);
     small.asks(&[0x0E, 5, 2, 18], &[0x94, 0x14, 0xFF]);
     small.asks(&[0x10, 5, 2, 12, 2], &[0x90]);
-    const OPTIONAL: u16 = Parts::OPTIONAL_ATTRIBUTES.bits();
+    const OPTIONAL: u16 = Parts::OPTIONAL_ATTRIBUTES.union(Parts::EVENTS).bits();
     let mut optional = Bus::<Small<OPTIONAL>, 0>::online(config(), Small(block())).allocated(0x03);
     optional.asks(&[0x10, 3, 1, 1, 5], &[0x94, 0x0E, 0xFF]);
     optional.asks(&[0x10, 3, 1, 10, 1], &[0x90]);
@@ -194,6 +194,21 @@ fn what_is_not_reported_is_counted() {
     assert_eq!(told::<Small>(Small(block())), 0);
 }
 
+/// Without events nothing is told, and everything happens all the same: data, their rest, a reset.
+#[test]
+fn a_silent_slave_is_asked() {
+    let mut silent = Bus::<Small<0>, 0>::online(config(), Small(block())).established(0x03, &[2]);
+    silent.hears(POLL, &[0x01]);
+    silent.sends(POLL_RESPONSE, &[0x34, 0x12]);
+    assert_eq!(silent.slave.application().0.outputs, [0x01]);
+    silent.wait(1000);
+    silent.is_state(2, 4);
+    assert_eq!(silent.slave.application().0.outputs, [0x00]);
+    silent.asks(&[0x05, 1, 1], &[0x85]);
+    assert!(!silent.slave.access().is_online());
+    assert_eq!(silent.events, []);
+}
+
 #[test]
 fn what_indicators_show_can_be_asked_without_events() {
     let is_status = |event: &SlaveEvent| matches!(event, SlaveEvent::NetworkStatus(_));
@@ -233,6 +248,8 @@ fn poll_alone_is_poll() {
     assert_eq!(needed, small);
 }
 
-const COUNTED: u16 = Parts::COUNTERS.bits();
+/// Events besides reports.
+const TELLING: u16 = Parts::EVENTS.bits();
+const COUNTED: u16 = Parts::COUNTERS.bits() | TELLING;
 /// Attribute not supported.
 const NOT_SUPPORTED: [u8; 4] = [MASTER, 0x94, 0x14, 0xFF];
