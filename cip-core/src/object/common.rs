@@ -50,6 +50,10 @@ impl<O: Object> Object for CommonServices<O> {
     const CLASS: ClassId = O::CLASS;
     const REVISION: u16 = O::REVISION;
 
+    fn revision(&self) -> u16 {
+        self.0.revision()
+    }
+
     fn class_attributes(&self) -> &'static [AttributeRule] {
         self.0.class_attributes()
     }
@@ -213,7 +217,7 @@ pub fn class_attribute<O: Object>(
 ) -> Result<(), Failure> {
     let highest = |rules: &[AttributeRule]| rules.iter().map(|rule| rule.id().0).max().unwrap_or(0);
     let value = match attribute.0 {
-        1 => O::REVISION,
+        1 => object.revision(),
         2 => instances(object).last().map_or(0, |instance| instance.0),
         3 => u16::try_from(instances(object).count()).unwrap_or(u16::MAX),
         6 => highest(object.class_attributes()),

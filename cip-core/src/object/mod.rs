@@ -150,7 +150,12 @@ pub trait Object {
     /// Class attribute 1.
     const REVISION: u16 = 1;
 
-    /// The attributes of the class itself (instance 0). Attribute 1 is answered with [`REVISION`](Self::REVISION), all
+    /// The same of an object that is of one class or another, and knows only then which.
+    fn revision(&self) -> u16 {
+        Self::REVISION
+    }
+
+    /// The attributes of the class itself (instance 0). Attribute 1 is answered with the [revision](Self::revision), all
     /// others by [`get`](Self::get). By default the revision alone.
     fn class_attributes(&self) -> &'static [AttributeRule] {
         REVISION_ONLY
@@ -197,6 +202,10 @@ pub trait Object {
 impl<O: Object> Object for &mut O {
     const CLASS: ClassId = O::CLASS;
     const REVISION: u16 = O::REVISION;
+
+    fn revision(&self) -> u16 {
+        (**self).revision()
+    }
 
     fn class_attributes(&self) -> &'static [AttributeRule] {
         (**self).class_attributes()

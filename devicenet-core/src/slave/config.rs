@@ -66,7 +66,7 @@ impl Config {
             resolution: TimerResolution::DEFAULT,
             failures: FailureOptions { group_2_only_failure: false, path_destination_unknown: false },
             heartbeat_interval: None,
-            receive_time_out: 3000,
+            receive_time_out: RECEIVE_TIME_OUT_MILLIS,
             multicast_group: None,
             options: Options::DEFAULT,
         }
@@ -184,3 +184,6 @@ impl defmt::Format for Options {
         defmt::write!(f, "{=u32:#010x}", self.bits());
     }
 }
+
+/// The default of [`Config::receive_time_out`].
+pub(super) const RECEIVE_TIME_OUT_MILLIS: u16 = 3000;

@@ -114,7 +114,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
 
     /// Sets attribute 9.
     pub(super) fn dynamic_packet_rate(&mut self, index: u8, requested: u16) -> Result<u16, GeneralStatus> {
-        let resolution = self.resolution;
+        let resolution = self.resolution();
         let dynamic = self.dynamic.get_mut(usize::from(index)).ok_or(GeneralStatus::OBJECT_DOES_NOT_EXIST)?;
         let (used, watchdog) = dynamic.connection.set_packet_rate(requested, resolution)?;
         if let Some(timers) = self.dynamic_timers.get_mut(usize::from(index)) {

@@ -7,7 +7,7 @@ use link_core::timers::TimerSet;
 use link_core::{Action, Deadline, Frame, Input, Instant, LinkEvent, Machine, Queue, TxOutcome, TxToken};
 
 use super::application::{Application, IoKind, Parts};
-use super::config::Options;
+use super::config::{Options, RECEIVE_TIME_OUT_MILLIS};
 use super::detection::Detection;
 use super::devicenet_object::{Port, Switches};
 use super::event::{Counters, Event, SlaveEvent, count, count_wide};
@@ -112,7 +112,11 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     pub(super) const fn rules(&self) -> Rules {
         Rules {
-            receive_time_out: self.receive_time_out,
+            receive_time_out: if A::PARTS.contains(Parts::CHOICES) {
+                self.receive_time_out
+            } else {
+                RECEIVE_TIME_OUT_MILLIS
+            },
             reacknowledge_last: self.node.options.contains(Options::REACKNOWLEDGE_LAST),
         }
     }

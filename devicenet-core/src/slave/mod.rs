@@ -152,6 +152,7 @@ mod lines;
 mod machine;
 mod node;
 mod output;
+mod own;
 mod ownership;
 mod server;
 #[cfg(test)]

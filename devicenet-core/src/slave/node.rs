@@ -40,7 +40,7 @@ pub(super) struct Node<A: Application, const DYNAMIC: usize> {
     pub(super) explicit: ExplicitConnection,
     /// Instances 2 to 5, as many as there is room for.
     pub(super) slots: SlotsOf<A>,
-    pub(super) resolution: TimerResolution,
+    resolution: TimerResolution,
     /// Through which explicit connection the I/O connections are configured.
     pub(super) parent: Parent,
     /// Whose multicast poll is consumed.
@@ -119,6 +119,11 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         if A::PARTS.contains(Parts::CHOICES) { self.failures } else { FailureOptions::default() }
     }
 
+    /// The steps in which connections count time. Without [`Parts::CHOICES`] they are constants too.
+    pub(super) fn resolution(&self) -> TimerResolution {
+        if A::PARTS.contains(Parts::CHOICES) { self.resolution } else { TimerResolution::DEFAULT }
+    }
+
     /// A connection; one that is not offered does not exist.
     pub(super) fn io(&self, kind: IoKind) -> &IoConnection {
         match kind.offered::<A>() {
@@ -179,7 +184,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
 
     /// Sets attribute 9 of an I/O connection.
     pub(super) fn io_packet_rate(&mut self, kind: IoKind, requested: u16) -> Result<u16, GeneralStatus> {
-        let (from, resolution) = (self.io(kind).state(), self.resolution);
+        let (from, resolution) = (self.io(kind).state(), self.resolution());
         let (used, watchdog) = self.io_mut(kind).set_packet_rate(requested, resolution)?;
         self.io_moved(kind, from, IoCause::PacketRateSet);
         self.io_watchdog(kind, watchdog);
@@ -224,7 +229,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     /// Sets attribute 9 of the predefined explicit connection.
     pub(super) fn explicit_packet_rate(&mut self, requested: u16) -> Result<u16, GeneralStatus> {
         let from = self.explicit.state();
-        let (used, watchdog) = self.explicit.set_packet_rate(requested, self.resolution)?;
+        let (used, watchdog) = self.explicit.set_packet_rate(requested, self.resolution())?;
         self.explicit_moved(from, ExplicitCause::PacketRateSet);
         apply(&mut self.timers, Timer::Explicit, watchdog);
         Ok(used)

@@ -1,13 +1,12 @@
 //! What answers an explicit request, whichever way it came.
 
-use cip_core::code::{AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode};
+use cip_core::code::{ClassId, GeneralStatus, InstanceId, ServiceCode};
 use cip_core::codec::Writer;
 use cip_core::fragment::IO_UNFRAGMENTED_LEN;
 use cip_core::identity::IdentityStatus;
 use cip_core::message::{AllocationChoice, BodyFormat, Request};
 use cip_core::object::{
-    AcknowledgeHandler, AttributeRule, Call, Effect, Effects, Failure, Identity, Object, ObjectSet,
-    respond_with, serve,
+    AcknowledgeHandler, Call, Effect, Effects, Failure, Identity, ObjectSet, respond_with, serve,
 };
 
 use super::allocation::{Door, Requester};
@@ -19,6 +18,7 @@ use super::devicenet_object::{DeviceNetObject, Port};
 use super::event::{Ignored, SlaveEvent, count};
 use super::machine::{DynamicTransfer, Slave};
 use super::node::{BOTH, Changed, Node};
+use super::own::{MandatoryIdentity, Own};
 use super::transfer::Transfer;
 use super::unconnected;
 use crate::access::Access;
@@ -87,7 +87,11 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
         }
         match call.class {
             ClassId::IDENTITY if !A::PARTS.intersects(Parts::OPTIONAL_SERVICES.union(Parts::HEARTBEAT)) => {
-                serve(&mut MandatoryIdentity(self.identity()), call, out)
+                serve(
+                    &mut Own::<A, MESSAGE, DYNAMIC>::Identity(MandatoryIdentity(self.identity())),
+                    call,
+                    out,
+                )
             }
             ClassId::IDENTITY => {
                 let mut identity = self.identity();
@@ -95,10 +99,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
                 self.node.heartbeat_interval = identity.heartbeat_interval;
                 Ok(effects)
             }
-            ClassId::DEVICENET => serve(&mut DeviceNetObject(self), call, out),
+            ClassId::DEVICENET => serve(&mut Own::DeviceNet(DeviceNetObject(self)), call, out),
             ClassId::CONNECTION => {
                 let consumed_size = self.consumed_size(call);
-                serve(&mut ConnectionObject { server: self, consumed_size }, call, out)
+                serve(&mut Own::Connection(ConnectionObject { server: self, consumed_size }), call, out)
             }
             _ => self.serve_others(call, out),
         }
@@ -174,29 +178,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
             self.application.objects().serve(call, out)
         };
         served.unwrap_or(Err(GeneralStatus::OBJECT_DOES_NOT_EXIST.into()))
-    }
-}
-
-/// The Identity object without the services that it need not have.
-struct MandatoryIdentity<'a>(Identity<'a>);
-
-impl Object for MandatoryIdentity<'_> {
-    const CLASS: ClassId = ClassId::IDENTITY;
-
-    fn attributes(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
-        self.0.attributes(instance)
-    }
-
-    fn get(&self, instance: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
-        self.0.get(instance, attribute, out)
-    }
-
-    fn service(&mut self, call: &Call<'_>, _: &mut Writer<'_>) -> Result<Effects, Failure> {
-        if call.service == ServiceCode::RESET && !call.instance.is_class() {
-            self.0.reset(call)
-        } else {
-            Err(GeneralStatus::SERVICE_NOT_SUPPORTED.into())
-        }
     }
 }
 
