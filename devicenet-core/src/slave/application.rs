@@ -113,8 +113,9 @@ bitflags::bitflags! {
         /// Without it there remain `Received`, `Mode`, `Effect`, `Reset`, those that store something, and those that are
         /// parts of their own; and everything is counted, with [`COUNTERS`](Self::COUNTERS).
         const REPORTS = 1 << 8;
-        /// A shorter way for what a slave is asked most, Get_Attribute_Single: half the instructions, for more code.
-        const FAST_GET = 1 << 9;
+        /// Fewer instructions for more code: for Get_Attribute_Single half of them, on a way of its own, and for a message no
+        /// calls to set its time-out.
+        const FAST_WAYS = 1 << 9;
         /// What is [counted](super::Counters), also of [network access](crate::access::Counters). Without it all counters stay
         /// 0, but for the bus-off counter of the DeviceNet object.
         const COUNTERS = 1 << 10;

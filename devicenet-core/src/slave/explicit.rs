@@ -12,7 +12,7 @@ use crate::id::{Identifier, MacId};
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
     #[inline(never)]
     pub(super) fn explicit_frame(&mut self, id: Identifier, field: &[u8]) {
-        if !A::PARTS.contains(Parts::FAST_GET) || !self.fast_get(field) {
+        if !A::PARTS.contains(Parts::FAST_WAYS) || !self.fast_get(field) {
             self.any_explicit_frame(id, field);
         }
     }

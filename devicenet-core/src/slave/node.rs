@@ -211,6 +211,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     #[inline]
     fn feed(&mut self, timer: Timer, watchdog: Watchdog) {
         match watchdog {
+            _ if !A::PARTS.contains(Parts::FAST_WAYS) => apply(&mut self.timers, timer, watchdog),
             Watchdog::Start { millis } => self.timers.set_after_millis_inline(timer, millis),
             Watchdog::Stop => self.timers.clear(timer),
             Watchdog::Keep => {}
@@ -351,7 +352,11 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         for timers in &mut self.dynamic_timers {
             timers.advance_inline(now);
         }
-        self.timers.advance_inline(now)
+        if A::PARTS.contains(Parts::FAST_WAYS) {
+            self.timers.advance_inline(now)
+        } else {
+            self.timers.advance(now)
+        }
     }
 }
 

@@ -37,7 +37,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             self.errand != Errand::None || !self.has_errand(),
             "what an errand follows from is marked"
         );
-        if A::PARTS.contains(Parts::FAST_GET)
+        if A::PARTS.contains(Parts::FAST_WAYS)
             && self.errand == Errand::None
             && self.answers.is_empty()
             && self.node.lines.is_free(Line::EXPLICIT)

@@ -13,7 +13,7 @@ struct Slow(Block);
 
 impl Application for Slow {
     const IO: AllocationChoice = Block::IO;
-    const PARTS: Parts = Parts::all().difference(Parts::FAST_GET);
+    const PARTS: Parts = Parts::all().difference(Parts::FAST_WAYS);
     type Long = ();
 
     fn identity(&self) -> Identity<'_> {
