@@ -108,19 +108,22 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
     /// Whether a timer runs that expires by `now`. Most of the time, that is one comparison.
     #[inline]
     pub fn is_due(&mut self, now: Instant) -> bool {
-        now >= self.bound && is_due_after_all(&self.at, &mut self.bound, now)
+        now >= self.bound && expired(&self.at, &mut self.bound, now).is_some()
     }
 
     /// Stops and returns the timer that expired first by `now`; of several at the same moment, the first in
     /// [`TimerKey::ALL`].
     pub fn take_expired(&mut self, now: Instant) -> Option<K> {
-        K::ALL.get(take_expired(&mut self.at, &mut self.bound, now)?).copied()
+        let index = expired(&self.at, &mut self.bound, now)?;
+        *self.at.get_mut(index)? = Instant::MAX;
+        K::ALL.get(index).copied()
     }
 
     /// The next deadline.
     #[must_use]
     pub fn next(&self) -> Option<Deadline> {
-        let (index, at) = earliest(&self.at)?;
+        let mut at = Instant::MAX;
+        let index = earliest(&self.at, &mut at)?;
         // By reference: who does not ask for the names has none of them in the program.
         let names: &'static [&'static str; N] = const { &K::WHY };
         Some(Deadline { at, why: names.get(index).copied().unwrap_or_default() })
@@ -159,36 +162,26 @@ fn set(timer: Option<&mut Instant>, bound: &mut Instant, at: Instant) {
     *bound = at.min(*bound);
 }
 
-/// The bound was reached: what it stood for may run later by now, or not at all.
+/// The first of the timers that are over at `now`. When the bound is reached, what it stood for may run later by now, or not at
+/// all.
 #[inline(never)]
-fn is_due_after_all(timers: &[Instant], bound: &mut Instant, now: Instant) -> bool {
-    let first = earliest(timers);
-    *bound = first.map_or(Instant::MAX, |(_, at)| at);
-    first.is_some_and(|(_, at)| at <= now)
-}
-
-/// Stops the first of the timers that are over at `now`.
-#[inline(never)]
-fn take_expired(timers: &mut [Instant], bound: &mut Instant, now: Instant) -> Option<usize> {
+fn expired(timers: &[Instant], bound: &mut Instant, now: Instant) -> Option<usize> {
     if now < *bound {
         return None;
     }
-    let first = earliest(timers);
-    *bound = first.map_or(Instant::MAX, |(_, at)| at);
-    let (index, _) = first.filter(|(_, at)| *at <= now)?;
-    *timers.get_mut(index)? = Instant::MAX;
-    Some(index)
+    let first = earliest(timers, bound);
+    first.filter(|_| *bound <= now)
 }
 
-/// The first of the timers that expire next.
+/// The first of the timers that expire next, and when it does: [`Instant::MAX`] if none runs.
 #[inline(never)]
-fn earliest(timers: &[Instant]) -> Option<(usize, Instant)> {
+fn earliest(timers: &[Instant], when: &mut Instant) -> Option<usize> {
     let mut first = None;
-    let mut bound = Instant::MAX;
+    *when = Instant::MAX;
     for (index, &at) in timers.iter().enumerate() {
-        if at < bound {
-            bound = at;
-            first = Some((index, at));
+        if at < *when {
+            *when = at;
+            first = Some(index);
         }
     }
     first
