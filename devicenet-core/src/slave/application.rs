@@ -94,7 +94,9 @@ bitflags::bitflags! {
         const HEARTBEAT = 1 << 2;
         /// The shutdown message: [`SHUTDOWN_MESSAGE`](super::Options::SHUTDOWN_MESSAGE).
         const SHUTDOWN_MESSAGE = 1 << 3;
-        /// Choices other than the defaults: [`options`](super::Config::options) and [`failures`](super::Config::failures).
+        /// Choices other than the defaults: [`options`](super::Config::options), [`failures`](super::Config::failures),
+        /// [`resolution`](super::Config::resolution) and [`receive_time_out`](super::Config::receive_time_out), and those of
+        /// [network access](crate::access::Config).
         const CHOICES = 1 << 4;
         /// What a DeviceNet object need not have: the attributes 6 to 10 and 12, which are
         /// [switches](super::Slave::set_switches), [Quick Connect](crate::access::Config::quick_connect) and

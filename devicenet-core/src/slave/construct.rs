@@ -1,5 +1,6 @@
 //! Making a slave.
 
+use cip_core::connection::TimerResolution;
 use cip_core::fragment::{IO_MESSAGE_MAX, IO_UNFRAGMENTED_LEN};
 use cip_core::identity::DeviceState;
 use cip_core::object::FailureOptions;
@@ -7,7 +8,7 @@ use link_core::Queue;
 
 use super::Diagnostics;
 use super::application::{Application, IoKind, Parts};
-use super::config::{Config, Options};
+use super::config::{Config, Options, RECEIVE_TIME_OUT_MILLIS};
 use super::detection::Detection;
 use super::devicenet_object::Port;
 use super::indicator::ModuleStatus;
@@ -133,7 +134,9 @@ fn parts_of(config: &Config) -> Parts {
         || !config.access.same_mac_id_restarts
         || config.access.bus_off_while_checking != BusOffWhileChecking::default()
         || config.access.counter_set_mode != CounterSetMode::default();
-    let others = access_choices || config.failures != FailureOptions::default();
+    let times =
+        config.resolution != TimerResolution::DEFAULT || config.receive_time_out != RECEIVE_TIME_OUT_MILLIS;
+    let others = access_choices || times || config.failures != FailureOptions::default();
     parts.set(Parts::CHOICES, choices || others);
     parts.set(Parts::OPTIONAL_ATTRIBUTES, config.access.quick_connect);
     parts

@@ -2,6 +2,7 @@
 
 use std::vec::Vec;
 
+use cip_core::connection::TimerResolution;
 use cip_core::message::{AllocationChoice, ResetType};
 use cip_core::object::Identity;
 use link_core::frame::standard_id;
@@ -47,12 +48,14 @@ fn what_is_left_out_cannot_be_configured() {
         Group2OnlyServer::<Small>::new(config, Small(block())).err()
     };
     assert_eq!(refused(|_| {}), None);
-    let cases: [(Change, Parts); 10] = [
+    let cases: [(Change, Parts); 12] = [
         (|config| config.bit_rate.detect = true, Parts::BIT_RATE_DETECTION),
         (|config| config.heartbeat_interval = Some(0), Parts::HEARTBEAT),
         (|config| config.options.insert(Options::SHUTDOWN_MESSAGE), Parts::SHUTDOWN_MESSAGE),
         (|config| config.options.insert(Options::ANSWER_SHORT_BODY), Parts::CHOICES),
         (|config| config.failures.group_2_only_failure = true, Parts::CHOICES),
+        (|config| config.resolution = TimerResolution::new(1).unwrap(), Parts::CHOICES),
+        (|config| config.receive_time_out = 100, Parts::CHOICES),
         (|config| config.access.accept_bad_dlc = false, Parts::CHOICES),
         (|config| config.access.same_mac_id_restarts = false, Parts::CHOICES),
         (|config| config.access.counter_set_mode = CounterSetMode::OnlyZero, Parts::CHOICES),
