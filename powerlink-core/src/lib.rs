@@ -15,6 +15,7 @@
 //! | [`pdo`] | objects in process data |
 //! | [`sdo`] | the server by which objects are read and written |
 //! | [`indicator`] | status and error LED |
+//! | [`managing`] | [`ManagingNode`](managing::ManagingNode), a small managing node for tests and demonstrations |
 //! | [`monitor`] | the passive decoder: what every frame on the wire means |
 //!
 //! # A node is started
@@ -118,7 +119,7 @@
 //!
 //! # Limits
 //!
-//! A controlled node that is polled: no managing node, no SDO over UDP or in PDOs, no multiple parameters in one SDO command,
+//! A controlled node that is polled, and of a managing node what a test needs: no SDO over UDP or in PDOs, no multiple parameters in one SDO command,
 //! no poll response chaining, no storage of parameters (0x1010, 0x1011). Objects in process data begin at whole bytes.
 //! POWERLINK is a trade mark; nothing here was certified by anybody.
 //!
@@ -135,6 +136,7 @@ pub mod dictionary;
 pub mod error;
 pub mod ethernet;
 pub mod indicator;
+pub mod managing;
 pub mod monitor;
 pub mod nmt;
 pub mod node;

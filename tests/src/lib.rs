@@ -14,6 +14,7 @@
 //! | `workspace` | dependency directions, documents that must not drift |
 //! | `devicenet` | golden vectors, captures, traces of networks |
 //! | `exchanges` | a slave and the rest of the bus, frame by frame; the fault matrix and the table of conformance topics |
+//! | `powerlink` | a recording of independent nodes, whole networks with faults |
 //! | `scenarios` | the scenario files: expectations, traces, published results |
 //!
 //! Recordings are in `captures`, scenario files in `scenarios`, each with its source or purpose.
@@ -22,6 +23,7 @@ pub mod block;
 pub mod line;
 pub mod notation;
 pub mod outcomes;
+pub mod powerlink;
 
 use std::path::{Path, PathBuf};
 

@@ -96,6 +96,7 @@
 
 pub mod bus;
 pub mod change;
+pub mod ethernet;
 pub mod network;
 mod node;
 pub mod nodes;

@@ -17,10 +17,12 @@
 //! The command layer reads and writes by index, expedited and in segments. Every frame of the server waits for the
 //! asynchronous slot: [`Server::ready`] is what the node asks for, [`Server::emit`] what it sends when invited.
 
+mod client;
 mod connection;
 mod outgoing;
 mod server;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use client::{Client, Progress};
 pub use server::{CONNECTIONS, Outcome, Received, Server};

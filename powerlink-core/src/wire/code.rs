@@ -101,6 +101,21 @@ impl NmtCommandId {
     pub const fn plain(self) -> Self {
         if self.is_extended() { Self(self.0 ^ EXTENDED) } else { self }
     }
+
+    /// The extended command of a plain one that has one; any other is itself.
+    #[must_use]
+    pub const fn extended(self) -> Self {
+        if matches!(self.0, 0x21..=0x24 | 0x28..=0x2B) { Self(self.0 ^ EXTENDED) } else { self }
+    }
+
+    /// Whether it is a plain reset.
+    #[must_use]
+    pub const fn is_reset(self) -> bool {
+        matches!(
+            self,
+            Self::RESET_NODE | Self::RESET_COMMUNICATION | Self::RESET_CONFIGURATION | Self::SW_RESET
+        )
+    }
 }
 
 link_core::codes! {

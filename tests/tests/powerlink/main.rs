@@ -11,4 +11,5 @@
 //! Ethernet POWERLINK: a recording of independent nodes, and our node in the place of theirs.
 
 mod boot;
+mod network;
 mod recording;
