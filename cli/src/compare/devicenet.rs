@@ -8,11 +8,13 @@ use devicenet_core::access::{AccessEvent, StateKind};
 use devicenet_core::id::Purpose;
 use devicenet_core::master::{MasterEvent, SlaveEvent, SlaveState};
 use link_core::Instant;
-use transport_mock::{Change, NodeId};
+use transport_mock::NodeId;
 
 use super::Plan;
 use super::bench::{Bench, Sent};
-use super::half::{Establishment, Fresh, Full, Half, Replacement, Standby, Transfer};
+use super::half::{
+    Establishment, Fresh, Full, Half, ROUNDS, Replacement, START, Signs, Spare, Standby, Transfer,
+};
 use crate::scenario::Output;
 use crate::simulate::{MasterMachine, NodeEvent, SlaveMachine};
 
@@ -33,22 +35,7 @@ fn fresh(plan: &Plan) -> Fresh {
     for device in 1..=plan.devices {
         text += &slave("device", device, 63, START);
     }
-    let mut bench = Bench::new(&text);
-    bench.run_to(START);
-    let (devices, errors) = (bench.nodes("device"), bench.errors.len());
-    let usable = |bench: &Bench| devices.iter().filter(|node| is_on_line(bench, **node)).count();
-    bench.run_to(START + Duration::from_secs(5));
-    let usable_soon = usable(&bench);
-    bench.run_to(START + plan.patience());
-    let last = devices.iter().filter_map(|node| bench.first_told(START, *node, gets_on_line)).max();
-    Fresh {
-        devices: devices.len(),
-        error_frames: bench.errors.len() - errors,
-        bus_off: bench.bus_off(&devices),
-        usable: usable_soon,
-        usable_at_last: usable(&bench),
-        until_usable: last.unwrap_or(START).saturating_since(START),
-    }
+    Fresh::of(Bench::new(&text), plan, SIGNS)
 }
 
 /// 64 nodes, each with a MAC ID of its own on its switches.
@@ -56,11 +43,7 @@ fn full(plan: &Plan) -> Full {
     let bench = line(plan, 63);
     let mut all = bench.nodes("device");
     all.push(bench.node("master"));
-    let times = all.iter().filter_map(|node| bench.first_told(Instant::ZERO, *node, gets_on_line));
-    Full {
-        on_line: all.iter().filter(|node| is_on_line(&bench, **node)).count(),
-        until_on_line: times.max().unwrap_or_default().saturating_since(Instant::ZERO),
-    }
+    Full::of(&bench, &all, SIGNS)
 }
 
 /// A master brings up its slaves, each of which then sends and gets two bytes by poll.
@@ -141,11 +124,7 @@ fn transfer(plan: &Plan) -> Transfer {
             bench.traffic(asked.into_iter().chain(carrying))
         });
     }
-    Transfer {
-        traffic: traffic.unwrap_or_default(),
-        fastest: delays.iter().min().copied().unwrap_or_default(),
-        slowest: delays.iter().max().copied().unwrap_or_default(),
-    }
+    Transfer::of(traffic, &delays)
 }
 
 /// Automatic device replacement is on, and a device out of the box is on the bus as MAC ID 63.
@@ -162,15 +141,11 @@ fn replacement(plan: &Plan) -> Replacement {
     let cut = plan.moment(bench.network.now() + Duration::from_secs(1), 1);
     bench.run_to(cut);
     let (lost, spare) = (bench.node("device-1"), bench.node("spare-9"));
-    bench.network.apply(Change::Cut(lost));
     let is_data = |sent: &Sent| {
-        let id = Identifier::of_frame(&sent.frame).map(Identifier::purpose);
-        sent.by == spare && sent.start >= cut && id == Some(Purpose::PollResponse) && sent.frame.dlc() > 0
+        let purpose = Identifier::of_frame(&sent.frame).map(Identifier::purpose);
+        purpose == Some(Purpose::PollResponse) && sent.frame.dlc() > 0
     };
-    bench.run_until(cut + plan.patience(), |bench| bench.sent.iter().any(is_data));
-    let first = bench.sent.iter().find(|sent| is_data(sent)).map_or(cut + plan.patience(), |sent| sent.end);
-    bench.run_to(first + Duration::from_secs(1));
-    bench.network.apply(Change::Plug(lost));
+    let Spare { cut, first } = Spare::replaces(&mut bench, plan, lost, spare, is_data);
     bench.run_to(first + Duration::from_secs(10));
     let is_back = is_on_line(&bench, lost);
     Replacement {
@@ -185,14 +160,8 @@ fn standby(plan: &Plan) -> Standby {
     let text = line_text(plan, plan.devices.min(62)) + &slave("idle", 99, 63, Instant::ZERO);
     let mut bench = Bench::new(&text);
     bench.run_until(START + plan.patience(), |bench| runs(bench, plan.devices.min(62).into()));
-    bench.run_to(bench.network.now() + Duration::from_secs(3));
-    let (idle, missing) = (bench.node("idle-99"), bench.nodes("device")[0]);
-    bench.network.apply(Change::Cut(missing));
-    let passed = |bench: &Bench| bench.network.machine(idle).map_or(0, SlaveMachine::received);
-    let (before, frames) = (passed(&bench), bench.sent.len());
-    bench.run_to(bench.network.now() + Duration::from_secs(10));
-    let passed = usize::try_from(passed(&bench) - before).unwrap_or(usize::MAX);
-    Standby { frames: bench.sent.len() - frames, passed }
+    let idle = bench.node("idle-99");
+    Standby::of(bench, |bench| bench.network.machine(idle).map_or(0, SlaveMachine::received))
 }
 
 /// So many slaves that run with their master.
@@ -257,9 +226,6 @@ const fn gets_on_line(event: &NodeEvent) -> bool {
     matches!(event, NodeEvent::Access(AccessEvent::StateChanged { to: StateKind::OnLine, .. }))
 }
 
-/// The master is on line by then.
-const START: Instant = Instant::from_millis(3_000);
+const SIGNS: Signs = Signs { is_on_line, gets_on_line };
 /// Expected packet rate of every connection, in ms.
 const EPR: u16 = 100;
-/// Changes of the input.
-const ROUNDS: u8 = 20;

@@ -8,11 +8,13 @@ use devicenex_core::access::{AccessEvent, StateKind};
 use devicenex_core::id::Layout;
 use devicenex_core::manager::{DeviceState, ManagerEvent, PlannedEvent};
 use link_core::Instant;
-use transport_mock::{Change, NodeId};
+use transport_mock::NodeId;
 
 use super::Plan;
 use super::bench::{Bench, Sent, Traffic};
-use super::half::{Establishment, Fresh, Full, Half, Replacement, Standby, Transfer};
+use super::half::{
+    Establishment, Fresh, Full, Half, ROUNDS, Replacement, START, Signs, Spare, Standby, Transfer,
+};
 use crate::simulate::{DeviceMachine, ManagerMachine, NodeEvent};
 
 pub(super) fn measure(plan: &Plan) -> Half {
@@ -29,22 +31,7 @@ pub(super) fn measure(plan: &Plan) -> Half {
 /// A manager that has all of them in its database is on line; then they are switched on.
 fn fresh(plan: &Plan) -> Fresh {
     let text = plan.bus() + &devices("device", plan.devices, START) + &manager(&planned(""));
-    let mut bench = Bench::new(&text);
-    bench.run_to(START);
-    let (devices, errors) = (bench.nodes("device"), bench.errors.len());
-    let usable = |bench: &Bench| devices.iter().filter(|node| is_on_line(bench, **node)).count();
-    bench.run_to(START + Duration::from_secs(5));
-    let usable_soon = usable(&bench);
-    bench.run_to(START + plan.patience());
-    let last = devices.iter().filter_map(|node| bench.first_told(START, *node, gets_on_line)).max();
-    Fresh {
-        devices: devices.len(),
-        error_frames: bench.errors.len() - errors,
-        bus_off: bench.bus_off(&devices),
-        usable: usable_soon,
-        usable_at_last: usable(&bench),
-        until_usable: last.unwrap_or(START).saturating_since(START),
-    }
+    Fresh::of(Bench::new(&text), plan, SIGNS)
 }
 
 /// 127 nodes: the manager has address 0, 126 devices get the others.
@@ -53,13 +40,8 @@ fn full(plan: &Plan) -> Full {
         Bench::new(&(plan.bus() + &devices("device", 126, Instant::ZERO) + &manager(&planned(""))));
     let mut all = bench.nodes("device");
     all.push(bench.node("manager"));
-    let on_line = |bench: &Bench| all.iter().filter(|node| is_on_line(bench, **node)).count();
-    bench.run_until(START + plan.patience(), |bench| on_line(bench) == all.len());
-    let times = all.iter().filter_map(|node| bench.first_told(Instant::ZERO, *node, gets_on_line));
-    Full {
-        on_line: on_line(&bench),
-        until_on_line: times.max().unwrap_or_default().saturating_since(Instant::ZERO),
-    }
+    bench.run_until(START + plan.patience(), |bench| all.iter().all(|node| is_on_line(bench, *node)));
+    Full::of(&bench, &all, SIGNS)
 }
 
 /// A manager brings up its devices, each of which then sends two bytes.
@@ -119,11 +101,7 @@ fn transfer(plan: &Plan) -> Transfer {
             bench.traffic(bench.sent[from..].iter().filter(carries))
         });
     }
-    Transfer {
-        traffic: traffic.unwrap_or_default(),
-        fastest: delays.iter().min().copied().unwrap_or_default(),
-        slowest: delays.iter().max().copied().unwrap_or_default(),
-    }
+    Transfer::of(traffic, &delays)
 }
 
 /// The example of the paper: a spare of B stands by when B is cut off.
@@ -133,12 +111,8 @@ fn replacement(plan: &Plan) -> Replacement {
     let cut = plan.moment(bench.network.now(), 1);
     bench.run_to(cut);
     let (lost, spare) = (bench.node("device-1"), bench.node("spare-1"));
-    bench.network.apply(Change::Cut(lost));
-    let is_data = |sent: &Sent| sent.by == spare && matches!(layout(sent), Layout::Implicit { .. });
-    bench.run_until(cut + plan.patience(), |bench| bench.sent.iter().any(is_data));
-    let first = bench.sent.iter().find(|sent| is_data(sent)).map_or(cut + plan.patience(), |sent| sent.end);
-    bench.run_to(first + Duration::from_secs(1));
-    bench.network.apply(Change::Plug(lost));
+    let is_data = |sent: &Sent| matches!(layout(sent), Layout::Implicit { .. });
+    let Spare { cut, first } = Spare::replaces(&mut bench, plan, lost, spare, is_data);
     bench.run_to(first + plan.patience());
     let is_back = state(&bench, lost) == Some(StateKind::Standby);
     Replacement {
@@ -154,14 +128,8 @@ fn standby(plan: &Plan) -> Standby {
     let text = plan.bus() + &devices("device", plan.devices.min(62), Instant::ZERO) + &idle;
     let mut bench = Bench::new(&(text + &manager(&planned(PRODUCER))));
     bench.run_until(START + plan.patience(), |bench| runs(bench, plan.devices.min(62).into()));
-    bench.run_to(bench.network.now() + Duration::from_secs(3));
-    let (idle, missing) = (bench.node("idle-1"), bench.nodes("device")[0]);
-    bench.network.apply(Change::Cut(missing));
-    let passed = |bench: &Bench| bench.network.machine(idle).map_or(0, DeviceMachine::received);
-    let (before, frames) = (passed(&bench), bench.sent.len());
-    bench.run_to(bench.network.now() + Duration::from_secs(10));
-    let passed = usize::try_from(passed(&bench) - before).unwrap_or(usize::MAX);
-    Standby { frames: bench.sent.len() - frames, passed }
+    let idle = bench.node("idle-1");
+    Standby::of(bench, |bench| bench.network.machine(idle).map_or(0, DeviceMachine::received))
 }
 
 /// So many devices that produce, with their manager.
@@ -258,9 +226,6 @@ const fn gets_on_line(event: &NodeEvent) -> bool {
     matches!(event, NodeEvent::NexAccess(AccessEvent::StateChanged { to: StateKind::Online, .. }))
 }
 
-/// The manager is on line by then.
-const START: Instant = Instant::from_millis(3_000);
+const SIGNS: Signs = Signs { is_on_line, gets_on_line };
 /// As long as the expected packet rate of the polls of DeviceNet.
 const PRODUCER: &str = "connections = [{ connection = \"multicast_producer\", epr = \"100ms\" }]\n";
-/// Changes of the input.
-const ROUNDS: u8 = 20;
