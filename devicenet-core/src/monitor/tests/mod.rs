@@ -8,6 +8,7 @@ mod io;
 mod offline;
 mod services;
 mod storage;
+mod watchdogs;
 
 use std::boxed::Box;
 use std::string::{String, ToString};
