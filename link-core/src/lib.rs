@@ -86,6 +86,7 @@ pub mod machine;
 #[doc(hidden)]
 pub mod machine_laws;
 mod queue;
+pub mod recording;
 #[cfg(feature = "std")]
 pub mod stamps;
 pub mod text;

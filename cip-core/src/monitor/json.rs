@@ -1,10 +1,9 @@
-//! The objects of readings: entries without a value are left out, and what people read is written as `Display` has it.
+//! The objects of readings, with the tools of [`link_core::recording::json`].
 
-use core::fmt;
-
+pub use link_core::recording::json::{Words, optional};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use super::{Answered, ConnectionState, Explicit, Frag, Vocabulary};
+use super::{ConnectionState, Explicit, Frag, Vocabulary};
 use crate::code::InstanceId;
 
 impl Serialize for Frag {
@@ -13,15 +12,6 @@ impl Serialize for Frag {
         map.serialize_entry("type", self.name())?;
         map.serialize_entry("count", &self.byte.count())?;
         optional(&mut map, "status", self.status)?;
-        map.end()
-    }
-}
-
-impl Serialize for Answered {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(2))?;
-        map.serialize_entry("n", &self.n)?;
-        map.serialize_entry("latency", &self.latency.as_secs_f64())?;
         map.end()
     }
 }
@@ -56,30 +46,5 @@ impl Explicit<'_> {
         optional(map, "status", self.status)?;
         optional(map, "additional", self.additional)?;
         optional(map, "status_name", self.status.and_then(|status| status.name()))
-    }
-}
-
-/// Writes an entry if there is a value.
-///
-/// # Errors
-/// When the serializer fails.
-pub fn optional<M: SerializeMap, T: Serialize>(
-    map: &mut M,
-    key: &'static str,
-    value: Option<T>,
-) -> Result<(), M::Error> {
-    match value {
-        Some(value) => map.serialize_entry(key, &value),
-        None => Ok(()),
-    }
-}
-
-/// Serialises what `Display` prints.
-#[derive(Debug, Clone, Copy)]
-pub struct Words<T>(pub T);
-
-impl<T: fmt::Display> Serialize for Words<T> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(&self.0)
     }
 }

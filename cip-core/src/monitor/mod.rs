@@ -26,13 +26,14 @@ mod frag;
 pub mod json;
 pub mod packet;
 mod remarks;
-mod seen;
 mod slots;
 mod span;
 mod state;
 pub mod text;
 mod traffic;
 mod vocabulary;
+
+pub use link_core::recording::{Answered, Seen};
 
 pub use connection::{Connection, Flow, Guess, Side};
 pub use data::{FragmentationGuess, Part, Progress};
@@ -41,7 +42,6 @@ pub use flaw::Flaw;
 pub use flight::Flights;
 pub use frag::Frag;
 pub use remarks::{Remark, Remarks};
-pub use seen::{Answered, Seen};
 pub use slots::{Piece, Slots, Stream};
 pub use span::Span;
 pub use state::ConnectionState;

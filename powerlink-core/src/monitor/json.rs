@@ -2,10 +2,11 @@
 
 use core::fmt;
 
+use link_core::recording::json::{Words, optional};
 use link_core::text::LowerHex;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use super::{Answered, Kind, Note, Reading};
+use super::{Kind, Note, Reading};
 use crate::NodeId;
 use crate::wire::{Body, Flags, IdentResponse, NodeList, SdoCommand, Segmentation, StatusResponse};
 
@@ -187,15 +188,6 @@ impl Serialize for SdoFields<'_> {
     }
 }
 
-impl Serialize for Answered {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(2))?;
-        map.serialize_entry("n", &self.n)?;
-        map.serialize_entry("latency", &self.latency.as_secs_f64())?;
-        map.end()
-    }
-}
-
 impl Serialize for Note {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
@@ -209,26 +201,6 @@ fn waiting<M: SerializeMap>(map: &mut M, request: crate::wire::AsyncRequest) -> 
     }
     map.serialize_entry("waiting", &request.count())?;
     map.serialize_entry("priority", &request.priority())
-}
-
-fn optional<M: SerializeMap, T: Serialize>(
-    map: &mut M,
-    key: &'static str,
-    value: Option<T>,
-) -> Result<(), M::Error> {
-    match value {
-        Some(value) => map.serialize_entry(key, &value),
-        None => Ok(()),
-    }
-}
-
-/// Serialises what `Display` prints.
-struct Words<T>(T);
-
-impl<T: fmt::Display> Serialize for Words<T> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(&self.0)
-    }
 }
 
 const SOC: FlagNames = FlagNames(&[(Flags::MULTIPLEXED_CYCLE, "MC"), (Flags::PRESCALED, "PS")]);

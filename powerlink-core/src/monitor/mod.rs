@@ -62,12 +62,14 @@ mod slot;
 mod tests;
 mod text;
 
+pub use link_core::recording::Answered;
+
 pub use cycle::Cycle;
 pub use envelope::Envelope;
 pub use kind::Kind;
 pub use nodes::{MAX_HISTORY, NodeRecord, StateChange};
 pub use problem::Problem;
-pub use reading::{Answered, Captured, Message, Note, Reading};
+pub use reading::{Captured, Message, Note, Reading};
 pub use text::Words;
 
 use link_core::Instant;

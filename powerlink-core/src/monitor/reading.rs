@@ -4,6 +4,7 @@ use core::time::Duration;
 
 use link_core::Instant;
 use link_core::codec::{ParseError, Reader};
+use link_core::recording::Answered;
 
 use super::envelope::Ends;
 use super::problem::{IDENT_RESPONSE, STATUS_RESPONSE};
@@ -60,16 +61,6 @@ pub struct Reading<'a> {
     pub note: Option<Note>,
     /// What is wrong, or shown to be missing before.
     pub problem: Option<Problem>,
-}
-
-/// The frame that another one answers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Answered {
-    /// Its number.
-    pub n: u64,
-    /// How long the answer took.
-    pub latency: Duration,
 }
 
 /// The data of an SDO transfer in several parts.

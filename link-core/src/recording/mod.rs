@@ -1,8 +1,11 @@
-//! Which frame answers which.
+//! The frames of a recording, as passive decoders tell of them: which answers which.
+
+#[cfg(feature = "serde")]
+pub mod json;
 
 use core::time::Duration;
 
-use link_core::Instant;
+use crate::Instant;
 
 /// A frame of the recording that may be answered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
