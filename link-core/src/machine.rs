@@ -69,6 +69,18 @@ impl<E> Action<E> {
     }
 }
 
+impl<E> Action<Option<E>> {
+    /// The same action, unless it is an event that is none.
+    pub fn transpose(self) -> Option<Action<E>> {
+        Some(match self {
+            Self::Transmit(token, frame) => Action::Transmit(token, frame),
+            Self::Withdraw(token) => Action::Withdraw(token),
+            Self::Link(command) => Action::Link(command),
+            Self::Event(event) => Action::Event(event?),
+        })
+    }
+}
+
 /// Names a conversation of one machine that may have one frame in flight.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

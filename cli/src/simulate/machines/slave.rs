@@ -224,15 +224,10 @@ impl Machine for SlaveMachine {
             if let Some(event) = self.output() {
                 return Some(Action::Event(event));
             }
-            match with!(&mut self.slave, slave => slave.poll(now))? {
-                Action::Event(event) => {
-                    if let Some(event) = self.follow(event) {
-                        return Some(Action::Event(event));
-                    }
-                }
-                Action::Transmit(token, frame) => return Some(Action::Transmit(token, frame)),
-                Action::Withdraw(token) => return Some(Action::Withdraw(token)),
-                Action::Link(command) => return Some(Action::Link(command)),
+            let action =
+                with!(&mut self.slave, slave => slave.poll(now))?.map_event(|event| self.follow(event));
+            if let Some(action) = action.transpose() {
+                return Some(action);
             }
         }
     }

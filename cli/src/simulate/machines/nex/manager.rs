@@ -67,14 +67,12 @@ impl Machine for ManagerMachine {
             self.address = self.access().address();
             return Some(Action::Event(NodeEvent::Address(self.address)));
         }
-        Some(match self.manager.poll(now)? {
-            Action::Event(ManagerEvent::Node(DeviceEvent::Access(event))) => Action::Event(event.into()),
-            Action::Event(ManagerEvent::Node(event)) => Action::Event(NodeEvent::Device(event)),
-            Action::Event(event) => Action::Event(NodeEvent::Manager(Box::new(event))),
-            Action::Transmit(token, frame) => Action::Transmit(token, frame),
-            Action::Withdraw(token) => Action::Withdraw(token),
-            Action::Link(command) => Action::Link(command),
-        })
+        let action = self.manager.poll(now)?;
+        Some(action.map_event(|event| match event {
+            ManagerEvent::Node(DeviceEvent::Access(event)) => event.into(),
+            ManagerEvent::Node(event) => NodeEvent::Device(event),
+            event => NodeEvent::Manager(Box::new(event)),
+        }))
     }
 
     fn deadline(&self) -> Option<Deadline> {
