@@ -81,6 +81,20 @@ impl ServiceCode {
         self.0 | RESPONSE_BIT
     }
 
+    /// True for the common services that change nothing.
+    #[inline]
+    pub const fn is_question(self) -> bool {
+        matches!(
+            self,
+            Self::GET_ATTRIBUTE_SINGLE
+                | Self::GET_ATTRIBUTES_ALL
+                | Self::GET_ATTRIBUTE_LIST
+                | Self::FIND_NEXT_OBJECT_INSTANCE
+                | Self::GET_MEMBER
+                | Self::NO_OPERATION
+        )
+    }
+
     /// Who defines the code.
     pub const fn range(self) -> ServiceRange {
         match self.0 {

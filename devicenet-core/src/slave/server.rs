@@ -148,7 +148,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
             self.node.events.raise::<A>(SlaveEvent::Effect(for_application));
         }
         // What the unconnected port is there for is told as an allocation.
-        if !is_question(call.service) && self.requester.door != Door::Unconnected {
+        if !call.service.is_question() && self.requester.door != Door::Unconnected {
             let (class, instance, service) = (call.class, call.instance, call.service);
             self.node.report(SlaveEvent::Changed { class, instance, service });
         }
@@ -193,19 +193,6 @@ pub(super) fn identity<'a, A: Application, const DYNAMIC: usize>(
     }
     identity.heartbeat_interval = node.heartbeat_interval;
     identity
-}
-
-/// A service that changes nothing.
-fn is_question(service: ServiceCode) -> bool {
-    matches!(
-        service,
-        ServiceCode::GET_ATTRIBUTE_SINGLE
-            | ServiceCode::GET_ATTRIBUTES_ALL
-            | ServiceCode::GET_ATTRIBUTE_LIST
-            | ServiceCode::FIND_NEXT_OBJECT_INSTANCE
-            | ServiceCode::GET_MEMBER
-            | ServiceCode::NO_OPERATION
-    )
 }
 
 /// What can be allocated: what the application offers, and the explicit connection.

@@ -1,6 +1,6 @@
 //! The objects of a device: which of them a request is for, and what is left to do when it was served.
 
-use cip_core::code::{ClassId, GeneralStatus, InstanceId, ServiceCode};
+use cip_core::code::{ClassId, GeneralStatus, InstanceId};
 use cip_core::codec::Writer;
 use cip_core::connection::IoState;
 use cip_core::identity::IdentityStatus;
@@ -58,7 +58,7 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
         if !for_application.is_empty() {
             self.raise(DeviceEvent::Effect(for_application));
         }
-        if !is_question(call.service) {
+        if !call.service.is_question() {
             let (class, instance, service) = (call.class, call.instance, call.service);
             self.raise(DeviceEvent::Changed { class, instance, service });
         }
@@ -106,19 +106,6 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
             Some(_) | None => 0,
         }
     }
-}
-
-/// A service that changes nothing.
-fn is_question(service: ServiceCode) -> bool {
-    matches!(
-        service,
-        ServiceCode::GET_ATTRIBUTE_SINGLE
-            | ServiceCode::GET_ATTRIBUTES_ALL
-            | ServiceCode::GET_ATTRIBUTE_LIST
-            | ServiceCode::FIND_NEXT_OBJECT_INSTANCE
-            | ServiceCode::GET_MEMBER
-            | ServiceCode::NO_OPERATION
-    )
 }
 
 /// The connections that attribute 3 of the Acknowledge Handler can name; its settings hold for all.
