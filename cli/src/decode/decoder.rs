@@ -1,27 +1,25 @@
 //! From a recorded frame to a line of text, a JSON object, or an entry in the summary.
 
-use core::fmt;
-use core::time::Duration;
-
-use devicenet_core::MacId;
-use devicenet_core::doctor::{Doctor, Severity};
-use devicenet_core::monitor::{Detail, Kind, Monitor, MonitorConfig, Reading};
-use devicenex_core::OperationalAddress;
+use devicenet_core::doctor::Doctor;
+use devicenet_core::monitor::{Monitor, MonitorConfig};
 use devicenex_core::monitor as nex;
-use link_core::{BitRate, Instant};
+use link_core::BitRate;
 
+use super::buses::of_bus;
 use super::clock::Clock;
+use super::filter::Filter;
 use super::json;
+use super::meaning::{Meaning, Noted};
 use super::outside::Outside;
 use super::protocol::Spoken;
 use super::scan_list::{self, ScanLists};
-use super::sheets::{Note, Sheets};
+use super::sheets::Sheets;
 use super::summary::Summary;
 use crate::args::DecodeArgs;
 use crate::health;
 use crate::output;
 use crate::recording::{Channels, Content, RecordedFrame};
-use crate::scenario::{Scenario, Time};
+use crate::scenario::Scenario;
 use crate::text::{printable, push_number};
 use crate::trace::{Emphasis, Trace};
 
@@ -67,20 +65,6 @@ pub enum Verdict {
     Fine,
     /// It is wrong or suspicious.
     Problem,
-}
-
-/// What a frame means.
-#[allow(
-    clippy::large_enum_variant,
-    reason = "there is one at a time, on the stack, and it is nearly always the large one"
-)]
-pub(super) enum Meaning<'a> {
-    /// A classic frame, as the monitor of DeviceNet reads it.
-    Read(Reading<'a>),
-    /// The same, as that of DeviceNeX does.
-    Nex(nex::Reading<'a>),
-    /// What no monitor is asked about.
-    Outside(Outside),
 }
 
 impl Decoder {
@@ -287,24 +271,6 @@ fn doctor<'a>(
     Some(of_bus(doctors, bus, || health::doctor(summary.known_rate(), expected, None)))
 }
 
-/// What there is one of for each bus, begun with the first frame of that bus.
-fn of_bus<T>(all: &mut Vec<Box<T>>, bus: usize, begin: impl Fn() -> Box<T>) -> &mut T {
-    if all.len() <= bus {
-        begin_buses(all, bus, begin);
-    }
-    &mut all[bus]
-}
-
-/// Apart from what is done for every frame: a machine is made on the stack, and a function with hundreds of kilobytes there touches
-/// each of their pages whenever it is called.
-#[cold]
-#[inline(never)]
-fn begin_buses<T>(all: &mut Vec<Box<T>>, bus: usize, begin: impl Fn() -> Box<T>) {
-    while all.len() <= bus {
-        all.push(begin());
-    }
-}
-
 /// The MAC ID of the sender, after the channel in a recording of several buses, all but the first of which are named.
 fn write_node(node: &mut Vec<u8>, meaning: &Meaning<'_>, channel: Option<&str>) {
     node.clear();
@@ -316,140 +282,4 @@ fn write_node(node: &mut Vec<u8>, meaning: &Meaning<'_>, channel: Option<&str>) 
         Some(mac) => push_number(node, mac),
         None => node.push(b'-'),
     }
-}
-
-impl Meaning<'_> {
-    /// The MAC ID or operational address of the sender, where it is known.
-    pub(super) fn source(&self) -> Option<u8> {
-        match self {
-            Self::Read(reading) => reading.src.map(u8::from),
-            Self::Nex(reading) => reading.src.map(u8::from),
-            Self::Outside(_) => None,
-        }
-    }
-
-    fn reading(&self) -> Option<&Reading<'_>> {
-        match self {
-            Self::Read(reading) => Some(reading),
-            Self::Nex(_) | Self::Outside(_) => None,
-        }
-    }
-
-    fn kind(&self) -> &'static str {
-        match self {
-            Self::Read(reading) => reading.kind.name(),
-            Self::Nex(reading) => reading.kind.name(),
-            Self::Outside(_) => Kind::Foreign.name(),
-        }
-    }
-
-    pub(super) fn has_problem(&self) -> bool {
-        match self {
-            Self::Read(reading) => reading.problem.is_some(),
-            Self::Nex(reading) => reading.problem.is_some(),
-            Self::Outside(_) => true,
-        }
-    }
-
-    /// What its problem says of the network. What stands outside, the rules of the doctor judge.
-    pub(super) fn severity(&self) -> Severity {
-        match self {
-            Self::Read(reading) => reading.problem.as_ref().map_or(Severity::Info, Severity::of),
-            Self::Nex(reading) => match reading.problem {
-                Some(nex::Problem::Flaw(flaw)) => Severity::of_flaw(&flaw),
-                // A device that comes back finds its address given to its spare.
-                Some(nex::Problem::AddressTaken { .. }) | None => Severity::Info,
-                // No rule judges what becomes of the others.
-                Some(_) => Severity::Warning,
-            },
-            Self::Outside(_) => Severity::Info,
-        }
-    }
-
-    /// A stable name for the kind of its problem.
-    pub(super) fn problem_code(&self) -> Option<&'static str> {
-        match self {
-            Self::Read(reading) => reading.problem.map(|problem| problem.code()),
-            Self::Nex(reading) => reading.problem.map(|problem| problem.code()),
-            Self::Outside(outside) => Some(outside.code()),
-        }
-    }
-}
-
-impl fmt::Display for Meaning<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Read(reading) => reading.fmt(f),
-            Self::Nex(reading) => reading.fmt(f),
-            Self::Outside(outside) => outside.fmt(f),
-        }
-    }
-}
-
-/// The words of a frame, and what its values are.
-struct Noted<'a>(&'a Meaning<'a>, Option<Note<'a>>);
-
-impl fmt::Display for Noted<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)?;
-        self.1.as_ref().map_or(Ok(()), |note| note.fmt(f))
-    }
-}
-
-/// Which frames are shown.
-struct Filter {
-    /// Since the first frame.
-    from: Duration,
-    to: Duration,
-    first: Option<Instant>,
-    mac: Option<u8>,
-    kinds: Vec<&'static str>,
-}
-
-impl Filter {
-    fn new(args: &DecodeArgs) -> Self {
-        let from = args.from.map_or(Duration::ZERO, |Time(from)| from);
-        let to = args.to.map_or(Duration::MAX, |Time(to)| to);
-        Self { from, to, first: None, mac: args.mac, kinds: args.kind.clone() }
-    }
-
-    /// Whether the time is right; a frame that is earlier than the first is at 0.
-    #[inline]
-    fn is_within(&mut self, at: Instant) -> bool {
-        let since = at.saturating_since(*self.first.get_or_insert(at));
-        (self.from..=self.to).contains(&since)
-    }
-
-    #[inline]
-    fn accepts(&self, meaning: &Meaning<'_>) -> bool {
-        let is_of_node = self.mac.is_none_or(|mac| match meaning {
-            Meaning::Read(reading) => concerns(reading, mac),
-            Meaning::Nex(reading) => concerns_address(reading, mac),
-            Meaning::Outside(_) => false,
-        });
-        is_of_node && (self.kinds.is_empty() || self.kinds.contains(&meaning.kind()))
-    }
-}
-
-/// Whether a frame of DeviceNeX is from a node, to it, or to all; or gives it its address.
-fn concerns_address(reading: &nex::Reading<'_>, address: u8) -> bool {
-    let is_node = |end: Option<OperationalAddress>| end.map(u8::from) == Some(address);
-    let is_to_all = reading.kind == nex::Kind::MiniWho;
-    let is_new =
-        matches!(reading.fields.detail, nex::Detail::Roam { requested } if u8::from(requested) == address);
-    is_to_all || is_new || is_node(reading.src) || is_node(reading.dst)
-}
-
-/// Whether a frame is from a node, to it, or to all.
-fn concerns(reading: &Reading<'_>, mac: u8) -> bool {
-    let is_node = |end: Option<MacId>| end.map(u8::from) == Some(mac);
-    let is_to_all = match reading.kind {
-        Kind::BitStrobeCommand | Kind::MulticastPollCommand => true,
-        // Unless it names the one node that it is for, or from.
-        Kind::OfflineFaultRequest | Kind::OfflineOwnershipRequest => reading.dst.is_none(),
-        Kind::OfflineFaultResponse | Kind::OfflineOwnershipResponse => reading.src.is_none(),
-        _ => false,
-    };
-    let is_new_mac = matches!(reading.fields.detail, Detail::ChangeMacId { mac: new } if new.number() == mac);
-    is_to_all || is_new_mac || is_node(reading.src) || is_node(reading.dst)
 }

@@ -4,7 +4,7 @@ use core::fmt::{self, Display, Write as _};
 
 use link_core::Id;
 
-use super::decoder::Meaning;
+use super::meaning::Meaning;
 use super::sheets::Note;
 use crate::recording::{Content, RecordedFrame};
 use crate::text::{LOWER, push_hex, push_number, push_seconds};

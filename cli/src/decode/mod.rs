@@ -1,14 +1,18 @@
 //! `devicenet decode`: a recording, frame by frame, in words or as JSON.
 
+mod buses;
 mod clock;
 mod copy;
 mod decoder;
+mod filter;
 mod json;
+mod meaning;
 mod outside;
 mod progress;
 mod protocol;
 mod scan_list;
 mod sheets;
+mod span;
 mod summary;
 
 pub use decoder::{Decoder, Verdict};

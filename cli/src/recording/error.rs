@@ -3,6 +3,9 @@
 use core::fmt;
 use std::io;
 
+use super::detect::Format;
+use super::network::Network;
+
 /// Why an entry, or the rest of a recording, cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
@@ -18,11 +21,16 @@ pub enum RecordingError {
     /// No line or header in the beginning belongs to a known format.
     #[error("not a recording: candump log or screen output, pcap, pcapng or Vector ASC expected, {0} found")]
     UnknownFormat(&'static str),
-    /// A capture of something else than CAN.
+    /// Text, or another format that holds CAN frames only.
+    #[error("a {0}: Ethernet frames are in pcap and pcapng")]
+    NotEthernet(Format),
+    /// A capture of another network.
     #[error(
-        "link type {number} ({name}) instead of 227 (CAN_SOCKETCAN): capture on a CAN interface, for instance `tshark -i can0 -w FILE`"
+        "link type {number} ({name}) instead of {} ({}): {}", wanted.link_type(), link_type_name(wanted.link_type()), wanted.advice()
     )]
     LinkType {
+        /// What was to be read.
+        wanted: Network,
         /// The number in the tcpdump.org list.
         number: u32,
         /// Its name there, or `unknown`.
@@ -57,18 +65,22 @@ impl RecordingError {
     }
 
     #[cold]
-    pub(super) fn link_type(number: u32) -> Self {
-        // Those that users meet.
-        let name = match number {
-            1 => "Ethernet",
-            101 => "raw IP",
-            113 => "Linux cooked capture",
-            189 | 220 => "USB",
-            190 => "CAN 2.0b, obsolete",
-            276 => "Linux cooked capture v2",
-            _ => "unknown",
-        };
-        Self::LinkType { number, name }
+    pub(super) fn link_type(number: u32, wanted: Network) -> Self {
+        Self::LinkType { wanted, number, name: link_type_name(number) }
+    }
+}
+
+/// The names of the link types that users meet.
+fn link_type_name(number: u32) -> &'static str {
+    match number {
+        1 => "Ethernet",
+        101 => "raw IP",
+        113 => "Linux cooked capture",
+        189 | 220 => "USB",
+        190 => "CAN 2.0b, obsolete",
+        227 => "CAN_SOCKETCAN",
+        276 => "Linux cooked capture v2",
+        _ => "unknown",
     }
 }
 

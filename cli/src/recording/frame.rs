@@ -4,9 +4,9 @@ use core::fmt;
 
 use link_core::{Frame, Id, Instant};
 
-/// One entry of a recording.
+/// One entry of a recording: of a CAN bus, or with another content.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct RecordedFrame {
+pub struct RecordedFrame<C = Content> {
     /// Its number in the recording, from 1; lines that could not be read do not count.
     pub n: u64,
     /// When: since 1970 or since the start of the recording, whichever the recording uses.
@@ -16,7 +16,7 @@ pub struct RecordedFrame {
     /// The interface or channel, where the format names one.
     pub channel: Option<ChannelId>,
     /// What was seen on the bus.
-    pub content: Content,
+    pub content: C,
 }
 
 /// What was seen on the bus.

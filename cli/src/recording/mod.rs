@@ -1,4 +1,5 @@
-//! Recordings of a CAN bus, read and written as a stream: memory does not grow with the file.
+//! Recordings of a CAN bus, read and written as a stream: memory does not grow with the file. Captures of an Ethernet interface
+//! are read too.
 //!
 //! | format | read | written |
 //! |---|---|---|
@@ -6,6 +7,7 @@
 //! | candump screen output | yes | |
 //! | pcap, pcapng with `LINKTYPE_CAN_SOCKETCAN` | yes | pcapng |
 //! | Vector ASC | yes | |
+//! | pcap, pcapng with `LINKTYPE_ETHERNET` | as a [`Capture`] | |
 //!
 //! The format is found in the content; a UTF-8 byte order mark before it is skipped. A line or record that cannot be read
 //! is an error that says where, and what was expected; reading goes on after it. What a recording tells besides its
@@ -24,12 +26,14 @@
 
 mod asc;
 mod candump;
+mod capture;
 mod controller;
 mod detect;
 mod error;
 mod fields;
 mod frame;
 mod lines;
+mod network;
 mod notes;
 mod pcap;
 mod pcapng;
@@ -39,9 +43,11 @@ mod socketcan;
 mod window;
 mod write;
 
+pub use capture::{Capture, EthernetFrame};
 pub use detect::Format;
 pub use error::{Bad, Place, RecordingError};
 pub use frame::{ChannelId, Channels, Content, ErrorFrame, FdFrame, RecordedFrame};
+pub use network::Network;
 pub use notes::Notes;
 pub use write::{Renamed, WriteFormat, Writer};
 
@@ -83,11 +89,75 @@ type Source = Box<dyn Read>;
 
 /// A frame that does not know its number yet.
 #[derive(Clone, PartialEq, Eq, Debug)]
-struct Parsed {
+struct Parsed<C = Content> {
     at: Instant,
     digits: u8,
     channel: Option<ChannelId>,
-    content: Content,
+    content: C,
+}
+
+/// A recording of either network.
+pub enum Opened {
+    /// Of a CAN bus.
+    Can(Recording),
+    /// Of Ethernet.
+    Ethernet(Capture),
+}
+
+impl Opened {
+    /// Opens a file; `-` is standard input. Of which network it is, its content tells where nobody says it.
+    ///
+    /// # Errors
+    /// [`RecordingError`] when it cannot be opened, or is not a recording of that network.
+    pub fn open(path: &Path, network: Option<Network>) -> Result<Self, RecordingError> {
+        match is_standard(path) {
+            true => Self::from_reader(io::stdin().lock(), network),
+            // Not every operating system says so itself.
+            false if path.is_dir() => Err(RecordingError::Directory),
+            false => Self::from_reader(File::open(path)?, network),
+        }
+    }
+
+    /// Reads from any source, which need not be buffered.
+    ///
+    /// # Errors
+    /// [`RecordingError`] when the beginning cannot be read, or is not that of a recording of that network.
+    pub fn from_reader(
+        source: impl Read + 'static,
+        network: Option<Network>,
+    ) -> Result<Self, RecordingError> {
+        let (mut window, format) = begin(Box::new(source))?;
+        let found = match (network, format) {
+            (Some(network), _) => Some(network),
+            (None, Format::Pcap) => Pcap::network(&mut window)?,
+            (None, Format::PcapNg) => PcapNg::network(&mut window)?,
+            (None, Format::CandumpLog | Format::CandumpScreen | Format::Asc) => None,
+        };
+        match found.unwrap_or(Network::Can) {
+            Network::Can => Recording::new(window, format).map(Self::Can),
+            Network::Ethernet => Capture::new(window, format).map(Self::Ethernet),
+        }
+    }
+}
+
+/// Finds the format, and passes over a byte order mark.
+fn begin(source: Source) -> Result<(Window<Source>, Format), RecordingError> {
+    let mut window = Window::new(source);
+    // A pipe may give the beginning in pieces, and must not be waited for longer than necessary.
+    let format = loop {
+        if window.can_fill() {
+            window.fill()?;
+        }
+        let nothing_yet = detect::without_bom(window.ahead()).trim_ascii().is_empty();
+        match Format::detect(window.ahead()) {
+            Ok(_) if nothing_yet && window.can_fill() => {}
+            Err(_) if window.can_fill() => {}
+            result => break result?,
+        }
+    };
+    let bom = window.ahead().len() - detect::without_bom(window.ahead()).len();
+    window.skip(bom);
+    Ok((window, format))
 }
 
 impl Recording {
@@ -109,27 +179,17 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`] when the beginning cannot be read, or is not that of a recording.
     pub fn from_reader(source: impl Read + 'static) -> Result<Self, RecordingError> {
-        let mut window = Window::new(Box::new(source) as Source);
-        // A pipe may give the beginning in pieces, and must not be waited for longer than necessary.
-        let format = loop {
-            if window.can_fill() {
-                window.fill()?;
-            }
-            let nothing_yet = detect::without_bom(window.ahead()).trim_ascii().is_empty();
-            match Format::detect(window.ahead()) {
-                Ok(_) if nothing_yet && window.can_fill() => {}
-                Err(_) if window.can_fill() => {}
-                result => break result?,
-            }
-        };
-        let bom = window.ahead().len() - detect::without_bom(window.ahead()).len();
-        window.skip(bom);
+        let (window, format) = begin(Box::new(source))?;
+        Self::new(window, format)
+    }
+
+    fn new(window: Window<Source>, format: Format) -> Result<Self, RecordingError> {
         let reader = match format {
             Format::CandumpLog => Reader::Candump(Lines::new(window)),
             Format::CandumpScreen => Reader::Screen(Lines::new(window), Screen::default()),
             Format::Asc => Reader::Asc(Lines::new(window), Asc::default()),
-            Format::Pcap => Reader::Pcap(Pcap::new(window)?),
-            Format::PcapNg => Reader::PcapNg(PcapNg::new(window)),
+            Format::Pcap => Reader::Pcap(Pcap::new(window, Network::Can)?),
+            Format::PcapNg => Reader::PcapNg(PcapNg::new(window, Network::Can)),
         };
         let (channels, notes) = (Channels::default(), Notes::default());
         Ok(Self { reader, channels, notes, format, frames: 0, ended: false })
@@ -169,8 +229,10 @@ impl Recording {
                 })
             }
             Reader::Asc(lines, asc) => next_in_lines(lines, |line| asc.parse(line, channels)),
-            Reader::Pcap(pcap) => pcap.next(self.frames),
-            Reader::PcapNg(pcapng) => pcapng.next(self.frames, channels, notes),
+            Reader::Pcap(pcap) => pcap.next(self.frames, |packet, _| socketcan::parse(packet)),
+            Reader::PcapNg(pcapng) => {
+                pcapng.next(self.frames, channels, notes, |packet, _| socketcan::parse(packet))
+            }
         }
     }
 }

@@ -5,7 +5,7 @@
 pub struct Notes {
     /// Frames that the recorder says it lost: the `DROPCOUNT` lines of `candump -d`, the interface statistics of pcapng.
     pub dropped: u64,
-    /// Packets of interfaces that are not CAN, which a pcapng file may hold too. They are skipped.
+    /// Packets of interfaces of another network than the one that is read, which a pcapng file may hold too. They are skipped.
     pub foreign: u64,
 }
 

@@ -10,14 +10,17 @@
 //!
 //! Source: IETF draft-ietf-opsawg-pcap.
 
+use std::io;
+
 use link_core::Instant;
 use pcap_file::pcap::PcapHeader;
 use pcap_file::{Endianness, TsResolution};
 
-use super::error::RecordingError;
+use super::error::{Fault, RecordingError};
 use super::fields::Fields;
+use super::network::Network;
 use super::window::Window;
-use super::{Parsed, Source, socketcan};
+use super::{Parsed, Source};
 
 /// Reads record after record.
 pub(super) struct Pcap {
@@ -28,22 +31,32 @@ pub(super) struct Pcap {
 }
 
 impl Pcap {
-    pub(super) fn new(mut window: Window<Source>) -> Result<Self, RecordingError> {
+    pub(super) fn new(mut window: Window<Source>, network: Network) -> Result<Self, RecordingError> {
         let seen = window.up_to(FILE_HEADER)?;
         let Ok((_, header)) = PcapHeader::from_slice(seen) else {
             return Err(RecordingError::Truncated { after: 0 });
         };
         window.skip(FILE_HEADER);
-        // The upper bits of the field say how long the frame check sequence is.
-        match u32::from(header.datalink) & 0xFFFF {
-            socketcan::LINK_TYPE => {}
-            number => return Err(RecordingError::link_type(number)),
+        match link_type(&header) {
+            number if number == network.link_type() => {}
+            number => return Err(RecordingError::link_type(number, network)),
         }
         Ok(Self { window, order: header.endianness, resolution: header.ts_resolution, records: 0 })
     }
 
-    /// The next frame, `None` at the end; `frames` were read before it.
-    pub(super) fn next(&mut self, frames: u64) -> Result<Option<Parsed>, RecordingError> {
+    /// Of which network a file is, if it is of one that is read.
+    pub(super) fn network(window: &mut Window<Source>) -> io::Result<Option<Network>> {
+        let header = PcapHeader::from_slice(window.up_to(FILE_HEADER)?);
+        Ok(header.ok().and_then(|(_, header)| Network::of_link_type(link_type(&header))))
+    }
+
+    /// The next frame, `None` at the end; `frames` were read before it. `parse` gets the packet, and the length that it had
+    /// when it was captured.
+    pub(super) fn next<C>(
+        &mut self,
+        frames: u64,
+        parse: impl FnOnce(&[u8], usize) -> Result<C, Fault>,
+    ) -> Result<Option<Parsed<C>>, RecordingError> {
         let truncated = || RecordingError::Truncated { after: frames };
         let header = Fields::new(self.window.up_to(RECORD_HEADER)?, self.order);
         if header.bytes.is_empty() {
@@ -51,7 +64,7 @@ impl Pcap {
         }
         let field = |at| header.u32_at(at).ok_or_else(truncated);
         let (seconds, fraction, length) = (field(0)?, field(4)?, field(8)?);
-        field(12)?;
+        let original = field(12)? as usize;
         if length > MAX_PACKET {
             return Err(RecordingError::damaged(frames, format!("a record says that it has {length} bytes")));
         }
@@ -66,13 +79,19 @@ impl Pcap {
             TsResolution::NanoSecond => (1, 9),
         };
         let nanos = u64::from(seconds) * 1_000_000_000 + u64::from(fraction) * scale;
-        let content = socketcan::parse(packet).map_err(|fault| fault.in_record(self.records, packet));
+        let content = parse(packet, original).map_err(|fault| fault.in_record(self.records, packet));
         self.window.skip(size);
         Ok(Some(Parsed { at: Instant::from_nanos(nanos), digits, channel: None, content: content? }))
     }
 }
 
+/// The upper bits of the field say how long the frame check sequence is.
+fn link_type(header: &PcapHeader) -> u32 {
+    u32::from(header.datalink) & 0xFFFF
+}
+
 const FILE_HEADER: usize = 24;
 const RECORD_HEADER: usize = 16;
-/// The longest CAN frame has 72 bytes, one of CAN XL 2 KiB: more is no length.
+/// The longest CAN frame has 72 bytes, one of CAN XL 2 KiB, and Ethernet frames that an adapter puts together 64 KiB: more is
+/// no length.
 const MAX_PACKET: u32 = 64 * 1024;

@@ -21,15 +21,18 @@
 //!
 //! Source: IETF draft-ietf-opsawg-pcapng.
 
+use std::io;
+
 use link_core::Instant;
 use pcap_file::Endianness;
 
 use super::error::{Fault, RecordingError};
 use super::fields::Fields;
 use super::frame::{ChannelId, Channels};
+use super::network::Network;
 use super::notes::Notes;
-use super::window::Window;
-use super::{Parsed, Source, socketcan};
+use super::window::{WINDOW, Window};
+use super::{Parsed, Source};
 
 /// Reads block after block.
 pub(super) struct PcapNg {
@@ -38,14 +41,16 @@ pub(super) struct PcapNg {
     /// Those of the section.
     interfaces: Vec<Interface>,
     records: u64,
-    /// The link type of the first interface that is not CAN.
+    /// Which packets are read.
+    network: Network,
+    /// The link type of the first interface of another network.
     foreign: Option<u32>,
-    has_can: bool,
+    has_wanted: bool,
 }
 
 /// What the packets of an interface need.
 enum Interface {
-    Can {
+    Wanted {
         channel: ChannelId,
         clock: Clock,
         /// Packets lost so far.
@@ -66,18 +71,49 @@ struct Clock {
 }
 
 impl PcapNg {
-    pub(super) fn new(window: Window<Source>) -> Self {
+    pub(super) fn new(window: Window<Source>, network: Network) -> Self {
         let (order, interfaces) = (Endianness::Little, Vec::new());
-        Self { window, order, interfaces, records: 0, foreign: None, has_can: false }
+        Self { window, order, interfaces, records: 0, network, foreign: None, has_wanted: false }
     }
 
-    /// The next frame, `None` at the end; `frames` were read before it.
-    pub(super) fn next(
+    /// Of which network a file is: of CAN, if one of the interfaces described before the first packet is. What is not seen at
+    /// once tells nothing.
+    pub(super) fn network(window: &mut Window<Source>) -> io::Result<Option<Network>> {
+        let (mut order, mut at, mut found) = (Endianness::Little, 0, None);
+        while at + HEAD + 4 <= WINDOW {
+            let seen = window.up_to(at + HEAD + 4)?;
+            let mut head = Fields::new(seen.get(at..).unwrap_or_default(), order);
+            if head.bytes.starts_with(&SECTION_HEADER.to_be_bytes()) {
+                let is_big = head.bytes.get(HEAD) == Some(&0x1A);
+                order = if is_big { Endianness::Big } else { Endianness::Little };
+                head.order = order;
+            }
+            let (Some(kind), Some(length)) = (head.u32_at(0), head.u32_at(4)) else { break };
+            match kind {
+                PACKET | SIMPLE_PACKET | ENHANCED_PACKET => break,
+                INTERFACE_DESCRIPTION => {
+                    match head.u16_at(HEAD).map(u32::from).and_then(Network::of_link_type) {
+                        Some(Network::Can) => return Ok(Some(Network::Can)),
+                        Some(Network::Ethernet) => found = Some(Network::Ethernet),
+                        None => {}
+                    }
+                }
+                _ => {}
+            }
+            at += (length.clamp(MIN_BLOCK, MAX_BLOCK)) as usize;
+        }
+        Ok(found)
+    }
+
+    /// The next frame, `None` at the end; `frames` were read before it. `parse` gets the packet, and the length that it had
+    /// when it was captured.
+    pub(super) fn next<C>(
         &mut self,
         frames: u64,
         channels: &mut Channels,
         notes: &mut Notes,
-    ) -> Result<Option<Parsed>, RecordingError> {
+        mut parse: impl FnMut(&[u8], usize) -> Result<C, Fault>,
+    ) -> Result<Option<Parsed<C>>, RecordingError> {
         loop {
             let Some((kind, length)) = self.block(frames)? else { return self.end() };
             // All of the block, or as much of it as fits.
@@ -93,10 +129,10 @@ impl PcapNg {
                 }
                 INTERFACE_DESCRIPTION => {
                     let index = self.interfaces.len();
-                    let (link_type, interface) = Interface::new(body, index, channels);
+                    let (link_type, interface) = Interface::new(body, index, channels, self.network);
                     match interface {
                         Interface::Foreign => self.foreign = self.foreign.or(link_type),
-                        Interface::Can { .. } | Interface::Unreadable(_) => self.has_can = true,
+                        Interface::Wanted { .. } | Interface::Unreadable(_) => self.has_wanted = true,
                     }
                     if index == MOST_INTERFACES {
                         return Err(RecordingError::damaged(frames, TOO_MANY_INTERFACES.to_owned()));
@@ -106,7 +142,7 @@ impl PcapNg {
                 }
                 INTERFACE_STATISTICS => {
                     let index = body.u32_at(0).and_then(|index| usize::try_from(index).ok());
-                    if let Some(Interface::Can { dropped, .. }) =
+                    if let Some(Interface::Wanted { dropped, .. }) =
                         index.and_then(|index| self.interfaces.get_mut(index))
                     {
                         let before = core::mem::replace(dropped, (*dropped).max(dropped_of(body)));
@@ -116,7 +152,7 @@ impl PcapNg {
                 }
                 PACKET | SIMPLE_PACKET | ENHANCED_PACKET => {
                     self.records += 1;
-                    packet(kind, body, &self.interfaces, self.records, notes)
+                    packet(kind, body, &self.interfaces, self.records, notes, &mut parse)
                 }
                 // Names, comments, secrets.
                 _ => None,
@@ -166,10 +202,10 @@ impl PcapNg {
         }
     }
 
-    /// At the end of the file it is known whether there was a CAN interface.
-    fn end(&self) -> Result<Option<Parsed>, RecordingError> {
+    /// At the end of the file it is known whether there was an interface of the network.
+    fn end<C>(&self) -> Result<Option<Parsed<C>>, RecordingError> {
         match self.foreign {
-            Some(number) if !self.has_can => Err(RecordingError::link_type(number)),
+            Some(number) if !self.has_wanted => Err(RecordingError::link_type(number, self.network)),
             _ => Ok(None),
         }
     }
@@ -177,13 +213,14 @@ impl PcapNg {
 
 /// What a packet block holds; nothing for one of another network.
 #[inline]
-fn packet(
+fn packet<C>(
     kind: u32,
     body: Fields<'_>,
     interfaces: &[Interface],
     record: u64,
     notes: &mut Notes,
-) -> Option<Result<Parsed, RecordingError>> {
+    parse: impl FnOnce(&[u8], usize) -> Result<C, Fault>,
+) -> Option<Result<Parsed<C>, RecordingError>> {
     let fault = |at, expected| Some(Err(Fault { at, expected }.in_record(record, body.bytes)));
     let index = match kind {
         SIMPLE_PACKET => Some(0),
@@ -201,9 +238,9 @@ fn packet(
         Some(_) if kind == SIMPLE_PACKET => {
             return fault(0, "a packet with a time, an Enhanced Packet Block");
         }
-        Some(Interface::Can { channel, clock, .. }) => (*channel, clock),
+        Some(Interface::Wanted { channel, clock, .. }) => (*channel, clock),
     };
-    let (Some(high), Some(low), Some(length), Some(_)) =
+    let (Some(high), Some(low), Some(length), Some(original)) =
         (body.u32_at(4), body.u32_at(8), body.u32_at(12), body.u32_at(16))
     else {
         return fault(body.bytes.len(), WHOLE_BLOCK);
@@ -213,7 +250,7 @@ fn packet(
     let Some(at) = clock.instant(u64::from(high) << 32 | u64::from(low)) else {
         return fault(4, "a time from 1970 to 2554");
     };
-    Some(match socketcan::parse(data) {
+    Some(match parse(data, original as usize) {
         Ok(content) => Ok(Parsed { at, digits: clock.digits, channel: Some(channel), content }),
         Err(fault) => Err(fault.in_record(record, data)),
     })
@@ -221,17 +258,17 @@ fn packet(
 
 impl Interface {
     /// From the body of its description.
-    fn new(body: Fields<'_>, index: usize, channels: &mut Channels) -> (Option<u32>, Self) {
+    fn new(body: Fields<'_>, index: usize, channels: &mut Channels, network: Network) -> (Option<u32>, Self) {
         let link_type = body.u16_at(0).map(u32::from);
         match link_type {
-            Some(socketcan::LINK_TYPE) => {}
+            Some(number) if number == network.link_type() => {}
             Some(_) => return (link_type, Self::Foreign),
             None => return (link_type, Self::Unreadable(DESCRIPTION)),
         }
-        (link_type, Self::can(body, index, channels).unwrap_or_else(Self::Unreadable))
+        (link_type, Self::wanted(body, index, channels).unwrap_or_else(Self::Unreadable))
     }
 
-    fn can(body: Fields<'_>, index: usize, channels: &mut Channels) -> Result<Self, &'static str> {
+    fn wanted(body: Fields<'_>, index: usize, channels: &mut Channels) -> Result<Self, &'static str> {
         let mut clock = Clock { units_per_second: Some(1_000_000), offset_seconds: 0, digits: 6 };
         let mut name = &[][..];
         for option in options(body, 8) {
@@ -251,7 +288,7 @@ impl Interface {
         let unnamed = format!("if{index}");
         let name = if name.is_empty() { unnamed.as_bytes() } else { name };
         let channel = channels.intern(name).ok_or(Channels::LIMIT)?;
-        Ok(Self::Can { channel, clock, dropped: 0 })
+        Ok(Self::Wanted { channel, clock, dropped: 0 })
     }
 }
 

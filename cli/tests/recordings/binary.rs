@@ -48,7 +48,7 @@ fn another_link_type_is_named() {
     let mut bytes = std::fs::read(capture("socketcan-le-usec.pcap")).unwrap();
     bytes[20] = 1;
     let Err(error) = read_bytes(&bytes) else { panic!("Ethernet is read as CAN") };
-    assert!(matches!(error, RecordingError::LinkType { number: 1, name: "Ethernet" }));
+    assert!(matches!(error, RecordingError::LinkType { number: 1, name: "Ethernet", .. }));
 }
 
 #[test]

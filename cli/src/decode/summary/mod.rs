@@ -14,7 +14,7 @@ use devicenet_core::monitor::{ConnectionState, Kind, Monitor, NodeRecord};
 use devicenex_core::monitor as nex;
 use link_core::{BitRate, Instant};
 
-use super::decoder::Meaning;
+use super::meaning::Meaning;
 use crate::bus_rate::{BusRate, LeastRate};
 use crate::bus_time;
 use crate::histogram::Histogram;

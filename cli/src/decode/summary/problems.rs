@@ -3,7 +3,7 @@
 use devicenet_core::doctor::Severity;
 use serde::Serialize;
 
-use crate::decode::decoder::Meaning;
+use crate::decode::meaning::Meaning;
 use crate::recording::RecordedFrame;
 use crate::table::{Cell, Table};
 use crate::text::push_seconds;

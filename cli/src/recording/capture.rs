@@ -1,0 +1,103 @@
+//! A capture of an Ethernet interface.
+
+use super::detect::Format;
+use super::error::RecordingError;
+use super::frame::{Channels, RecordedFrame};
+use super::network::Network;
+use super::notes::Notes;
+use super::pcap::Pcap;
+use super::pcapng::PcapNg;
+use super::window::Window;
+use super::{Parsed, Source};
+
+/// A capture of an Ethernet interface being read, as a stream: memory does not grow with the file.
+pub struct Capture {
+    reader: Reader,
+    channels: Channels,
+    notes: Notes,
+    format: Format,
+    frames: u64,
+    /// A fatal error was given out.
+    ended: bool,
+    /// The frame that was given out last.
+    bytes: Vec<u8>,
+}
+
+enum Reader {
+    Pcap(Pcap),
+    PcapNg(PcapNg),
+}
+
+/// An Ethernet frame, from the destination address on.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct EthernetFrame<'a> {
+    /// What was captured of it.
+    pub bytes: &'a [u8],
+    /// Its length on the wire, as the capture says.
+    pub length: usize,
+}
+
+impl Capture {
+    pub(super) fn new(window: Window<Source>, format: Format) -> Result<Self, RecordingError> {
+        let reader = match format {
+            Format::Pcap => Reader::Pcap(Pcap::new(window, Network::Ethernet)?),
+            Format::PcapNg => Reader::PcapNg(PcapNg::new(window, Network::Ethernet)),
+            Format::CandumpLog | Format::CandumpScreen | Format::Asc => {
+                return Err(RecordingError::NotEthernet(format));
+            }
+        };
+        let (channels, notes) = (Channels::default(), Notes::default());
+        Ok(Self { reader, channels, notes, format, frames: 0, ended: false, bytes: Vec::new() })
+    }
+
+    /// Its format.
+    #[must_use]
+    pub fn format(&self) -> Format {
+        self.format
+    }
+
+    /// The interfaces that have appeared so far.
+    #[must_use]
+    pub fn channels(&self) -> &Channels {
+        &self.channels
+    }
+
+    /// What it tells besides its frames, as far as it was read.
+    #[must_use]
+    pub fn notes(&self) -> Notes {
+        self.notes
+    }
+
+    /// The next frame, or what is wrong with the next record. After an error that [is fatal](RecordingError::is_fatal) comes
+    /// nothing more.
+    #[allow(
+        clippy::should_implement_trait,
+        reason = "the frame is borrowed from the capture, which no iterator can do"
+    )]
+    pub fn next(&mut self) -> Option<Result<RecordedFrame<EthernetFrame<'_>>, RecordingError>> {
+        if self.ended {
+            return None;
+        }
+        let Self { reader, channels, notes, bytes, .. } = self;
+        let keep = |packet: &[u8], original: usize| {
+            bytes.clear();
+            bytes.extend_from_slice(packet);
+            Ok(original.max(packet.len()))
+        };
+        let read = match reader {
+            Reader::Pcap(pcap) => pcap.next(self.frames, keep),
+            Reader::PcapNg(pcapng) => pcapng.next(self.frames, channels, notes, keep),
+        };
+        match read.transpose()? {
+            Ok(Parsed { at, digits, channel, content: length }) => {
+                self.frames += 1;
+                let content = EthernetFrame { bytes: &self.bytes, length };
+                Some(Ok(RecordedFrame { n: self.frames, at, digits, channel, content }))
+            }
+            Err(error) => {
+                self.ended = error.is_fatal();
+                Some(Err(error))
+            }
+        }
+    }
+}
