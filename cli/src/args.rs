@@ -81,7 +81,9 @@ Decode a recording: one line a frame.
 
 Reads candump logs (`candump -L`) and candump screen output, pcap and pcapng of a SocketCAN interface, and Vector ASC; the \
 format is found in the content. What a frame means is learned from those before it: allocations, connections, fragments, the \
-request that a response answers. Every channel of the recording is a bus of its own.",
+request that a response answers. Every channel of the recording is a bus of its own.
+
+pcap and pcapng of an Ethernet interface are read for Ethernet POWERLINK: cycle, polls and their responses, NMT states, SDO.",
     after_long_help = "\
 Exit codes:
   0  every line was read, and no frame shown has a problem; also when there is no frame, or none passes the filters,
@@ -101,19 +103,21 @@ Examples:
   devicenet decode --mac 10 --record only-10.pcapng recording.log
   devicenet decode --eds valve.eds --eds 10=drive.eds recording.log
   devicenet decode --record - recording.asc > recording.log
-  candump -L can0 | devicenet decode -"
+  candump -L can0 | devicenet decode -
+  devicenet decode --mac 1 --kind pres,asnd_sdo powerlink.pcap"
 )]
 pub struct DecodeArgs {
     /// The recording; `-` is standard input
     pub file: PathBuf,
     /// Which protocol the frames belong to; a frame that cannot is a problem. With `auto` the first frames tell, and it is said
-    /// on standard error if they tell of DeviceNeX
+    /// on standard error if they tell of DeviceNeX; captures of Ethernet are read for POWERLINK
     #[arg(long, value_enum, default_value_t = Protocol::Auto)]
     pub protocol: Protocol,
     /// Only frames to or from this node (MAC ID 0 to 63, or 0x00 to 0x3F; in DeviceNeX, operational address 0 to 127), and those
     /// to every node: bit-strobe and multicast poll commands, and messages of the offline connection set that do not name
-    /// another node; Mini-who
-    #[arg(long, visible_alias = "oa", value_name = "N", value_parser = parse_address)]
+    /// another node; Mini-who. In POWERLINK, node ID 0 to 255: frames from it and to it, SoA that invite it, NMT commands that
+    /// mean it
+    #[arg(long, visible_aliases = ["oa", "node"], value_name = "N", value_parser = parse_node)]
     pub mac: Option<u8>,
     /// Only frames of this kind, named as in the JSON output; several with commas, or given more than once
     #[arg(long, value_name = "KIND", value_parser = kind_parser(), value_delimiter = ',')]
@@ -183,6 +187,8 @@ pub enum Protocol {
     Devicenet,
     /// DeviceNeX: DeviceNet over 29-bit identifiers
     Devicenex,
+    /// Ethernet POWERLINK
+    Powerlink,
 }
 
 /// What the times of a trace are counted from.
@@ -197,7 +203,7 @@ pub enum TimeFormat {
     Delta,
 }
 
-/// The names of the kinds of both protocols.
+/// The names of the kinds of all protocols.
 fn kind_parser() -> impl TypedValueParser<Value = &'static str> {
     PossibleValuesParser::new(kinds())
         .try_map(|name| kinds().into_iter().find(|kind| *kind == name).ok_or("no such kind"))
@@ -206,7 +212,12 @@ fn kind_parser() -> impl TypedValueParser<Value = &'static str> {
 fn kinds() -> Vec<&'static str> {
     let mut kinds: Vec<_> = Kind::ALL.map(Kind::name).into();
     let of_nex = devicenex_core::monitor::Kind::ALL.map(devicenex_core::monitor::Kind::name);
-    kinds.extend(of_nex.into_iter().filter(|name| !Kind::ALL.map(Kind::name).contains(name)));
+    let of_powerlink = powerlink_core::monitor::Kind::ALL.map(powerlink_core::monitor::Kind::name);
+    for name in of_nex.into_iter().chain(of_powerlink) {
+        if !kinds.contains(&name) {
+            kinds.push(name);
+        }
+    }
     kinds
 }
 
@@ -215,10 +226,11 @@ pub(crate) fn parse_mac_id(text: &str) -> Result<u8, String> {
     number(text).filter(|mac| *mac <= 63).ok_or_else(|| "a MAC ID is 0 to 63".to_owned())
 }
 
-/// A MAC ID, or an operational address of DeviceNeX.
-fn parse_address(text: &str) -> Result<u8, String> {
-    let number = number(text).filter(|number| *number <= 127);
-    number.ok_or_else(|| "a MAC ID is 0 to 63, an operational address of DeviceNeX 0 to 127".to_owned())
+/// A MAC ID, an operational address of DeviceNeX, or a node ID of POWERLINK.
+fn parse_node(text: &str) -> Result<u8, String> {
+    number(text).ok_or_else(|| {
+        "a MAC ID is 0 to 63, an operational address of DeviceNeX 0 to 127, a node ID of POWERLINK 0 to 255".to_owned()
+    })
 }
 
 fn number(text: &str) -> Option<u8> {

@@ -6,6 +6,7 @@
 //! 1700000006.000300    10         453  01 CB 00                 | ...
 //! 1700000006.000400     -    18FEF1FE  remote [5]               | ...
 //! 1700000006.000500     -       error  00 04 00 00 00 00 00 00  | error frame: controller problem
+//! 1700000006.000600     1        PRes  01 02 03 04 05 06 07 ..  | ...
 //! ```
 //! Time is in seconds with microseconds. The node is the one that sent, `-` where that is not known. The columns are
 //! two blanks apart, and ` | ` comes first before the words. A column becomes wider when something does not fit, and
@@ -87,6 +88,34 @@ impl Trace {
                 line.frame_id(frame.id());
                 line.data(frame.data());
             }
+        }
+        line.words(words);
+    }
+
+    /// An Ethernet frame: the name of its message stands for the identifier, and the data are those of its application, of
+    /// which the column shows the first.
+    #[inline]
+    pub fn message(
+        &mut self,
+        out: &mut Vec<u8>,
+        at: Instant,
+        node: impl AsRef<[u8]>,
+        (name, data): (&str, &[u8]),
+        emphasis: Emphasis,
+        words: impl Display,
+    ) {
+        let mut line = self.begin(out, at, node.as_ref(), emphasis);
+        let mut id = [b' '; ID_WIDTH];
+        for (slot, letter) in id.iter_mut().rev().zip(name.bytes().rev()) {
+            *slot = letter;
+        }
+        line.id(&id);
+        if data.len() > Frame::MAX_DATA {
+            line.data(&data[..Frame::MAX_DATA - 1]);
+            line.out.truncate(line.out.len() - 2);
+            line.out.extend_from_slice(b"..");
+        } else {
+            line.data(data);
         }
         line.words(words);
     }
@@ -283,6 +312,26 @@ mod tests {
               \x20 6.000300  scanner                                     | online\n\
               \x20 6.000300        -  18FEF1FE  remote [5]               | remote frame\n\
               1700000000.000000        -     error  00 04 00 00 00 00 00 00  | error\n";
+        assert_eq!(String::from_utf8(out).unwrap(), expected);
+    }
+
+    #[test]
+    fn long_data_of_ethernet_are_cut() {
+        let (mut trace, mut out) = (Trace::new(false), Vec::new());
+        for len in [0, 8, 9] {
+            trace.message(
+                &mut out,
+                Instant::ZERO,
+                "1",
+                ("PRes", &[0xA5; 9][..len]),
+                Emphasis::Normal,
+                "words",
+            );
+        }
+        let expected = "\
+              \x20 0.000000     1      PRes                           | words\n\
+              \x20 0.000000     1      PRes  A5 A5 A5 A5 A5 A5 A5 A5  | words\n\
+              \x20 0.000000     1      PRes  A5 A5 A5 A5 A5 A5 A5 ..  | words\n";
         assert_eq!(String::from_utf8(out).unwrap(), expected);
     }
 

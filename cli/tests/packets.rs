@@ -9,7 +9,7 @@
     reason = "a test may panic"
 )]
 
-use devicenet_cli::recording::{Bad, Content, Notes, Place, Recording, RecordingError};
+use devicenet_cli::recording::{Bad, Content, Network, Notes, Opened, Place, Recording, RecordingError};
 use link_core::Frame;
 use link_core::frame::standard_id;
 
@@ -207,6 +207,48 @@ fn other_networks_are_skipped_and_counted() {
     let read = read(&blocks);
     assert_eq!(read.frames(), [("if1", 1000), ("if1", 2000)]);
     assert_eq!(read.notes, Notes { foreign: 2, dropped: 0 });
+}
+
+/// The network is that of the interfaces before the first packet: CAN, if there is one, unless the user says another.
+#[test]
+fn the_network_is_that_of_the_first_interfaces() {
+    let frame = &b"an Ethernet frame"[..];
+    let open = |blocks: &[Vec<u8>], network| {
+        let bytes = [section(), blocks.concat()].concat();
+        match Opened::from_reader(std::io::Cursor::new(bytes), network).unwrap() {
+            Opened::Can(recording) => ("CAN", recording.count()),
+            Opened::Ethernet(capture) => {
+                let frames = capture.map(|entry| entry.unwrap().content);
+                (
+                    "Ethernet",
+                    frames.filter(|content| &*content.bytes == frame && content.length == 17).count(),
+                )
+            }
+        }
+    };
+    let (ethernet, can) = (interface(ETHERNET, &[]), interface(CAN, &[]));
+    let both =
+        [ethernet.clone(), can.clone(), packet(0, 0, frame), packet(1, 1, PACKET), packet(0, 2, frame)];
+    assert_eq!(open(&both, None), ("CAN", 1));
+    assert_eq!(open(&both, Some(Network::Ethernet)), ("Ethernet", 2));
+    let late = [ethernet.clone(), packet(0, 0, frame), can, packet(1, 1, PACKET)];
+    assert_eq!(open(&late, None), ("Ethernet", 1));
+    assert_eq!(open(&late, Some(Network::Can)), ("CAN", 1));
+    assert_eq!(open(&[interface(113, &[])], None).0, "CAN");
+    assert_eq!(open(&[ethernet], None), ("Ethernet", 0));
+}
+
+/// A packet that the capture cut tells how long it was.
+#[test]
+fn a_cut_packet_has_its_length() {
+    let fields = [0, 0, 0, 3, 60_u32].map(u32::to_le_bytes).concat();
+    let cut = block(6, &[&fields[..], &[1, 2, 3]].concat());
+    let bytes = [section(), interface(ETHERNET, &[]), cut].concat();
+    let Ok(Opened::Ethernet(mut capture)) = Opened::from_reader(std::io::Cursor::new(bytes), None) else {
+        panic!("a capture of Ethernet")
+    };
+    let content = capture.next().unwrap().unwrap().content;
+    assert_eq!((&*content.bytes, content.length), (&[1, 2, 3][..], 60));
 }
 
 /// Files may be joined: what comes first does not tell what follows.

@@ -3,6 +3,8 @@
 //! A master (MAC ID 1) starts up nineteen slaves, polls, strobes and acknowledges them at 500 kbit/s, and reads their
 //! attributes now and then, in one frame or in fragments; from time to time a slave loses power and comes back.
 
+pub(crate) mod powerlink;
+
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -184,13 +186,8 @@ impl Traffic {
         self.now += span + jitter;
     }
 
-    /// SplitMix64.
     fn below(&mut self, bound: usize) -> usize {
-        self.random = self.random.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.random;
-        z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ z >> 31) % bound as u64) as usize
+        below(&mut self.random, bound)
     }
 }
 
@@ -203,6 +200,15 @@ impl Iterator for Traffic {
         }
         self.pending.pop_front()
     }
+}
+
+/// SplitMix64.
+fn below(random: &mut u64, bound: usize) -> usize {
+    *random = random.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let mut z = *random;
+    z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+    ((z ^ z >> 31) % bound as u64) as usize
 }
 
 fn with_header(body: &[u8]) -> Vec<u8> {

@@ -2,7 +2,8 @@
 
 use core::fmt::{self, Display, Write as _};
 
-use link_core::Id;
+use link_core::{Id, Instant};
+use powerlink_core::monitor as powerlink;
 
 use super::meaning::Meaning;
 use super::sheets::Note;
@@ -46,6 +47,35 @@ pub(super) fn object(
             out.extend_from_slice(b"}\n");
         }
     }
+}
+
+/// The same of an Ethernet frame: `t`, `n`, `length`, `captured` where that is less, `data` behind the Ethernet headers, `channel`.
+pub(super) fn ethernet(
+    out: &mut Vec<u8>,
+    (at, digits): (Instant, u8),
+    channel: Option<&str>,
+    reading: &powerlink::Reading<'_>,
+) {
+    out.extend_from_slice(b"{\"t\":");
+    push_seconds(out, at, digits);
+    out.extend_from_slice(b",\"n\":");
+    push_number(out, reading.n);
+    let powerlink::Captured { bytes, length } = reading.frame;
+    out.extend_from_slice(b",\"length\":");
+    push_number(out, length);
+    if bytes.len() < length {
+        out.extend_from_slice(b",\"captured\":");
+        push_number(out, bytes.len());
+    }
+    out.extend_from_slice(b",\"data\":\"");
+    push_hex(out, reading.payload(), LOWER);
+    out.push(b'"');
+    if let Some(channel) = channel {
+        out.extend_from_slice(b",\"channel\":");
+        push_string(out, channel);
+    }
+    join(out, reading);
+    out.push(b'\n');
 }
 
 /// Goes on with the fields of another object.

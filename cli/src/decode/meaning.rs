@@ -71,6 +71,15 @@ impl Meaning<'_> {
         }
     }
 
+    /// Its problem in words.
+    pub(super) fn problem(&self) -> String {
+        match self {
+            Self::Read(reading) => reading.problem.map(|problem| problem.to_string()).unwrap_or_default(),
+            Self::Nex(reading) => reading.problem.map(|problem| problem.to_string()).unwrap_or_default(),
+            Self::Outside(outside) => outside.to_string(),
+        }
+    }
+
     /// A stable name for the kind of its problem.
     pub(super) fn problem_code(&self) -> Option<&'static str> {
         match self {

@@ -1,9 +1,11 @@
 //! `devicenet decode`: a recording, frame by frame, in words or as JSON.
 
 mod buses;
+mod check;
 mod clock;
 mod copy;
 mod decoder;
+mod ethernet;
 mod filter;
 mod json;
 mod meaning;
@@ -25,13 +27,14 @@ use std::cell::RefCell;
 use std::io;
 use std::rc::Rc;
 
-use crate::args::{DecodeArgs, Protocol};
+use crate::args::DecodeArgs;
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Attentive, Output};
-use crate::recording::{Content, Notes, RecordedFrame, Recording, RecordingError};
+use crate::recording::{Content, Format, Notes, Opened, RecordedFrame, Recording, RecordingError};
 use crate::scenario::Scenario;
-use crate::standard::{at_most_one, is_standard, shown};
+use crate::standard::{is_standard, shown};
 use crate::text::count;
+use check::{check, check_can, network};
 use copy::Copy;
 use progress::Progress;
 use protocol::{Ear, Heard, Why};
@@ -48,18 +51,36 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
     let expected = expected.map_err(|error| Failure::Usage(error.to_string()))?;
     let file = shown(&args.file, "<stdin>");
     let output = Rc::new(RefCell::new(Output::new()));
-    let recording = match is_standard(&args.file) {
-        true => Recording::from_reader(Attentive::new(Rc::clone(&output))),
-        false => Recording::open(&args.file),
+    let network = network(args);
+    let opened = match is_standard(&args.file) {
+        true => Opened::from_reader(Attentive::new(Rc::clone(&output)), network),
+        false => Opened::open(&args.file, network),
     };
-    let mut recording = recording.map_err(|error| unreadable(&file, error))?;
+    match opened.map_err(|error| unreadable(&file, error))? {
+        Opened::Can(recording) => {
+            check_can(args)?;
+            let decoder = Decoder::new(args, json, output.borrow().is_coloured())
+                .with_sheets(sheets)
+                .with_expected(expected);
+            can(args, recording, decoder, output, file)
+        }
+        Opened::Ethernet(capture) => ethernet::run(args, json, capture, output, file),
+    }
+}
+
+fn can(
+    args: &DecodeArgs,
+    mut recording: Recording,
+    decoder: Decoder,
+    output: Rc<RefCell<Output>>,
+    file: String,
+) -> Result<Exit, Failure> {
     let copy = args.record.as_deref().map(|path| Copy::create(path, &args.file)).transpose()?;
+    let progress = Progress::new(args, &output.borrow());
     let mut session = Session {
-        decoder: Decoder::new(args, json, output.borrow().is_coloured())
-            .with_sheets(sheets)
-            .with_expected(expected),
-        progress: Progress::new(args, &output.borrow()),
-        output: Rc::clone(&output),
+        decoder,
+        progress,
+        output,
         copy,
         file,
         ear: Spoken::of(args).is_none().then(|| Ear::new(is_standard(&args.file))),
@@ -69,34 +90,11 @@ pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
     let tally = session.tally;
     let file = session.file.clone();
     let (is_bad, closed) = session.close(&recording);
-    note_the_rest(&file, recording.notes());
-    if tally.bad_lines > 0 {
-        let what = count(tally.bad_lines, recording.format().entry());
-        output::warn(format_args!("{file}: {what} could not be read"));
-    }
-    match (read, closed) {
-        // Standard output that fails once fails twice, and is one failure.
-        (Err(failure @ (Failure::Usage(_) | Failure::Refused(_) | Failure::Transport(_))), Err(another))
-            if another.exit() != Exit::Done =>
-        {
-            output::error(another);
-            return Err(failure);
-        }
-        (read, closed) => read.and(closed)?,
-    }
-    match tally {
-        Tally { frames: 0, .. } => output::note(format_args!("{file}: no frames")),
-        Tally { shown: 0, frames, .. } => {
-            output::note(format_args!("{file}: no frame of {frames} passed the filters"));
-        }
-        _ => {}
-    }
-    let is_bad = is_bad.unwrap_or(tally.bad_lines + tally.problems > 0);
-    Ok(if is_bad { Exit::Findings } else { Exit::Done })
+    tally.conclude(&file, recording.format(), (recording.notes(), "CAN"), (read, closed), is_bad)
 }
 
 /// What the reader should know besides the frames.
-fn note_the_rest(file: &str, notes: Notes) {
+fn note_the_rest(file: &str, notes: Notes, network: &str) {
     let Notes { dropped, foreign } = notes;
     if dropped > 0 {
         let frames = if dropped == 1 { "frame was" } else { "frames were" };
@@ -104,67 +102,9 @@ fn note_the_rest(file: &str, notes: Notes) {
     }
     if foreign > 0 {
         let packets = if foreign == 1 { "packet is" } else { "packets are" };
-        output::note(format_args!("{file}: {foreign} {packets} of other interfaces than CAN, and left out"));
-    }
-}
-
-/// Refuses what the command line allows but cannot be done.
-fn check(args: &DecodeArgs, json: bool) -> Result<(), Failure> {
-    check_protocol(args)?;
-    at_most_one(args.eds.iter().map(|eds| &*eds.path).chain([&*args.file]))?;
-    if let (Some(from), Some(to)) = (args.from, args.to)
-        && from > to
-    {
-        return Err(Failure::Usage(format!("--from {from} is after --to {to}: no frame can be shown")));
-    }
-    check_words(args, json)?;
-    if args.scanlist && (json || args.is_record_on_stdout()) {
-        return Err(Failure::Usage(
-            "a scan list is TOML on standard output: leave --json and `--record -` out".to_owned(),
+        output::note(format_args!(
+            "{file}: {foreign} {packets} of other interfaces than {network}, and left out"
         ));
-    }
-    if args.is_record_on_stdout() && (json || args.summary) {
-        let other = if json { "--json" } else { "--summary" };
-        return Err(Failure::Usage(format!(
-            "{other} and `--record -` both want standard output: record into a file, or leave {other} out"
-        )));
-    }
-    Ok(())
-}
-
-/// Refuses what the other protocol has.
-fn check_protocol(args: &DecodeArgs) -> Result<(), Failure> {
-    if let (Protocol::Devicenet, Some(mac @ 64..)) = (args.protocol, args.mac) {
-        return Err(Failure::Usage(format!("--mac {mac}: a MAC ID of DeviceNet is 0 to 63")));
-    }
-    let of_devicenet =
-        [("--scanlist", args.scanlist), ("--expect", args.expect.is_some()), ("--eds", !args.eds.is_empty())];
-    match of_devicenet.into_iter().find(|(_, is_given)| *is_given) {
-        Some((option, _)) if Spoken::of(args) == Some(Spoken::DeviceNex) => {
-            Err(Failure::Usage(format!("{option} is for DeviceNet, and the frames are to be DeviceNeX")))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// Refuses an option that could change nothing.
-fn check_words(args: &DecodeArgs, json: bool) -> Result<(), Failure> {
-    if args.bit_rate.is_some() && !args.summary {
-        return Err(Failure::Usage(
-            "--bit-rate is for the bus load of a summary: add --summary, or leave it out".to_owned(),
-        ));
-    }
-    let without_lines = [
-        (args.summary, "--summary"),
-        (args.scanlist, "--scanlist"),
-        (json, "--json"),
-        (args.is_record_on_stdout(), "`--record -`"),
-    ];
-    match without_lines.into_iter().find(|(is_wanted, _)| *is_wanted) {
-        Some((_, other)) if args.time.is_some() => Err(Failure::Usage(format!(
-            "--time is for the lines of the text, and {other} prints none: leave one of them out"
-        ))),
-        _ => Ok(()),
     }
 }
 
@@ -189,6 +129,44 @@ struct Tally {
     /// Of those, the ones with a problem.
     problems: u64,
     bad_lines: u64,
+}
+
+impl Tally {
+    /// Tells what the frames have not, and how it has ended. `is_bad` is what a summary says.
+    fn conclude(
+        self,
+        file: &str,
+        format: Format,
+        (notes, network): (Notes, &str),
+        (read, closed): (Result<(), Failure>, Result<(), Failure>),
+        is_bad: Option<bool>,
+    ) -> Result<Exit, Failure> {
+        note_the_rest(file, notes, network);
+        if self.bad_lines > 0 {
+            let what = count(self.bad_lines, format.entry());
+            output::warn(format_args!("{file}: {what} could not be read"));
+        }
+        match (read, closed) {
+            // Standard output that fails once fails twice, and is one failure.
+            (
+                Err(failure @ (Failure::Usage(_) | Failure::Refused(_) | Failure::Transport(_))),
+                Err(another),
+            ) if another.exit() != Exit::Done => {
+                output::error(another);
+                return Err(failure);
+            }
+            (read, closed) => read.and(closed)?,
+        }
+        match self {
+            Self { frames: 0, .. } => output::note(format_args!("{file}: no frames")),
+            Self { shown: 0, frames, .. } => {
+                output::note(format_args!("{file}: no frame of {frames} passed the filters"));
+            }
+            _ => {}
+        }
+        let is_bad = is_bad.unwrap_or(self.bad_lines + self.problems > 0);
+        Ok(if is_bad { Exit::Findings } else { Exit::Done })
+    }
 }
 
 impl Session {

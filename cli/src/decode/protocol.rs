@@ -65,7 +65,7 @@ impl Spoken {
             Protocol::Auto if args.scanlist || args.expect.is_some() || !args.eds.is_empty() => {
                 Some(Self::DeviceNet)
             }
-            Protocol::Auto => None,
+            Protocol::Auto | Protocol::Powerlink => None,
         }
     }
 }

@@ -19,8 +19,6 @@ pub struct Capture {
     frames: u64,
     /// A fatal error was given out.
     ended: bool,
-    /// The frame that was given out last.
-    bytes: Vec<u8>,
 }
 
 enum Reader {
@@ -29,10 +27,10 @@ enum Reader {
 }
 
 /// An Ethernet frame, from the destination address on.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct EthernetFrame<'a> {
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct EthernetFrame {
     /// What was captured of it.
-    pub bytes: &'a [u8],
+    pub bytes: Box<[u8]>,
     /// Its length on the wire, as the capture says.
     pub length: usize,
 }
@@ -47,7 +45,7 @@ impl Capture {
             }
         };
         let (channels, notes) = (Channels::default(), Notes::default());
-        Ok(Self { reader, channels, notes, format, frames: 0, ended: false, bytes: Vec::new() })
+        Ok(Self { reader, channels, notes, format, frames: 0, ended: false })
     }
 
     /// Its format.
@@ -67,31 +65,29 @@ impl Capture {
     pub fn notes(&self) -> Notes {
         self.notes
     }
+}
+
+impl Iterator for Capture {
+    type Item = Result<RecordedFrame<EthernetFrame>, RecordingError>;
 
     /// The next frame, or what is wrong with the next record. After an error that [is fatal](RecordingError::is_fatal) comes
     /// nothing more.
-    #[allow(
-        clippy::should_implement_trait,
-        reason = "the frame is borrowed from the capture, which no iterator can do"
-    )]
-    pub fn next(&mut self) -> Option<Result<RecordedFrame<EthernetFrame<'_>>, RecordingError>> {
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
         if self.ended {
             return None;
         }
-        let Self { reader, channels, notes, bytes, .. } = self;
+        let Self { reader, channels, notes, .. } = self;
         let keep = |packet: &[u8], original: usize| {
-            bytes.clear();
-            bytes.extend_from_slice(packet);
-            Ok(original.max(packet.len()))
+            Ok(EthernetFrame { bytes: packet.into(), length: original.max(packet.len()) })
         };
         let read = match reader {
             Reader::Pcap(pcap) => pcap.next(self.frames, keep),
             Reader::PcapNg(pcapng) => pcapng.next(self.frames, channels, notes, keep),
         };
         match read.transpose()? {
-            Ok(Parsed { at, digits, channel, content: length }) => {
+            Ok(Parsed { at, digits, channel, content }) => {
                 self.frames += 1;
-                let content = EthernetFrame { bytes: &self.bytes, length };
                 Some(Ok(RecordedFrame { n: self.frames, at, digits, channel, content }))
             }
             Err(error) => {

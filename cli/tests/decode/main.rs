@@ -12,6 +12,7 @@ mod copy;
 mod damage;
 mod frames;
 mod nex;
+mod powerlink;
 mod selection;
 mod summary;
 mod usage;

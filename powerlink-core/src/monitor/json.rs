@@ -127,7 +127,10 @@ impl Serialize for Errors<'_> {
     }
 }
 
-struct IdentityFields<'a>(&'a IdentResponse);
+/// The fields of an IdentResponse that tell who a node is: `vendor`, `product`, `revision`, `serial`, `device_type`, `features`,
+/// `poll_in_size`, `poll_out_size`, `response_time` in seconds, `ip`.
+#[derive(Debug, Clone, Copy)]
+pub struct IdentityFields<'a>(pub &'a IdentResponse);
 
 impl Serialize for IdentityFields<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {

@@ -66,6 +66,8 @@ pub use link_core::recording::Answered;
 
 pub use cycle::Cycle;
 pub use envelope::Envelope;
+#[cfg(feature = "serde")]
+pub use json::IdentityFields;
 pub use kind::Kind;
 pub use nodes::{MAX_HISTORY, NodeRecord, StateChange};
 pub use problem::Problem;

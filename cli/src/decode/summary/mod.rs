@@ -4,7 +4,7 @@
 mod connection;
 mod findings;
 mod json;
-mod problems;
+pub(super) mod problems;
 mod text;
 
 use core::time::Duration;

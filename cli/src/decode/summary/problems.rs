@@ -1,6 +1,7 @@
 //! Which problems a bus has: of each kind how many, and the first.
 
 use devicenet_core::doctor::Severity;
+use link_core::Instant;
 use serde::Serialize;
 
 use crate::decode::meaning::Meaning;
@@ -10,7 +11,7 @@ use crate::text::push_seconds;
 
 /// One entry for each kind of problem, of which there is a fixed number.
 #[derive(Debug, Default)]
-pub(super) struct Problems(Vec<Entry>);
+pub(in crate::decode) struct Problems(Vec<Entry>);
 
 #[derive(Debug)]
 struct Entry {
@@ -34,38 +35,34 @@ impl Problems {
     #[inline]
     pub(super) fn observe(&mut self, frame: &RecordedFrame, meaning: &Meaning<'_>) {
         if let Some(code) = meaning.problem_code() {
-            self.add(code, frame, meaning);
+            self.add((code, meaning.severity()), (frame.n, frame.at, frame.digits), || meaning.problem());
         }
     }
 
+    /// Counts a problem of a kind, of the frame with this number, time, and decimals of a second.
     #[cold]
-    fn add(&mut self, code: &'static str, frame: &RecordedFrame, meaning: &Meaning<'_>) {
+    pub(in crate::decode) fn add(
+        &mut self,
+        (code, severity): (&'static str, Severity),
+        (n, at, digits): (u64, Instant, u8),
+        words: impl FnOnce() -> String,
+    ) {
         if let Some(entry) = self.0.iter_mut().find(|entry| entry.code == code) {
             entry.count += 1;
             return;
         }
-        let words = match meaning {
-            Meaning::Read(reading) => reading.problem.map(|problem| problem.to_string()).unwrap_or_default(),
-            Meaning::Nex(reading) => reading.problem.map(|problem| problem.to_string()).unwrap_or_default(),
-            Meaning::Outside(outside) => outside.to_string(),
-        };
         let mut time = Vec::new();
-        push_seconds(&mut time, frame.at, frame.digits);
+        push_seconds(&mut time, at, digits);
         let time = String::from_utf8_lossy(&time).into_owned();
-        self.0.push(Entry {
-            code,
-            severity: meaning.severity(),
-            count: 1,
-            first: First { n: frame.n, time, words },
-        });
+        self.0.push(Entry { code, severity, count: 1, first: First { n, time, words: words() } });
     }
 
-    pub(super) fn is_empty(&self) -> bool {
+    pub(in crate::decode) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
     /// Frames that break the protocol.
-    pub(super) fn faulty(&self) -> u64 {
+    pub(in crate::decode) fn faulty(&self) -> u64 {
         let faulty = self.0.iter().filter(|entry| entry.severity > Severity::Info);
         faulty.map(|entry| entry.count).sum()
     }
@@ -77,7 +74,7 @@ impl Problems {
         entries
     }
 
-    pub(super) fn table(&self) -> Table {
+    pub(in crate::decode) fn table(&self) -> Table {
         let mut table =
             Table::new(&["problem", "severity", "frames", "first frame", "first time", "first in words"]);
         for Entry { code, severity, count, first } in self.sorted() {
@@ -93,7 +90,7 @@ impl Problems {
         table
     }
 
-    pub(super) fn records<'a>(&'a self, channel: &'a str) -> impl Iterator<Item = Record<'a>> {
+    pub(in crate::decode) fn records<'a>(&'a self, channel: &'a str) -> impl Iterator<Item = Record<'a>> {
         self.sorted().into_iter().map(move |Entry { code, severity, count, first }| Record {
             summary: "problem",
             channel,
@@ -107,7 +104,7 @@ impl Problems {
 
 /// One line of the JSON summary.
 #[derive(Serialize)]
-pub(super) struct Record<'a> {
+pub(in crate::decode) struct Record<'a> {
     summary: &'static str,
     channel: &'a str,
     problem: &'static str,

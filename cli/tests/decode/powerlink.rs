@@ -1,0 +1,351 @@
+//! Captures of Ethernet POWERLINK.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Cursor;
+use std::process::{Command, Output};
+
+use devicenet_cli::recording::Opened;
+use link_core::codec::Writer;
+use powerlink_core::monitor::{Captured, SizedMonitor};
+use powerlink_core::wire::{NmtStateCode, RequestedService};
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+use super::{assert_exit, capture, devicenet, json_lines, run, stderr, stdout, temporary};
+
+const BOOT: &str = "powerlink/boot.pcap";
+
+/// The capture on standard input, so that nothing names a folder.
+fn boot(options: &[&str]) -> Output {
+    let mut command = devicenet(&[&["decode", "-"], options].concat());
+    command.stdin(File::open(capture(BOOT)).unwrap()).output().unwrap()
+}
+
+/// A file with these bytes, decoded.
+fn decode(name: &str, bytes: &[u8], options: &[&str]) -> Output {
+    let path = temporary(name);
+    std::fs::write(&path, bytes).unwrap();
+    run(&[&["decode", &*path], options].concat())
+}
+
+#[test]
+fn a_node_is_booted() {
+    let all = boot(&["--time", "relative"]);
+    assert_exit(&all, 0);
+    assert_eq!((stderr(&all), stdout(&all).lines().count()), ("", 640));
+    let telling = ["NMTReset", "NMTStart", "NMTEnable", "IdentResponse", "SDO", "PRes", "ER=1"];
+    let shown = stdout(&all).lines().filter(|line| telling.iter().any(|words| line.contains(words)));
+    let shown: Vec<_> = shown.take(74).collect();
+    insta::with_settings!({ omit_expression => true, description => "Every line aligned; SDO requests and responses name the same object." }, {
+        insta::assert_snapshot!("boot", shown.join("\n"));
+    });
+}
+
+#[test]
+fn a_summary_tells_cycle_nodes_and_transfers() {
+    let summary = boot(&["--summary"]);
+    assert_exit(&summary, 0);
+    insta::with_settings!({ omit_expression => true, description => "No problem; cycle of 20 ms; node 1 reaches NMT_OPERATIONAL." }, {
+        insta::assert_snapshot!("boot_summary", stdout(&summary));
+    });
+    let rows = json_lines(&boot(&["--summary", "--json"]));
+    let of = |summary: &str| rows.iter().filter(|row| row["summary"] == summary).collect::<Vec<_>>();
+    let [network] = of("network")[..] else { panic!("{rows:?}") };
+    assert_eq!((&network["frames"], &network["verdict"]["state"]), (&json!(640), &json!("healthy")));
+    assert_eq!((&network["cycle"]["socs"], &network["cycle"]["nominal"]), (&json!(41), &json!(0.02)));
+    let [node, managing_node] = of("node")[..] else { panic!("{rows:?}") };
+    assert_eq!((&node["node"], &node["nmt_state"]), (&json!(1), &json!("NMT_OPERATIONAL")));
+    assert_eq!(
+        node["losses"],
+        json!({ "polls": 32, "pres_missing": 0, "pres_late": 0, "answers_missing": 0 })
+    );
+    assert_eq!(node["pres"]["count"], 31);
+    let states: Vec<_> = node["states"].as_array().unwrap().iter().map(|state| state["n"].clone()).collect();
+    assert_eq!(states, [113, 508, 518, 548]);
+    assert_eq!((&managing_node["node"], &managing_node["mac"]), (&json!(240), &json!("02-00-00-00-00-F0")));
+    let [sdo] = of("sdo")[..] else { panic!("{rows:?}") };
+    assert_eq!((&sdo["writes"], &sdo["aborts"], &sdo["client"]), (&json!(17), &json!(2), &json!(240)));
+    let objects: Vec<_> = of("sdo_abort").iter().map(|row| row["index"].clone()).collect();
+    assert_eq!(objects, [0x1010, 0x1011]);
+}
+
+#[test]
+fn every_frame_has_its_kind_and_none_a_problem() {
+    let objects = json_lines(&boot(&["--json"]));
+    let mut kinds = BTreeMap::new();
+    for (object, n) in objects.iter().zip(1..) {
+        *kinds.entry(object["kind"].as_str().unwrap()).or_insert(0) += 1;
+        assert_eq!((&object["n"], &object["protocol"]), (&json!(n), &json!("powerlink")));
+        assert_eq!(object.get("problem"), None, "{object}");
+        assert_eq!(
+            object["data"].as_str().unwrap().len() as u64 / 2 + 14,
+            object["length"].as_u64().unwrap()
+        );
+    }
+    let expected = [
+        ("asnd_ident_response", 2),
+        ("asnd_nmt_command", 4),
+        ("asnd_sdo", 56),
+        ("asnd_status_response", 59),
+        ("preq", 32),
+        ("pres", 31),
+        ("soa", 415),
+        ("soc", 41),
+    ];
+    assert_eq!(kinds.into_iter().collect::<Vec<_>>(), expected);
+    // Abort of the first write: 0x1011/1 "load".
+    let (request, abort) = (&objects[137], &objects[142]);
+    assert_eq!(request["value"], "6c6f6164");
+    assert_eq!((&abort["request"]["n"], &abort["src"], &abort["dst"]), (&json!(138), &json!(1), &json!(240)));
+    assert_eq!(
+        abort["sdo"],
+        json!({ "command": "WriteByIndex", "response": true, "transaction": 0, "index": 0x1011, "subindex": 1,
+            "abort": 0x0602_0000, "abort_name": "object does not exist" })
+    );
+    let pres = &objects[547];
+    assert_eq!((&pres["nmt_state"], &pres["flags"]), (&json!("NMT_OPERATIONAL"), &json!(["RD"])));
+    assert_eq!((&pres["value"], &pres["request"]["n"]), (&json!("01"), &json!(547)));
+    let command = &objects[387];
+    assert_eq!((&command["nmt_command"], &command["dst"]), (&json!("NMTResetConfiguration"), &json!(1)));
+}
+
+/// Another program reads the same: message type, nodes, services, targets, states, sizes, flags of each frame.
+#[test]
+fn tshark_agrees() {
+    if Command::new("tshark").arg("--version").output().is_err() {
+        assert!(
+            std::env::var_os("DEVICENET_REQUIRE_TSHARK").is_none(),
+            "DEVICENET_REQUIRE_TSHARK is set, and there is no tshark"
+        );
+        eprintln!("SKIPPED tshark_agrees: there is no tshark");
+        return;
+    }
+    let fields = [
+        "epl.mtyp",
+        "epl.src",
+        "epl.dest",
+        "epl.asnd.svid",
+        "epl.soa.svid",
+        "epl.soa.svtg",
+        "epl.soa.stat",
+        "epl.pres.stat",
+        "epl.asnd.ires.state",
+        "epl.asnd.sres.stat",
+        "epl.preq.size",
+        "epl.pres.size",
+        "epl.pres.rd",
+        "epl.soa.er",
+        "epl.asnd.sres.ec",
+    ];
+    let selected = fields.iter().flat_map(|field| ["-e", field]);
+    let tshark = Command::new("tshark")
+        .args(["-n", "-T", "fields", "-E", "separator=,"])
+        .args(selected)
+        .args(["-r", &capture(BOOT)])
+        .output()
+        .unwrap();
+    // Numbers come in decimal, in hexadecimal, as True and False.
+    let theirs: Vec<Vec<Option<u64>>> =
+        stdout(&tshark).lines().map(|line| line.split(',').map(number).collect()).collect();
+    let ours: Vec<Vec<Option<u64>>> = json_lines(&boot(&["--json"])).iter().map(numbers).collect();
+    assert_eq!(theirs.len(), 640);
+    for ((theirs, ours), n) in theirs.iter().zip(&ours).zip(1..) {
+        assert_eq!(theirs, ours, "frame {n}");
+    }
+}
+
+fn number(text: &str) -> Option<u64> {
+    match (text, text.strip_prefix("0x")) {
+        ("True", _) => Some(1),
+        ("False", _) => Some(0),
+        (_, Some(digits)) => Some(u64::from_str_radix(digits, 16).unwrap()),
+        ("", _) => None,
+        _ => Some(text.parse().unwrap()),
+    }
+}
+
+/// What tshark's fields are in an object of ours.
+fn numbers(object: &Value) -> Vec<Option<u64>> {
+    let kind = object["kind"].as_str().unwrap();
+    let (message_type, service) = match kind {
+        "soc" => (1, None),
+        "preq" => (3, None),
+        "pres" => (4, None),
+        "soa" => (5, None),
+        "asnd_ident_response" => (6, Some(1)),
+        "asnd_status_response" => (6, Some(2)),
+        "asnd_nmt_command" => (6, Some(4)),
+        "asnd_sdo" => (6, Some(5)),
+        other => panic!("{other}"),
+    };
+    let of = |which: &str, value: Option<u64>| value.filter(|_| kind == which);
+    let named = |codes: Vec<(String, u64)>, name: &Value| {
+        codes.into_iter().find(|(known, _)| name == known.as_str()).map(|(_, code)| code)
+    };
+    let services = RequestedService::NAMED.iter().map(|code| (code.to_string(), code.0.into())).collect();
+    let states = NmtStateCode::NAMED.iter().map(|code| (code.to_string(), code.0.into())).collect();
+    let state = named(states, &object["nmt_state"]);
+    let has =
+        |flag: &str| object["flags"].as_array().map(|flags| u64::from(flags.iter().any(|name| name == flag)));
+    let size = object["value"].as_str().map(|value| value.len() as u64 / 2);
+    vec![
+        Some(message_type),
+        object["src"].as_u64(),
+        object["dst"].as_u64(),
+        service,
+        of("soa", named(services, &object["service"])),
+        of("soa", Some(object["target"].as_u64().unwrap_or(0))),
+        of("soa", state),
+        of("pres", state),
+        of("asnd_ident_response", state),
+        of("asnd_status_response", state),
+        of("preq", size),
+        of("pres", size),
+        of("pres", has("RD")),
+        of("soa", has("ER")),
+        of("asnd_status_response", has("EC")),
+    ]
+}
+
+#[test]
+fn filters_take_node_ids_and_kinds() {
+    let count = |options: &[&str]| stdout(&boot(options)).lines().count();
+    assert_eq!(count(&["--kind", "preq,pres"]), 63);
+    assert_eq!(count(&["--node", "1", "--kind", "asnd_nmt_command"]), 4, "to it and to all");
+    assert_eq!(count(&["--mac", "0xF0", "--kind", "pres"]), 0);
+    assert_eq!(count(&["--protocol", "powerlink", "--mac", "253", "--kind", "soa"]), {
+        stdout(&boot(&[])).matches("IdentRequest for diagnostic device").count()
+    });
+    assert_eq!(count(&["--from", "1743ms", "--kind", "pres"]), 31);
+}
+
+#[test]
+fn what_means_nothing_for_ethernet_is_refused() {
+    for (options, told) in [
+        (
+            &["--bit-rate", "500k", "--summary"][..],
+            "--bit-rate is for DeviceNet, and the frames are Ethernet POWERLINK",
+        ),
+        (&["--scanlist"], "--scanlist is for DeviceNet, and the frames are Ethernet POWERLINK"),
+        (&["--record", "copy.pcapng"], "--record writes CAN frames, and these are Ethernet"),
+        (
+            &["--kind", "poll_command"],
+            "--kind poll_command is for DeviceNet; those of Ethernet POWERLINK are soc, preq",
+        ),
+        (
+            &["--protocol", "devicenet"],
+            "link type 1 (Ethernet) instead of 227 (CAN_SOCKETCAN): capture on a CAN",
+        ),
+    ] {
+        let output = boot(options);
+        assert_exit(&output, 2);
+        assert!(stderr(&output).contains(told), "{}", stderr(&output));
+        assert_eq!(stdout(&output), "");
+    }
+    let log = run(&["decode", "--protocol", "powerlink", &capture("bei-mhk5-cos.log")]);
+    assert_exit(&log, 2);
+    assert!(
+        stderr(&log).contains("a candump log: Ethernet frames are in pcap and pcapng"),
+        "{}",
+        stderr(&log)
+    );
+    let can = run(&["decode", "--protocol", "powerlink", &capture("socketcan.pcapng")]);
+    assert!(
+        stderr(&can).contains("link type 227 (CAN_SOCKETCAN) instead of 1 (Ethernet)"),
+        "{}",
+        stderr(&can)
+    );
+}
+
+/// What precedes the damage is decoded.
+#[test]
+fn a_damaged_capture_is_read_as_far_as_it_goes() {
+    let bytes = std::fs::read(capture(BOOT)).unwrap();
+    let cut = decode("cut.pcap", &bytes[..bytes.len() - 5], &[]);
+    assert_exit(&cut, 2);
+    assert_eq!(stdout(&cut).lines().count(), 639);
+    assert!(
+        stderr(&cut)
+            .ends_with("cut off, or a length in it is wrong: it ends within the record after frame 639\n")
+    );
+    let garbage = decode("garbage.pcap", &[&bytes[..], &[0xFF; 16]].concat(), &[]);
+    assert_exit(&garbage, 2);
+    assert_eq!(stdout(&garbage).lines().count(), 640);
+    assert!(stderr(&garbage).contains("damaged after frame 640: a record says that it has 4294967295 bytes"));
+    // The length of the first packet: its end is taken for the next record.
+    let mut wrong = bytes.clone();
+    wrong[24 + 8] = 40;
+    let wrong = decode("wrong.pcap", &wrong, &[]);
+    assert!(stdout(&wrong).contains("(the capture has 40 bytes of it)") || wrong.status.code() == Some(2));
+}
+
+/// A frame that ends too early, or has more than its fields say.
+#[test]
+fn damaged_frames_are_problems_with_their_place() {
+    let capture_of = |frames: &[&[u8]]| {
+        // pcap in microseconds, little-endian, link type 1.
+        let mut file =
+            vec![0xD4, 0xC3, 0xB2, 0xA1, 2, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 0, 1, 0, 0, 0];
+        for frame in frames {
+            let length = u32::try_from(frame.len()).unwrap().to_le_bytes();
+            file.extend([&[0; 8][..], &length, &length, frame].concat());
+        }
+        file
+    };
+    let mut buffer = [0; 64];
+    let mut out = Writer::new(&mut buffer);
+    // PReq to node 1 whose Size, 99, is more than the frame has.
+    out.bytes(&[2, 0, 0, 0, 0, 1, 2, 0, 0, 0, 0, 0xF0, 0x88, 0xAB, 3, 1, 0xF0, 0, 0, 0, 0, 0, 99, 0])
+        .unwrap();
+    let file = capture_of(&[&buffer[..60], &buffer[..10], &buffer[..22]]);
+    let output = decode("frames.pcap", &file, &[]);
+    assert_exit(&output, 1);
+    let lines: Vec<_> = stdout(&output).lines().map(|line| line.split_once(" | ").unwrap().1).collect();
+    assert_eq!(
+        lines,
+        [
+            "MN -> 1  POWERLINK, 46 bytes  ! process data at offset 24: 99 bytes expected, 36 found",
+            "? -> ?  frame, 10 bytes  ! source MAC at offset 6: 6 bytes expected, 4 found",
+            "MN -> 1  POWERLINK, 8 bytes  ! Size at offset 22: 2 bytes expected, 0 found",
+        ]
+    );
+    let objects = json_lines(&decode("frames.pcap", &file, &["--json"]));
+    assert!(
+        objects.iter().all(|object| object["kind"] == "invalid" && object["problem_code"] == "malformed")
+    );
+    let summary = decode("frames.pcap", &file, &["--summary"]);
+    assert_exit(&summary, 1);
+    assert!(stdout(&summary).contains("verdict: 3 faulty frames\n"), "{}", stdout(&summary));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// Whatever becomes of the bytes of a capture, all that can be read is read, and said in words.
+    #[test]
+    fn no_bytes_are_too_bad(
+        changes in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..40),
+        length in any::<prop::sample::Index>(),
+    ) {
+        let mut bytes = std::fs::read(capture(BOOT)).unwrap();
+        let kept = length.index(bytes.len() + 1);
+        changes.iter().for_each(|(at, byte)| { let at = at.index(bytes.len()); bytes[at] = *byte; });
+        bytes.truncate(kept);
+        let Ok(Opened::Ethernet(frames)) = Opened::from_reader(Cursor::new(bytes), None) else { return Ok(()) };
+        let mut monitor = Box::new(SizedMonitor::<4, 64>::new());
+        let (mut read, mut fatal) = (0, 0);
+        for entry in frames {
+            match entry {
+                Ok(frame) => {
+                    let captured = Captured { bytes: &frame.content.bytes, length: frame.content.length };
+                    let reading = monitor.observe(frame.at, frame.n, captured);
+                    prop_assert!(serde_json::to_string(&reading).unwrap().contains(r#""text":"#));
+                    read += 1;
+                }
+                Err(error) => fatal += u64::from(error.is_fatal()),
+            }
+        }
+        prop_assert!(read <= 640 && fatal <= 1);
+    }
+}
