@@ -13,8 +13,8 @@ use std::sync::LazyLock;
 
 use clap::Parser as _;
 use devicenet_cli::args::{Cli, Command};
-use devicenet_cli::decode::Decoder;
-use devicenet_cli::recording::{Content, Recording, WriteFormat, Writer};
+use devicenet_cli::decode::{Decoder, EthernetDecoder};
+use devicenet_cli::recording::{Content, Opened, Recording, WriteFormat, Writer};
 use divan::Bencher;
 use divan::counter::ItemsCount;
 
@@ -47,6 +47,30 @@ fn decode_to_json(bencher: Bencher<'_, '_>) {
 #[divan::bench]
 fn decode_to_summary(bencher: Bencher<'_, '_>) {
     decode(bencher, &["--summary"]);
+}
+
+/// The same of Ethernet POWERLINK.
+#[divan::bench(args = [&[][..], &["--json"], &["--summary"]])]
+fn decode_powerlink(bencher: Bencher<'_, '_>, options: &[&str]) {
+    let cli = Cli::try_parse_from([&["devicenet", "decode", "-"], options].concat()).unwrap();
+    let Command::Decode(args) = &cli.command else { unreachable!("the command line says decode") };
+    bencher.counter(ItemsCount::new(FRAMES)).bench(|| {
+        let Ok(Opened::Ethernet(mut capture)) = Opened::from_reader(&POWERLINK[..], None) else {
+            unreachable!("a capture of Ethernet")
+        };
+        let mut decoder = EthernetDecoder::new(args, cli.json, false);
+        let mut out = Vec::new();
+        let mut written = 0;
+        while let Some(frame) = capture.next() {
+            decoder.frame(&mut out, &frame.unwrap(), capture.channels());
+            if out.len() > 1 << 16 {
+                written += out.len();
+                out.clear();
+            }
+        }
+        decoder.finish(&mut out, capture.channels(), "bench", 0);
+        written + out.len()
+    });
 }
 
 fn read(bencher: Bencher<'_, '_>, file: &'static [u8]) {
@@ -87,5 +111,10 @@ fn file(format: WriteFormat) -> Vec<u8> {
 }
 
 static CANDUMP: LazyLock<Vec<u8>> = LazyLock::new(|| file(WriteFormat::CandumpLog));
+static POWERLINK: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    let mut bytes = Vec::new();
+    traffic::powerlink::write(&mut bytes, 1, FRAMES).unwrap();
+    bytes
+});
 static PCAPNG: LazyLock<Vec<u8>> = LazyLock::new(|| file(WriteFormat::PcapNg));
 const FRAMES: usize = 100_000;

@@ -11,7 +11,7 @@
 #[path = "../benches/traffic/mod.rs"]
 mod traffic;
 
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter};
 
 use clap::Parser;
 use devicenet_cli::recording::{Content, WriteFormat, Writer};
@@ -36,7 +36,8 @@ struct Args {
 fn main() -> io::Result<()> {
     let args = Args::parse();
     if args.powerlink {
-        return powerlink(&args);
+        let mut out = BufWriter::with_capacity(1 << 20, io::stdout().lock());
+        return traffic::powerlink::write(&mut out, args.seed, args.frames);
     }
     let format = if args.pcapng { WriteFormat::PcapNg } else { WriteFormat::CandumpLog };
     let mut writer = Writer::new(BufWriter::with_capacity(1 << 20, io::stdout().lock()), format)?;
@@ -44,18 +45,4 @@ fn main() -> io::Result<()> {
         writer.write(at, 6, "can0", &Content::Classic(frame))?;
     }
     writer.finish()
-}
-
-/// Microseconds, little-endian, link type 1.
-fn powerlink(args: &Args) -> io::Result<()> {
-    let mut out = BufWriter::with_capacity(1 << 20, io::stdout().lock());
-    let header = [0xA1B2_C3D4, 0x0004_0002, 0, 0, 0x0004_0000, 1_u32];
-    out.write_all(&header.map(u32::to_le_bytes).concat())?;
-    for (at, frame) in traffic::powerlink::Powerlink::new(args.seed).take(args.frames) {
-        let (nanos, length) = (at.as_nanos(), frame.len() as u32);
-        let (seconds, micros) = (nanos / 1_000_000_000, nanos % 1_000_000_000 / 1000);
-        out.write_all(&[seconds as u32, micros as u32, length, length].map(u32::to_le_bytes).concat())?;
-        out.write_all(&frame)?;
-    }
-    out.flush()
 }

@@ -4,6 +4,7 @@
 //! and reads their objects; from time to time a response is lost.
 
 use std::collections::VecDeque;
+use std::io::{self, Write};
 use std::time::Duration;
 
 use link_core::Instant;
@@ -17,7 +18,7 @@ use powerlink_core::{MacAddress, NodeId};
 use super::below;
 
 /// An endless capture.
-pub(crate) struct Powerlink {
+struct Powerlink {
     now: Instant,
     random: u64,
     cycle: u64,
@@ -27,7 +28,7 @@ pub(crate) struct Powerlink {
 }
 
 impl Powerlink {
-    pub(crate) fn new(seed: u64) -> Self {
+    fn new(seed: u64) -> Self {
         Self {
             now: Instant::from_nanos(1_700_000_000_000_000_000),
             random: seed,
@@ -107,6 +108,19 @@ impl Powerlink {
     fn below(&mut self, bound: usize) -> usize {
         below(&mut self.random, bound)
     }
+}
+
+/// Writes a pcap file of so many frames: microseconds, little-endian, link type 1.
+pub(crate) fn write(out: &mut impl Write, seed: u64, frames: usize) -> io::Result<()> {
+    let header = [0xA1B2_C3D4, 0x0004_0002, 0, 0, 0x0004_0000, 1_u32];
+    out.write_all(&header.map(u32::to_le_bytes).concat())?;
+    for (at, frame) in Powerlink::new(seed).take(frames) {
+        let (nanos, length) = (at.as_nanos(), frame.len() as u32);
+        let (seconds, micros) = (nanos / 1_000_000_000, nanos % 1_000_000_000 / 1000);
+        out.write_all(&[seconds as u32, micros as u32, length, length].map(u32::to_le_bytes).concat())?;
+        out.write_all(&frame)?;
+    }
+    out.flush()
 }
 
 impl Iterator for Powerlink {

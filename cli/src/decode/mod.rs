@@ -18,6 +18,7 @@ mod span;
 mod summary;
 
 pub use decoder::{Decoder, Verdict};
+pub use ethernet::Decoder as EthernetDecoder;
 pub use protocol::Spoken;
 pub use sheets::Sheets;
 

@@ -16,7 +16,7 @@ use crate::text::{printable, push_number};
 use crate::trace::{Emphasis, Trace};
 
 /// Decodes frame after frame; constant memory.
-pub(super) struct Decoder {
+pub struct Decoder {
     span: Span,
     node: Option<NodeId>,
     kinds: Vec<&'static str>,
@@ -36,7 +36,7 @@ enum View {
 impl Decoder {
     /// As the command line says.
     #[must_use]
-    pub(super) fn new(args: &DecodeArgs, json: bool, coloured: bool) -> Self {
+    pub fn new(args: &DecodeArgs, json: bool, coloured: bool) -> Self {
         let view = match (args.summary, json) {
             (true, json) => View::Summary { summary: Box::default(), json },
             (false, true) => View::Json,
@@ -56,7 +56,7 @@ impl Decoder {
 
     /// Decodes a frame, and appends its line to `out` unless there is to be a summary.
     #[inline]
-    pub(super) fn frame(
+    pub fn frame(
         &mut self,
         out: &mut Vec<u8>,
         frame: &RecordedFrame<EthernetFrame>,
@@ -90,7 +90,7 @@ impl Decoder {
 
     /// Appends the summary, if that is what is wanted. `file` names a network that has no name; so many of its records could
     /// not be read.
-    pub(super) fn finish(&mut self, out: &mut Vec<u8>, channels: &Channels, file: &str, unread: u64) {
+    pub fn finish(&mut self, out: &mut Vec<u8>, channels: &Channels, file: &str, unread: u64) {
         let View::Summary { summary, json } = &mut self.view else { return };
         summary.conclude(unread);
         let name = |bus| channels.iter().nth(bus).unwrap_or(file).to_owned();
@@ -101,7 +101,7 @@ impl Decoder {
 
     /// Whether something is or was wrong, as the summary says; `None` without one, and before [`finish`](Self::finish).
     #[must_use]
-    pub(super) fn is_bad(&self) -> Option<bool> {
+    pub fn is_bad(&self) -> Option<bool> {
         match &self.view {
             View::Summary { summary, .. } => summary.is_bad(),
             View::Text { .. } | View::Json => None,

@@ -3,7 +3,7 @@
 mod decoder;
 mod summary;
 
-use decoder::Decoder;
+pub use decoder::Decoder;
 
 use std::cell::RefCell;
 use std::rc::Rc;
