@@ -167,7 +167,10 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
             | (NodePhase::ReadyToOperate, NmtStateCode::READY_TO_OPERATE)
             | (NodePhase::Operational, NmtStateCode::OPERATIONAL) => return station.wrong = 0,
             (NodePhase::Stopped, NmtStateCode::STOPPED) => {
-                return (station.wrong, station.patience) = (0, station.patience.min(station.pause));
+                if goal == Goal::Stopped {
+                    station.clear_waits();
+                }
+                return;
             }
             (
                 NodePhase::Configured

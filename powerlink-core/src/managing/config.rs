@@ -80,7 +80,7 @@ pub struct NodePlan<'p> {
     pub node: NodeId,
     /// The network does not start without it. Default: yes.
     pub is_mandatory: bool,
-    /// It is never polled. Default: no.
+    /// It is never polled, and its supervision of PReq (0x1C0D/3) is switched off. Default: no.
     pub is_async_only: bool,
     /// It is polled in this cycle of a multiplexed cycle only, counted from 0. Default: in every cycle.
     pub multiplexed_slot: Option<u8>,

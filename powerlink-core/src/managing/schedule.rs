@@ -137,7 +137,9 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
     fn wanted_command(&self, index: usize) -> Option<Command> {
         let station = self.stations.get(index)?;
         station.command.or_else(|| {
-            let command = self.next_step(station).filter(|_| station.pause == 0)?;
+            let is_repeated = |command: &NmtCommandId| station.sent == Some(*command);
+            let command = self.next_step(station);
+            let command = command.filter(|command| station.pause == 0 || !is_repeated(command))?;
             Some(Command { command, reason: ErrorCode::NONE })
         })
     }
@@ -267,7 +269,7 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
         }
         let Some(station) = self.stations.get_mut(index) else { return };
         station.pause = repeat;
-        if station.patience == 0 {
+        if station.sent.replace(command) != Some(command) {
             station.patience = timeout;
         }
     }

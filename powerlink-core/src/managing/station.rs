@@ -36,7 +36,8 @@ pub(super) struct Station<const DATA: usize> {
     pub(super) wrong: u8,
     /// Ticks until the goal must be reached; 0 while nothing is expected.
     pub(super) patience: u32,
-    /// Ticks until a command is sent again.
+    /// The command that it is to follow, and ticks until that is sent again.
+    pub(super) sent: Option<NmtCommandId>,
     pub(super) pause: u32,
     /// Ticks until the next StatusRequest that nothing calls for.
     pub(super) status_in: u32,
@@ -95,6 +96,7 @@ impl<const DATA: usize> Station<DATA> {
             unanswered: 0,
             wrong: 0,
             patience: 0,
+            sent: None,
             pause: 0,
             status_in: 0,
             status_pause: 0,
@@ -126,6 +128,7 @@ impl<const DATA: usize> Station<DATA> {
     /// A fresh wait for the node to follow.
     pub(super) const fn clear_waits(&mut self) {
         (self.patience, self.pause, self.status_pause, self.unanswered, self.wrong) = (0, 0, 0, 0, 0);
+        self.sent = None;
     }
 }
 

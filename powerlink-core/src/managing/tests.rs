@@ -1,1 +1,75 @@
-//! The machine by itself.
+//! Tables, sizes, and configurations that cannot be. Networks are tested on the simulated segment.
+
+use core::time::Duration;
+
+use link_core::machine_laws;
+
+use super::*;
+use crate::dictionary::ObjectAddress;
+use crate::pdo::MappingEntry;
+use crate::{MacAddress, NodeId};
+
+const MAC: MacAddress = MacAddress([2, 0, 0, 0, 0, 0xF0]);
+
+#[test]
+fn the_text_shows_the_tables_as_they_are() {
+    let text = include_str!("state.rs");
+    let (network, nodes) = text.split_once("/// Every transition of a node").unwrap();
+    machine_laws::text_shows(network, "| From | Cause | To |", MN_EDGES);
+    machine_laws::text_shows(nodes, "| From | Cause | To |", NODE_EDGES);
+    machine_laws::edges_are_distinct(MN_EDGES, |edge| (edge.from, edge.cause, edge.to));
+    machine_laws::edges_are_distinct(NODE_EDGES, |edge| (edge.from, edge.cause, edge.to));
+}
+
+#[test]
+fn a_plan_that_cannot_be_is_refused() {
+    let plan = NodePlan::new(NodeId(1));
+    let make = |plans: &[NodePlan<'_>]| ManagingNode::<2>::new(Config::new(MAC), plans).map(|_| ());
+    assert_eq!(make(&[plan, NodePlan::new(NodeId(2))]), Ok(()));
+    let node = NodeId(1);
+    assert_eq!(make(&[NodePlan::new(NodeId(240))]), Err(ConfigError::Node(NodeId(240))));
+    assert_eq!(make(&[plan, plan]), Err(ConfigError::Twice(node)));
+    let three = [1, 2, 3].map(|number| NodePlan::new(NodeId(number)));
+    assert_eq!(make(&three), Err(ConfigError::TooManyNodes { plans: 3, room: 2 }));
+    assert_eq!(
+        make(&[NodePlan { pres_limit: 37, ..plan }]),
+        Err(ConfigError::DataLimit { node, limit: 37, room: 36 })
+    );
+    assert_eq!(
+        make(&[NodePlan { preq_limit: 35, ..plan }]),
+        Err(ConfigError::DataLimit { node, limit: 35, room: 36 })
+    );
+    let far = [MappingEntry { object: ObjectAddress::new(0x6000, 1), offset: 288, length: 8 }];
+    assert_eq!(
+        make(&[NodePlan { inputs: &far, ..plan }]),
+        Err(ConfigError::Mapping { node, len: 37, limit: 36 })
+    );
+    let (at, value) = (ObjectAddress::new(0x2000, 0), [0; 253]);
+    let long = [ObjectWrite::new(at, &value)];
+    assert_eq!(
+        make(&[NodePlan { writes: &long, ..plan }]),
+        Err(ConfigError::Value { node, at, len: 253, room: 252 })
+    );
+    assert_eq!(
+        make(&[NodePlan { multiplexed_slot: Some(0), ..plan }]),
+        Err(ConfigError::MultiplexedSlot { node, slot: 0, cycles: 0 })
+    );
+    let slow = NodePlan { pres_timeout: Duration::from_millis(20), ..plan };
+    assert!(matches!(make(&[slow]), Err(ConfigError::Cycle { .. })));
+}
+
+/// EPSG DS 301 at 100 Mbit/s: SoC, 1 us, PReq and PRes of 60 bytes with 25 us between, SoA, 100 us, an ASnd of 314 bytes.
+#[test]
+fn the_shortest_cycle_is_what_its_frames_take() {
+    let plans = [NodePlan::new(NodeId(1))];
+    let (shortest, async_frame) = (6_720, (314 + 24) * 80);
+    let nanos = shortest + 1_000 + shortest + 25_000 + shortest + shortest + 100_000 + async_frame;
+    assert_eq!(Config::new(MAC).needed(&plans), Duration::from_nanos(nanos));
+}
+
+/// What another node costs; mostly process data in both directions and the plan.
+#[test]
+fn a_node_costs_what_it_needs() {
+    let grows = size_of::<ManagingNode<'static, 2>>() - size_of::<ManagingNode<'static, 1>>();
+    assert!(grows <= 480, "{grows} bytes");
+}

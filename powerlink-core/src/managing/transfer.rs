@@ -237,6 +237,7 @@ fn configuration<'p>(
         .map(move |(index, _)| must((index, 0), 0, 1))
         .chain(limits.map(move |(sub, wanted, _)| must((CYCLE_TIMING, sub), wanted.into(), 2)))
         .chain(plan.multiplexed_slot.map(move |_| must((CYCLE_TIMING, 7), multiplexed_cycles.into(), 1)))
+        .chain(plan.is_async_only.then(|| must((LOSS_OF_PREQ, 3), 0, 4)))
         .chain(plan.writes.iter().map(|write| (write.at, Value::Bytes(write.data), write.may_fail)))
         .chain(entries)
         .chain(mappings.map(move |(index, mapping)| {
@@ -253,6 +254,8 @@ const CYCLE_LENGTH: ObjectAddress = ObjectAddress::new(0x1006, 0);
 const CONFIGURATION: u16 = 0x1020;
 const RECEIVE_MAPPING: u16 = 0x1600;
 const TRANSMIT_MAPPING: u16 = 0x1A00;
+/// Who is never polled must not miss it.
+const LOSS_OF_PREQ: u16 = 0x1C0D;
 const CYCLE_TIMING: u16 = 0x1F98;
 /// POWERLINK header, ServiceID, sequence layer and command header.
 const ASND_HEADER: usize = 3 + 1 + 4 + COMMAND_HEADER;

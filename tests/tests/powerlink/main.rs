@@ -8,8 +8,12 @@
     missing_docs,
     reason = "tests panic to fail"
 )]
-//! Ethernet POWERLINK: a recording of independent nodes, and our node in the place of theirs.
+//! Ethernet POWERLINK: a recording of independent nodes and our machines in the place of theirs, and whole networks with faults.
 
 mod boot;
+mod chaos;
+mod faults;
+mod losses;
 mod network;
+mod recorded_order;
 mod recording;
