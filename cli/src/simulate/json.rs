@@ -23,26 +23,27 @@
 //! | `expectation` | `line`, `node`, `expected`, `found`: it failed |
 //! | `summary` | `nodes`, `bus`, `held`, `failed`, `unjudged`: comes last |
 
+mod attempt;
+
 use devicenet_core::access::AccessEvent;
 use devicenet_core::master::{self, MasterEvent};
 use devicenet_core::slave::SlaveEvent;
 use devicenex_core::access as nex;
 use devicenex_core::device::DeviceEvent;
 use devicenex_core::manager::{ManagerEvent, PlannedEvent};
-use link_core::{BusErrorKind, Frame, Instant};
+use link_core::Instant;
 use serde::Serialize;
-use transport_mock::Flag;
-use transport_mock::bus::{BusError, Sender, SenderOutcome};
-use transport_mock::record::{FrameRecord, Outcome};
+use transport_mock::record::Outcome;
 
 use super::event::NodeEvent;
 use super::exchange::{device_state, explicit_state, io_state, slave_state};
 use super::expectations::Verdict;
 use super::said::Said;
 use super::shared::SharedBuffer;
-use super::sight::{Nodes, Sight, View, index, nex_state_name, state_name};
+use super::sight::{Nodes, Sight, View};
+use super::state::{nex_state_name, state_name};
 use super::summary::Summary;
-use super::text::field_name;
+use attempt::{Attempt, ErrorFields, attempt, error_fields};
 
 /// Writes the objects.
 pub(super) struct JsonView {
@@ -168,40 +169,6 @@ enum Line<'a> {
         failed: usize,
         unjudged: usize,
     },
-}
-
-/// The fields of every attempt to send.
-#[derive(Serialize)]
-struct Attempt<'a> {
-    t: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    n: Option<u64>,
-    nodes: Vec<&'a str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    segment: Option<usize>,
-    #[serde(flatten)]
-    wire: Wire,
-}
-
-/// The fields of every frame, as `decode` names them.
-#[derive(Serialize)]
-struct Wire {
-    id: u32,
-    ext: bool,
-    rtr: bool,
-    dlc: u8,
-    data: String,
-}
-
-#[derive(Serialize)]
-struct ErrorFields<'a> {
-    error: BusErrorKind,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    bit: Option<u32>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    field: Option<&'static str>,
-    by: &'a str,
-    flag: &'static str,
 }
 
 impl JsonView {
@@ -372,45 +339,6 @@ fn master_event<'a>(t: f64, node: &'a str, event: &MasterEvent) -> Line<'a> {
             Line::Status { t, node, slave: Some(mac_id.number()), status: status.0, text: status.name() }
         }
         event => Line::Node { t, node, text: event.to_string() },
-    }
-}
-
-fn attempt<'a>(nodes: &'a Nodes<'_>, record: &FrameRecord<'_>, n: Option<u64>) -> Attempt<'a> {
-    let has_lost = |sender: &&Sender| matches!(sender.outcome, SenderOutcome::LostArbitration { .. });
-    let senders = record.senders.iter().filter(|sender| !has_lost(sender));
-    Attempt {
-        t: seconds(record.end),
-        n,
-        nodes: senders.map(|sender| nodes.name(index(sender.node))).collect(),
-        // The bus, or the others when some are apart, have no number.
-        segment: Some(record.segment).filter(|segment| *segment > 0),
-        wire: Wire::of(record.frame),
-    }
-}
-
-fn error_fields<'a>(nodes: &'a Nodes<'_>, error: &BusError) -> ErrorFields<'a> {
-    ErrorFields {
-        error: error.kind,
-        bit: error.place.map(|(bit, _)| bit),
-        field: error.place.map(|(_, field)| field_name(field)),
-        by: nodes.name(index(error.node)),
-        flag: match error.flag {
-            Flag::Active => "active",
-            Flag::Passive => "passive",
-            Flag::None => "none",
-        },
-    }
-}
-
-impl Wire {
-    fn of(frame: &Frame) -> Self {
-        Self {
-            id: frame.raw_id(),
-            ext: frame.is_extended(),
-            rtr: frame.is_remote(),
-            dlc: frame.dlc(),
-            data: hex(frame.data()),
-        }
     }
 }
 

@@ -21,6 +21,7 @@ mod selection;
 mod shared;
 mod sight;
 mod socketcand;
+mod state;
 mod summary;
 mod svg;
 mod text;

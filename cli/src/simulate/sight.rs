@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use devicenet_core::access::{AccessEvent, StateKind};
+use devicenet_core::access::AccessEvent;
 use devicenet_core::master::MasterEvent;
 use devicenet_core::tool::{ToolEvent, ToolState};
 use devicenex_core::access as nex;
@@ -17,6 +17,7 @@ use super::exchange::{Exchange, Happening};
 use super::expectations::{Judge, Status, Verdict};
 use super::level::Level;
 use super::said::{Reader, Said};
+use super::state::{nex_state_name, state_name};
 use crate::scenario::{Do, EventName, Kind, NodeIndex, Scenario, StateName};
 
 /// One thing that happened.
@@ -381,29 +382,6 @@ const fn tool_event(event: &ToolEvent) -> Option<EventName> {
         ToolEvent::Recovered { .. } => Some(EventName::Recovered),
         ToolEvent::NotRecovered { .. } => Some(EventName::NotRecovered),
         _ => None,
-    }
-}
-
-pub(super) const fn state_name(state: StateKind) -> StateName {
-    match state {
-        StateKind::NonExistent => StateName::Nonexistent,
-        StateKind::SendingDupMac => StateName::SendingDupMac,
-        StateKind::WaitingDupMac => StateName::WaitingDupMac,
-        StateKind::OnLine => StateName::OnLine,
-        StateKind::CommFault => StateName::CommFault,
-    }
-}
-
-pub(super) const fn nex_state_name(state: nex::StateKind) -> StateName {
-    match state {
-        nex::StateKind::NonExistent => StateName::Nonexistent,
-        nex::StateKind::DetectingBitRate => StateName::DetectingBitRate,
-        nex::StateKind::Hello1 => StateName::Hello1,
-        nex::StateKind::Hello2 => StateName::Hello2,
-        nex::StateKind::Standby => StateName::Standby,
-        nex::StateKind::Online => StateName::OnLine,
-        nex::StateKind::BusOff => StateName::BusOff,
-        nex::StateKind::Faulted => StateName::Faulted,
     }
 }
 

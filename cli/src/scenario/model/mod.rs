@@ -4,6 +4,7 @@ mod action;
 mod device;
 mod expect;
 mod fault;
+mod happening;
 mod names;
 mod nex;
 
@@ -15,10 +16,10 @@ use link_core::{BitRate, Frame, Instant};
 pub use action::{Action, Do, Output};
 pub use device::{AccessNode, ConnectionName, MasterNode, ScannedSlave, Sizes, SlaveNode, Write};
 pub use expect::{
-    ConnectionStateName, DeviceStateName, EventName, Expectation, ModeName, SlaveStateName, StateName, What,
-    When,
+    ConnectionStateName, DeviceStateName, Expectation, ModeName, SlaveStateName, StateName, What, When,
 };
 pub use fault::{Fault, FaultKind};
+pub use happening::EventName;
 pub use nex::{
     Attribute, DeviceNode, ManagerNode, NexConnection, NexNode, Pattern, Planned, PlannedIo, WatchdogName,
 };

@@ -1,5 +1,6 @@
 //! What a slave or a master, a device or a manager has, as far as it can be expected: followed event by event.
 
+mod happening;
 mod nex;
 
 use std::collections::BTreeMap;
@@ -12,6 +13,7 @@ use super::event::NodeEvent;
 use crate::scenario::{
     ConnectionName, ConnectionStateName, Do, EventName, ModeName, Node, Role, SlaveStateName, What,
 };
+pub(super) use happening::Happening;
 use nex::NexExchange;
 pub(super) use nex::device_state;
 
@@ -43,51 +45,6 @@ struct Seen {
     status: ScannerStatus,
     /// By instance.
     inputs: BTreeMap<u8, Vec<u8>>,
-}
-
-/// Something that happens to a node, and what it is about.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Happening {
-    pub(super) event: EventName,
-    /// The slave of a master.
-    pub(super) slave: Option<u8>,
-    /// By instance.
-    pub(super) connection: Option<u8>,
-    /// The same of a DeviceNeX node.
-    pub(super) nex_connection: Option<u16>,
-    /// The planned device of a manager, by its operational address.
-    pub(super) device: Option<u8>,
-}
-
-impl From<EventName> for Happening {
-    fn from(event: EventName) -> Self {
-        Self { event, slave: None, connection: None, nex_connection: None, device: None }
-    }
-}
-
-impl Happening {
-    fn of_slave(event: EventName, slave: u8) -> Self {
-        Self { slave: Some(slave), ..event.into() }
-    }
-
-    fn on(event: EventName, connection: u8) -> Self {
-        Self { connection: Some(connection), ..event.into() }
-    }
-
-    /// Whether it is the event that is expected.
-    pub(super) fn is(self, what: &What) -> bool {
-        what.event == Some(self.event)
-            && (self.slave.is_none() || what.slave.is_none() || what.slave == self.slave)
-            && (self.device.is_none() || what.device.is_none() || what.device == self.device)
-            && match (self.connection, what.connection) {
-                (Some(own), Some(wanted)) => own == wanted.instance(),
-                _ => true,
-            }
-            && match (self.nex_connection, what.nex_connection) {
-                (Some(own), Some(wanted)) => wanted.is(own),
-                _ => true,
-            }
-    }
 }
 
 impl Exchange {

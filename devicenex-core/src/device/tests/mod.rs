@@ -9,6 +9,7 @@ pub(super) mod edges;
 mod exhaustive;
 mod explicit;
 mod implicit;
+mod long;
 mod network;
 mod objects;
 mod requests;
