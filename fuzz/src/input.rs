@@ -27,6 +27,15 @@ use link_core::frame::{extended_id, standard_id};
 use link_core::link::LinkCommandKind;
 use link_core::{BusErrorKind, Frame, LinkEvent};
 
+/// The input of a network: a byte that says what it is like, then operations of one byte each with an argument behind it, not
+/// more than `most`.
+#[must_use]
+pub fn plan_and_operations(data: &[u8], most: usize) -> Option<(u8, impl Iterator<Item = [u8; 2]>)> {
+    let (&plan, rest) = data.split_first()?;
+    let operations = rest.chunks(2).map(|pair| [pair[0], pair.get(1).copied().unwrap_or(0)]);
+    Some((plan, operations.take(most)))
+}
+
 /// Reads a frame.
 ///
 /// # Errors

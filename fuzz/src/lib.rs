@@ -12,6 +12,7 @@
 //! | [`frame_decode`] | identifiers, and the passive decoder on one frame | fields, line and JSON object agree |
 //! | [`monitor`] | the passive decoder on a session | what it puts together was sent, what it pairs came before |
 //! | [`net_dn`] | whole networks, with a tool, a UCMM and bus-off | who may be on line, who owns what, data from the owner only; undisturbed, every slave is served |
+//! | [`net_nx`] | whole DeviceNeX networks, with a spare, a second manager, strangers, faults and segments | who may be on line with which address, who may say what; undisturbed, one manager works and what it plans runs |
 //! | [`nx_manager`] | a DeviceNeX network manager | who gets which address, whom it asks for connections, what consumers are told; nothing off line, nothing stuck |
 //! | [`nx_monitor`] | the passive decoder of DeviceNeX on a session | the same |
 //! | [`nx_node`] | a DeviceNeX device | who is answered, what is sent when, one history of events; connectionless requests change nothing |
@@ -47,9 +48,11 @@ pub mod frame_decode;
 pub mod input;
 pub mod monitor;
 pub mod net_dn;
+pub mod net_nx;
 pub mod nx_manager;
 pub mod nx_monitor;
 pub mod nx_node;
+mod plant;
 mod readings;
 pub mod text;
 pub mod wire;
@@ -75,6 +78,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "frame_decode", run: frame_decode::run },
     Target { name: "monitor", run: monitor::run },
     Target { name: "net_dn", run: net_dn::run },
+    Target { name: "net_nx", run: net_nx::run },
     Target { name: "nx_manager", run: nx_manager::run },
     Target { name: "nx_monitor", run: nx_monitor::run },
     Target { name: "nx_node", run: nx_node::run },

@@ -203,6 +203,7 @@ fn is_problem_of_manager(event: &ManagerEvent) -> bool {
             PlannedEvent::StateChanged { to, .. } => *to == DeviceState::Retrying,
             PlannedEvent::NotAddressed(_)
             | PlannedEvent::Refused { .. }
+            | PlannedEvent::Differs { .. }
             | PlannedEvent::TimedOut(_)
             | PlannedEvent::Lost(_)
             | PlannedEvent::NoSpare

@@ -19,6 +19,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         slot.open = false;
         slot.no_spare = Tell::No;
         slot.roams = 0;
+        slot.forgive();
         slot.probe = Probe::default();
         self.enter(place, DeviceState::Probing, cause);
         self.advance_slot(place);
@@ -40,6 +41,9 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     /// Nobody has the address.
     pub(super) fn nobody(&mut self, place: usize) {
+        if let Some(slot) = self.slot(place) {
+            slot.holder = None;
+        }
         self.enter(place, DeviceState::Missing, Cause::NoResponse);
         self.begin_spare_wait(place);
         self.plan_mini_who();
@@ -67,8 +71,12 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         slot.device = Some(device);
         match slot.state {
             DeviceState::Found => {}
-            DeviceState::Assigned if slot.roams >= tries => return self.not_taken(place),
-            DeviceState::Assigned => self.enter(place, DeviceState::Found, Cause::HelloWithoutAddress),
+            DeviceState::Assigned | DeviceState::Joining if slot.roams >= tries => {
+                return self.not_taken(place);
+            }
+            DeviceState::Assigned | DeviceState::Joining => {
+                self.enter(place, DeviceState::Found, Cause::HelloWithoutAddress)
+            }
             _ => {
                 slot.roams = 0;
                 self.enter(place, DeviceState::Found, Cause::HelloWithoutAddress);
@@ -139,6 +147,8 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         slot.no_spare = Tell::No;
         slot.roams = 0;
         slot.reads = 0;
+        slot.holder = None;
+        slot.forgive();
         let was = slot.was.take();
         if let Some(device) = slot.device {
             self.tell(place, PlannedEvent::Addressed(device));
@@ -185,19 +195,33 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         }
     }
 
-    /// It did not take the address: it is gone, or does not obey.
+    /// It did not take the address: it is gone, or does not obey. For a while others have precedence.
     fn not_taken(&mut self, place: usize) {
+        let span = self.config.retry_wait;
         let Some(slot) = self.slot(place) else { return };
         let device = core::mem::replace(&mut slot.device, slot.was);
         let open = slot.open;
         self.enter(place, if open { DeviceState::Lost } else { DeviceState::Missing }, Cause::NotTaken);
-        if let Some(device) = device {
+        if let (Some(device), Some(slot)) = (device, self.slot(place)) {
+            slot.shun(device);
+            slot.timers.set_after_millis(SlotTimer::Shun, span);
             self.tell(place, PlannedEvent::NotAddressed(device));
         }
         if !open {
             self.begin_spare_wait(place);
         }
-        self.plan_mini_who();
+        self.ask_soon();
+    }
+
+    /// A device that did not take the address has none, and says so: it does not obey, and spares need not wait for it.
+    pub(super) fn disobeys(&mut self, place: usize) {
+        let Some(slot) = self.slot(place) else { return };
+        if slot.state == DeviceState::Missing {
+            slot.open = true;
+            slot.no_spare = Tell::No;
+            self.enter(place, DeviceState::Lost, Cause::NotTaken);
+            self.ask_soon();
+        }
     }
 
     /// The device does not answer any more: whoever may have its address gets it.
@@ -213,15 +237,26 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         self.ask_soon();
     }
 
+    /// Somebody else has the address: told once, and looked at again in longer and longer intervals.
     pub(super) fn conflict(&mut self, place: usize, device: Option<DeviceIdentity>) {
-        if let Some(slot) = self.slot(place) {
-            slot.device = None;
-        }
+        let retry_wait = self.config.retry_wait;
+        let Some(slot) = self.slot(place) else { return };
+        slot.device = None;
+        let is_told = slot.holder.replace(device) == Some(device);
+        slot.conflicts = if is_told { slot.conflicts.saturating_add(1).min(MOST_DOUBLINGS) } else { 0 };
+        let span = retry_wait.saturating_mul(1_u32.checked_shl(slot.conflicts.into()).unwrap_or(1));
+        let at = slot.address();
         self.enter(place, DeviceState::Conflict, Cause::OtherIdentity);
-        self.tell(place, PlannedEvent::Conflict(device));
-        let span = self.config.retry_wait;
         if let Some(slot) = self.slot(place) {
             slot.timers.set_after_millis(SlotTimer::Wait, span);
+        }
+        if !is_told {
+            self.tell(place, PlannedEvent::Conflict(device));
+        }
+        // It may be missing at another place.
+        let vacancy = device.and_then(|device| Some((self.vacancy(&device, false)?, device)));
+        if let Some((other, device)) = vacancy {
+            self.misplaced(other, device, at);
         }
         self.plan_mini_who();
     }
@@ -340,5 +375,7 @@ impl Probe {
 const IDENTITY: u16 = 0x01;
 /// The least time from one Mini-who to the next, in ms: one serves several that are lost at once.
 const SPACING: u32 = 50;
+/// A conflict is looked at again after four times the first interval at the latest.
+const MOST_DOUBLINGS: u8 = 2;
 /// Not more at once than there is room for events.
 const ANSWERS_AT_ONCE: usize = 4;

@@ -6,16 +6,17 @@ use cip_core::client::Failure;
 use cip_core::code::{GeneralStatus, InstanceId, ServiceCode};
 use cip_core::message::Response;
 
-use super::connect::{Answer, ESTABLISHED};
+use super::connect::Answer;
 use super::database::Source;
 use super::event::PlannedEvent;
 use super::machine::Manager;
-use super::slot::{Looked, Setting, SlotTimer, Stage, Task};
+use super::made::{Setting, Stage};
+use super::slot::{SlotTimer, Task};
 use super::state::{Cause, DeviceState};
 use crate::client::{Route, connection_response};
 use crate::connection::{ConnectionId, GroupMessage};
 use crate::counter::count;
-use crate::id::{Identifier, Layout, OperationalAddress};
+use crate::id::OperationalAddress;
 use crate::message::{ConnectionResponse, Granted, GroupSelect};
 
 impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTIONS> {
@@ -40,7 +41,9 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
                 Ok(data) => self.written(place, number, setting, &data),
                 Err(status) => self.refused(place, number, Some(status)),
             },
+            Task::List(number) => self.listed(place, number, answer.as_deref().ok()),
             Task::Check(number, looked) => self.checked(place, number, looked, answer.as_deref().ok()),
+            Task::Delete(number) => self.deleted(place, number),
             Task::Poll(number) => self.polled(place, number, answer.as_deref().ok()),
             Task::Alive => self.begin_poll_wait(place),
         }
@@ -69,10 +72,17 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             (Granted::Predefined { .. }, None) => return self.refused(place, number, None),
         };
         made.instance = Some(instance.0);
-        made.rate = rate;
+        made.rate = Some(rate);
+        made.due = plan.settings();
         made.produces =
             produced_id(&granted, address, instance).filter(|_| plan.is_heard() || plan.consumes.is_none());
-        match plan.next_setting(Setting::Trigger) {
+        self.set_next(place, number);
+    }
+
+    /// What is to be set next; nothing more, and the connection is as planned.
+    pub(super) fn set_next(&mut self, place: usize, number: u8) {
+        let Some(made) = self.slot(place).and_then(|slot| slot.made_mut(number)) else { return };
+        match made.due.first() {
             Some(setting) => made.set(Stage::Configuring(setting)),
             None => self.established(place, number),
         }
@@ -105,65 +115,44 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         let Some(slot) = self.slot(place) else { return };
         slot.reopened = false;
         let Some(plan) = slot.planned(number) else { return };
+        let Some(made) = slot.made_mut(number) else { return };
         // The response tells the rate that the device keeps.
-        if let (Setting::PacketRate, &[low, high], Some(made)) = (setting, data, slot.made_mut(number)) {
-            made.rate = u16::from_le_bytes([low, high]);
+        if let (Setting::PacketRate, &[low, high]) = (setting, data) {
+            made.rate = Some(u16::from_le_bytes([low, high]));
         }
-        let consumes = slot.made(number).and_then(|made| made.consumes);
+        made.due.remove(setting);
+        let consumes = made.consumes;
         let source = plan.consumes.and_then(|source| self.source_id(source));
         if setting >= Setting::ConsumedId && source.is_some() && source != consumes {
             // Its producer has another connection meanwhile.
-            return self.set_stage(place, number, Stage::Configuring(Setting::ConsumedId));
+            return self.consumes_another(place, number, setting == Setting::PacketRate);
         }
-        let next = setting.next().and_then(|next| plan.next_setting(next));
-        match next {
-            Some(setting) => self.set_stage(place, number, Stage::Configuring(setting)),
-            None => self.established(place, number),
-        }
+        self.set_next(place, number);
     }
 
-    /// A connection that may be there was looked at.
-    fn checked(&mut self, place: usize, number: u8, looked: Looked, value: Option<&[u8]>) {
-        let source =
-            self.slots.get(place).and_then(|slot| slot.planned(number)).and_then(|plan| plan.consumes);
-        let source_id = source.and_then(|source| self.source_id(source));
+    /// A consumer is to be told another producer. A dynamic one takes that only while it is being configured.
+    pub(super) fn consumes_another(&mut self, place: usize, number: u8, is_established: bool) {
         let Some(slot) = self.slot(place) else { return };
-        let address = slot.address();
         let Some(plan) = slot.planned(number) else { return };
         let Some(made) = slot.made_mut(number) else { return };
-        let next = match (looked, value) {
-            (Looked::State, Some(&[ESTABLISHED])) if plan.consumes.is_some() => Some(Looked::ConsumedId),
-            (Looked::State, Some(&[ESTABLISHED])) => Some(Looked::ProducedId),
-            (Looked::ProducedId, Some(&[a, b, c, d])) => {
-                let id = ConnectionId::from(u32::from_le_bytes([a, b, c, d]));
-                if !is_produced_by(id, address) {
-                    return made.set(Stage::Idle);
-                }
-                made.produces = Some(id);
-                Some(Looked::PacketRate)
-            }
-            (Looked::ConsumedId, Some(&[a, b, c, d])) => {
-                made.consumes = Some(u32::from_le_bytes([a, b, c, d]).into());
-                Some(Looked::PacketRate)
-            }
-            (Looked::PacketRate, Some(&[low, high])) => {
-                made.rate = u16::from_le_bytes([low, high]);
-                None
-            }
-            // It is not there, or not as it should be.
-            _ => return made.set(Stage::Idle),
-        };
-        if let Some(looked) = next {
-            return self.begin(place, Task::Check(number, looked));
+        if is_established && plan.instance.is_none() {
+            return made.renew(&plan);
         }
-        if source_id.is_some_and(|id| made.consumes != Some(id)) {
-            return made.set(Stage::Configuring(Setting::ConsumedId));
+        made.due.insert(Setting::ConsumedId);
+        self.set_next(place, number);
+    }
+
+    /// A dynamic connection is gone, or never was there.
+    fn deleted(&mut self, place: usize, number: u8) {
+        let Some(slot) = self.slot(place) else { return };
+        let Some(plan) = slot.planned(number) else { return };
+        if let Some(made) = slot.made_mut(number) {
+            made.gone(&plan);
         }
-        self.established(place, number);
     }
 
     /// A connection is as planned.
-    fn established(&mut self, place: usize, number: u8) {
+    pub(super) fn established(&mut self, place: usize, number: u8) {
         let now = self.timers.now();
         let Some(slot) = self.slot(place) else { return };
         let Some(plan) = slot.planned(number) else { return };
@@ -175,7 +164,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         let connected = PlannedEvent::Connected {
             instance: InstanceId(made.instance.unwrap_or_default()),
             produces: made.produces.filter(|_| plan.is_heard() || plan.consumes.is_none()),
-            expected_packet_rate: made.rate,
+            expected_packet_rate: made.rate.unwrap_or_default(),
         };
         let source = Source { address: slot.address(), connection: number };
         self.tell(place, connected);
@@ -195,7 +184,11 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
                 if made.stage != Stage::Established {
                     continue;
                 }
-                if made.consumes != Some(id) {
+                if made.consumes != Some(id) && plan.instance.is_none() {
+                    made.renew(plan);
+                    disturbed = true;
+                } else if made.consumes != Some(id) {
+                    made.due.insert(Setting::ConsumedId);
                     made.set(Stage::Configuring(Setting::ConsumedId));
                     disturbed = true;
                 } else if plan.expected_packet_rate != 0 {
@@ -230,9 +223,9 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     pub(super) fn retry_over(&mut self, place: usize) {
         let Some(slot) = self.slot(place) else { return };
-        for made in &mut slot.made {
+        for (_, plan, made) in slot.connections_mut() {
             if matches!(made.stage, Stage::Refused(_)) {
-                made.set(Stage::Idle);
+                made.gone(plan);
             }
         }
         self.advance_slot(place);
@@ -257,17 +250,19 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             Task::Probe if silent && slot.probe == super::slot::Probe::default() => self.nobody(place),
             Task::Probe => self.conflict(place, None),
             // The explicit connection may have timed out.
-            Task::Write(..) if silent && !slot.reopened => {
+            Task::Write(..) | Task::Delete(_) if silent && !slot.reopened => {
                 slot.reopened = true;
                 slot.explicit = None;
                 self.advance_slot(place);
             }
             Task::Poll(_) if silent => self.not_polled(place),
             Task::Alive if silent && slot.state == DeviceState::Running => self.not_polled(place),
-            Task::Connect(_) | Task::OpenExplicit(_) | Task::Check(..) | Task::Alive if silent => {
+            Task::Connect(_) | Task::OpenExplicit(_) | Task::List(_) | Task::Check(..) | Task::Alive
+                if silent =>
+            {
                 self.lost(place);
             }
-            Task::Write(number, _) => {
+            Task::Write(number, _) | Task::Delete(number) => {
                 // The next attempt begins with an explicit connection of its own.
                 slot.reopened = false;
                 slot.explicit = None;
@@ -278,7 +273,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
                 self.refused(place, number, None);
                 self.advance_slot(place);
             }
-            Task::Check(number, _) | Task::Poll(number) => {
+            Task::List(number) | Task::Check(number, _) | Task::Poll(number) => {
                 self.set_stage(place, number, Stage::Idle);
                 self.advance_slot(place);
             }
@@ -298,7 +293,9 @@ fn is_alone(task: Task, answer: &Answer) -> bool {
         | Task::Probe
         | Task::OpenExplicit(_)
         | Task::Write(..)
+        | Task::List(_)
         | Task::Check(..)
+        | Task::Delete(_)
         | Task::Poll(_)
         | Task::Alive => true,
     }
@@ -312,16 +309,6 @@ fn produced_id(
 ) -> Option<ConnectionId> {
     let at = GroupMessage::new(granted.group, granted.source_message).ok()?;
     (granted.group != GroupSelect::EXPLICIT_29).then(|| at.produced(address, instance).into())
-}
-
-/// Whether a connection ID is one on which a node can produce.
-fn is_produced_by(id: ConnectionId, address: OperationalAddress) -> bool {
-    match id.identifier().map(Identifier::layout) {
-        Some(Layout::Implicit { source, acknowledge: false, .. } | Layout::Standard { source, .. }) => {
-            source == address
-        }
-        Some(_) | None => false,
-    }
 }
 
 /// A producer may take that long for its first message, however often it sends.

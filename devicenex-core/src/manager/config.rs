@@ -38,7 +38,8 @@ pub struct Config {
     pub device: DeviceIdentity,
     /// The node that it is: its role is [`Role::NetworkManager`].
     pub node: device::Config,
-    /// How often it asks who has no address while a device is missing, in ms. Default: 2000.
+    /// How often it asks who has no address while a device is missing, in ms; 0: only at the start, and when a device is lost
+    /// or does not take its address. Default: 2000.
     pub mini_who_interval: u32,
     /// The same while none is missing, in ms; 0: never. Default: 10 000. It finds spares that were plugged in, gives
     /// detectors on a quiet bus something to detect, and shows a second manager that there is one.
@@ -65,8 +66,9 @@ pub struct Config {
     /// How long to wait for responses. Default: half a second, and on explicit connections that of
     /// [`Waits::CONNECTED`].
     pub waits: Waits,
-    /// How long to leave a device alone that refused a connection, in ms; also how often a
-    /// [conflict](super::DeviceState::Conflict) is looked at again. Default: 10 000.
+    /// How long to leave a device alone that refused a connection, or did not take its address, in ms; also after how long a
+    /// [conflict](super::DeviceState::Conflict) is looked at again: after twice and then always four times that, if it is
+    /// still the same. Default: 10 000.
     pub retry_wait: u32,
     /// How often each device is asked for the state of a connection of which the manager hears nothing, one after the
     /// other, in ms; 0: never. Default: 1000.

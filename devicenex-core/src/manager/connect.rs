@@ -12,15 +12,20 @@
 //!     |  not there  +---------+      the device may have been restarted       |
 //!     +-------------| Unknown |<----------------------------------------------+
 //!                   +---------+ ------> as planned: Established
+//!                       |       ------> not as planned: Configuring, what differs is set
+//!     +--------+        | a dynamic one that cannot be made what it should be
+//!     | Ending |<-------+
+//!     +--------+ deleted ------> Idle
 //! ```
 
-use cip_core::code::{AttributeId, ClassId, GeneralStatus, InstanceId};
-use cip_core::message::AttributeRequest;
+use cip_core::code::{AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode};
+use cip_core::message::{AttributeRequest, Request};
 use heapless::Vec;
 
 use super::database::Source;
 use super::machine::Manager;
-use super::slot::{Looked, Setting, Stage, Task};
+use super::made::{Looked, Setting, Stage};
+use super::slot::Task;
 use super::state::{Cause, DeviceState};
 use crate::client::{Route, explicit_request};
 use crate::connection::ConnectionId;
@@ -58,15 +63,17 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         let producers = planned.clone().filter(|(_, (plan, _))| plan.consumes.is_none());
         let consumers = planned.filter(|(_, (plan, _))| plan.consumes.is_some());
         let task = producers.chain(consumers).find_map(|(number, (plan, made))| {
-            let configured = plan.next_setting(Setting::Trigger).is_some();
+            let is_configured = plan.settings().first().is_some();
+            let waits = plan.consumes.is_some_and(|source| self.source_id(source).is_none());
+            let needs_explicit = slot.explicit.is_none().then_some(Task::OpenExplicit(number));
             match made.stage {
-                Stage::Unknown => Some(Task::Check(number, Looked::State)),
-                Stage::Idle if plan.consumes.is_some_and(|source| self.source_id(source).is_none()) => None,
-                Stage::Idle | Stage::Configuring(_) if configured && slot.explicit.is_none() => {
-                    Some(Task::OpenExplicit(number))
-                }
+                Stage::Unknown if made.instance.is_some() => Some(Task::Check(number, Looked::State)),
+                Stage::Unknown | Stage::Idle if waits => None,
+                Stage::Unknown => Some(Task::List(number)),
+                Stage::Idle if is_configured => needs_explicit.or(Some(Task::Connect(number))),
                 Stage::Idle => Some(Task::Connect(number)),
-                Stage::Configuring(setting) => Some(Task::Write(number, setting)),
+                Stage::Configuring(setting) => needs_explicit.or(Some(Task::Write(number, setting))),
+                Stage::Ending => needs_explicit.or(Some(Task::Delete(number))),
                 Stage::Established | Stage::Refused(_) => None,
             }
         });
@@ -103,6 +110,8 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
                 self.ask_for_connection(place, task, &asked);
             }
             Task::Write(number, setting) => self.write(place, number, setting),
+            Task::List(_) => self.read(place, task, (LINK, 1, INSTANCES)),
+            Task::Delete(number) => self.delete(place, number),
             Task::Check(number, looked) => match instance(number) {
                 Some(instance) => self.read(place, task, (CONNECTION, instance, looked.attribute())),
                 None => self.set_stage(place, number, Stage::Idle),
@@ -159,7 +168,9 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             | Task::Connect(_)
             | Task::OpenExplicit(_)
             | Task::Write(..)
+            | Task::List(_)
             | Task::Check(..)
+            | Task::Delete(_)
             | Task::Alive => self.config.connect_tries,
         };
         let Some(slot) = self.slot(place) else { return };
@@ -204,6 +215,23 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         slot.task = Task::Write(number, setting);
         slot.keep_time();
     }
+
+    /// A dynamic connection that is not what it should be.
+    fn delete(&mut self, place: usize, number: u8) {
+        let waits = self.config.waits;
+        let Some(slot) = self.slot(place) else { return };
+        let (Some(route), Some(instance)) = (slot.explicit, slot.made(number).and_then(|made| made.instance))
+        else {
+            return self.set_stage(place, number, Stage::Idle);
+        };
+        slot.conversation.reroute(route, waits);
+        let request = Request::new(ServiceCode::DELETE, ClassId(CONNECTION), InstanceId(instance), &[]);
+        if slot.conversation.start(&request, 2).is_err() {
+            return self.refused(place, number, None);
+        }
+        slot.task = Task::Delete(number);
+        slot.keep_time();
+    }
 }
 
 impl Looked {
@@ -213,6 +241,8 @@ impl Looked {
             Self::State => 1,
             Self::ProducedId => 4,
             Self::ConsumedId => 5,
+            Self::Trigger => 3,
+            Self::WatchdogAction => 12,
             Self::PacketRate => 9,
         }
     }
@@ -235,7 +265,10 @@ const CONNECTION: u16 = 0x05;
 /// The class of the link object, and the attribute that is the address.
 const LINK: u16 = 0x03;
 const ADDRESS: u8 = 1;
-/// The value of the state attribute.
+/// And that which lists the connections.
+const INSTANCES: u8 = 5;
+/// Values of the state attribute.
 pub(super) const ESTABLISHED: u8 = 3;
+pub(super) const TIMED_OUT: u8 = 4;
 /// Of the explicit connection, in ms: it is deleted four of them after the last message.
 const EXPLICIT_RATE: u16 = 2500;

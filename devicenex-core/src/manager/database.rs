@@ -6,7 +6,8 @@ use cip_core::code::{AttributeId, ClassId, InstanceId, VendorId};
 use cip_core::connection::{TransportClassTrigger, WatchdogAction};
 use heapless::Vec;
 
-use super::slot::Setting;
+use super::made::{Setting, Settings};
+use crate::connection::GroupMessage;
 use crate::id::{MessageId, OperationalAddress};
 use crate::message::{
     ConnectionInstance, DeviceIdentity, GroupSelect, IdentifierLength, Predefined, Production,
@@ -40,7 +41,7 @@ pub struct PlannedDevice<const CONNECTIONS: usize> {
     pub spares: Vec<IdentityPattern, SPARES>,
     /// The connections to make with it, in this order.
     pub connections: Vec<PlannedConnection, CONNECTIONS>,
-    /// What is read from it without a connection when it is on line (paper 1-6).
+    /// What is read from it without a connection when it is on line (paper 1-6): class, instance and attribute at most 255.
     pub reads: Vec<Attribute, READS>,
 }
 
@@ -60,7 +61,8 @@ pub struct PlannedConnection {
     /// Attribute 3, if it shall not be what the device has by default: a change-of-state or cyclic connection without
     /// acknowledges, or what a dynamic one does.
     pub trigger: Option<TransportClassTrigger>,
-    /// The Message ID with which the device shall produce: a low one has a high priority.
+    /// The Message ID with which the device shall produce: a low one has a high priority. 0 to 15 with 29 bits and for dynamic
+    /// connections; with 11 bits 0 to 7 for change of state and cyclic, 0 to 3 for the others.
     pub message: MessageId,
 }
 
@@ -113,6 +115,19 @@ pub enum DatabaseError {
     /// It consumes, and is not told what.
     #[error("connection {0}: a consuming connection needs the connection whose data it consumes")]
     NothingToConsume(u8),
+    /// The connection has no such Message ID.
+    #[error("connection {connection}: no Message ID {message} there; the last is {last}")]
+    Message {
+        /// Which of the planned connections, counted from 0.
+        connection: u8,
+        /// The planned one.
+        message: u8,
+        /// The highest one that its identifiers have room for.
+        last: u8,
+    },
+    /// It cannot be read without a connection.
+    #[error("{0} cannot be read: without a connection class, instance and attribute are at most 255")]
+    Read(Attribute),
     /// It is not in the database.
     #[error("OA {0} is not in the database")]
     NotPlanned(OperationalAddress),
@@ -177,8 +192,24 @@ impl<const CONNECTIONS: usize> PlannedDevice<CONNECTIONS> {
             if connection.consumes.is_none() && connection.must_consume() {
                 return Err(DatabaseError::NothingToConsume(number));
             }
+            let last = connection.last_message();
+            if connection.message > last {
+                let (message, last) = (connection.message.number(), last.number());
+                return Err(DatabaseError::Message { connection: number, message, last });
+            }
         }
-        Ok(())
+        match self.reads.iter().find(|read| read.short().is_none()) {
+            Some(read) => Err(DatabaseError::Read(*read)),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Attribute {
+    /// Class, instance and attribute in eight bits each, as a request without a connection has them; `None` if one has more.
+    pub(super) fn short(&self) -> Option<[u8; 3]> {
+        let Self { class, instance, attribute } = *self;
+        Some([class.0.try_into().ok()?, instance.0.try_into().ok()?, attribute.0.try_into().ok()?])
     }
 }
 
@@ -252,6 +283,14 @@ impl PlannedConnection {
         }
     }
 
+    /// The highest Message ID that its identifiers have.
+    fn last_message(&self) -> MessageId {
+        let group = self.group();
+        let all = (0..=0xF).rev().filter_map(MessageId::new);
+        let mut valid = all.filter(|message| GroupMessage::new(group, *message).is_ok());
+        valid.next().unwrap_or_default()
+    }
+
     /// Whether the device produces on it by itself, so that the manager can hear it.
     pub(super) const fn is_heard(&self) -> bool {
         match self.instance {
@@ -267,14 +306,21 @@ impl PlannedConnection {
         }
     }
 
-    /// What is to be set after the connection was granted, from `first` on; the rest was in the request.
-    pub(super) fn next_setting(&self, first: Setting) -> Option<Setting> {
+    /// What is to be set after the connection was granted; the rest was in the request.
+    pub(super) fn settings(&self) -> Settings {
         let is_dynamic = self.instance.is_none();
-        Setting::ALL.into_iter().filter(|setting| *setting >= first).find(|setting| match setting {
-            Setting::Trigger => self.trigger.is_some(),
-            Setting::ConsumedId => self.consumes.is_some(),
-            Setting::WatchdogAction | Setting::PacketRate => is_dynamic,
-        })
+        let mut settings = Settings::default();
+        for setting in Setting::ALL {
+            let is_set = match setting {
+                Setting::Trigger => self.trigger.is_some(),
+                Setting::ConsumedId => self.consumes.is_some(),
+                Setting::WatchdogAction | Setting::PacketRate => is_dynamic,
+            };
+            if is_set {
+                settings.insert(setting);
+            }
+        }
+        settings
     }
 
     const fn must_consume(&self) -> bool {

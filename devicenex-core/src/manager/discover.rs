@@ -121,6 +121,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         count_wide(&mut self.counters.hellos);
         let known = |slot: &Slot<CONNECTIONS>| {
             slot.device == Some(device)
+                && !slot.shuns(&device)
                 && !matches!(slot.state, DeviceState::Idle | DeviceState::Probing | DeviceState::Conflict)
         };
         if let Some(place) = self.slots.iter().position(known).or_else(|| self.vacancy(&device, true)) {
@@ -129,6 +130,9 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         if self.slots.iter().any(|slot| slot.state == DeviceState::Probing) {
             // Where it belongs shows when that is over.
             return;
+        }
+        if let Some(place) = self.slots.iter().position(|slot| slot.shuns(&device)) {
+            return self.disobeys(place);
         }
         let is_spare = self.slots.iter().any(|slot| slot.plan.accepts(&device));
         if is_spare {
@@ -143,10 +147,10 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     }
 
     /// The free role that a device fits best: one for it alone, one for devices like it, one for which it is a spare.
-    fn vacancy(&self, device: &DeviceIdentity, with_spares: bool) -> Option<usize> {
+    pub(super) fn vacancy(&self, device: &DeviceIdentity, with_spares: bool) -> Option<usize> {
         let rank = |slot: &Slot<CONNECTIONS>| {
             let plan = &slot.plan;
-            if !slot.state.is_absent() {
+            if !slot.state.is_absent() || slot.shuns(device) {
                 return None;
             }
             if plan.identity.matches(device) {
@@ -229,14 +233,24 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
                 Direction::Response => self.has_address(place, device),
             };
         }
-        let bit = 1_u128.checked_shl(at.number().into()).unwrap_or(0);
-        if self.strangers & bit == 0 {
-            self.strangers |= bit;
+        if self.strangers.heard(at) {
             self.raise(ManagerEvent::Unknown { device, at: Some(at) });
+        }
+        let announcement = self.access().config().announcement;
+        if announcement != 0 && self.timers.at(Timer::Strangers).is_none() {
+            self.timers.set_after_millis(Timer::Strangers, announcement.saturating_mul(ANNOUNCEMENTS));
         }
     }
 
-    fn misplaced(&mut self, place: usize, device: DeviceIdentity, at: OperationalAddress) {
+    /// Strangers of which nothing was heard for that long are gone.
+    pub(super) fn strangers_over(&mut self) {
+        let announcement = self.access().config().announcement;
+        if self.strangers.age() {
+            self.timers.set_after_millis(Timer::Strangers, announcement.saturating_mul(ANNOUNCEMENTS));
+        }
+    }
+
+    pub(super) fn misplaced(&mut self, place: usize, device: DeviceIdentity, at: OperationalAddress) {
         let Some(planned) = self.slots.get(place).map(Slot::address) else { return };
         self.raise(ManagerEvent::Misplaced { device, at, planned });
         if self.config.readdress {
@@ -251,8 +265,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             return None;
         }
         let is_free = |address: &OperationalAddress| {
-            let bit = 1_u128.checked_shl(address.number().into()).unwrap_or(0);
-            self.place(*address).is_none() && *address != self.own() && self.strangers & bit == 0
+            self.place(*address).is_none() && *address != self.own() && !self.strangers.has(*address)
         };
         let address = at.or_else(|| OperationalAddress::all().find(is_free))?;
         let plan = PlannedDevice::new(address, IdentityPattern::exact(device));
@@ -270,6 +283,10 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         slot.timers.advance(self.timers.now());
         self.slots.push(slot).ok()?;
         *self.places.get_mut(address.index())? = number;
+        self.strangers.forget(address);
         Some(place)
     }
 }
+
+/// A node on line tells its address from time to time: one that has left out so many times is gone.
+const ANNOUNCEMENTS: u32 = 3;

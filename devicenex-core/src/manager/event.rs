@@ -4,6 +4,7 @@ use core::fmt;
 
 use cip_core::client::Failure;
 use cip_core::code::{GeneralStatus, InstanceId};
+use cip_core::connection::{TransportClassTrigger, WatchdogAction};
 use heapless::Vec;
 use link_core::Frame;
 
@@ -105,6 +106,13 @@ pub enum PlannedEvent {
         /// Why; `None` if the answer cannot be read.
         status: Option<GeneralStatus>,
     },
+    /// A connection that was there already is not as planned.
+    Differs {
+        /// Which.
+        instance: InstanceId,
+        /// In what.
+        difference: Difference,
+    },
     /// Nothing was heard on a connection for too long, or the device says that it has timed out.
     TimedOut(InstanceId),
     /// The device is gone.
@@ -124,6 +132,46 @@ pub enum PlannedEvent {
     Challenged(DeviceIdentity),
     /// An attribute was read.
     Read(Attribute, Result<Value, RequestFailure>),
+}
+
+/// What differs from the plan in a connection that was there already. All but the first is set as planned.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Difference {
+    /// The device produces on another identifier. It is left so: whoever consumes it is told that one.
+    Produces {
+        /// The one that follows from the plan.
+        planned: ConnectionId,
+        /// That of the connection.
+        actual: ConnectionId,
+    },
+    /// It consumes what another produces.
+    Consumes {
+        /// What the planned producer produces on.
+        planned: ConnectionId,
+        /// That of the connection.
+        actual: ConnectionId,
+    },
+    /// Attribute 3.
+    Trigger {
+        /// That of the plan.
+        planned: TransportClassTrigger,
+        /// That of the connection.
+        actual: TransportClassTrigger,
+    },
+    /// Attribute 12.
+    WatchdogAction {
+        /// That of the plan.
+        planned: WatchdogAction,
+        /// That of the connection.
+        actual: WatchdogAction,
+    },
+    /// Attribute 9, in ms. A device that rounds the planned one is asked to keep it, and keeps what it can.
+    PacketRate {
+        /// That of the plan.
+        planned: u16,
+        /// That of the connection.
+        actual: u16,
+    },
 }
 
 /// The value of an attribute, if it is not longer than that.
@@ -239,6 +287,9 @@ impl fmt::Display for PlannedEvent {
                 }
                 status.map_or(Ok(()), |status| write!(f, ": {status}"))
             }
+            Self::Differs { instance, difference } => {
+                write!(f, "connection {} is not as planned: {difference}", instance.0)
+            }
             Self::TimedOut(instance) => write!(f, "connection {} timed out", instance.0),
             Self::Lost(Some(device)) => write!(f, "lost: {device}"),
             Self::Lost(None) => f.write_str("never seen: spares may come in"),
@@ -249,6 +300,25 @@ impl fmt::Display for PlannedEvent {
             Self::Challenged(device) => write!(f, "another wants the address: {device}"),
             Self::Read(attribute, Ok(value)) => write!(f, "{attribute}: {value:02X?}"),
             Self::Read(attribute, Err(why)) => write!(f, "{attribute}: {why}"),
+        }
+    }
+}
+
+/// `packet rate 100 ms, planned 500 ms`
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Produces { planned, actual } => write!(f, "produces on {actual}, planned {planned}"),
+            Self::Consumes { planned, actual } => write!(f, "consumes {actual}, planned {planned}"),
+            Self::Trigger { planned, actual } => {
+                write!(f, "transport class and trigger 0x{:02X}, planned 0x{:02X}", actual.0, planned.0)
+            }
+            Self::WatchdogAction { planned, actual } => {
+                write!(f, "watchdog action {actual}, planned {planned}")
+            }
+            Self::PacketRate { planned, actual } => {
+                write!(f, "packet rate {actual} ms, planned {planned} ms")
+            }
         }
     }
 }

@@ -13,7 +13,7 @@ use super::event::{Counters, ManagerEvent, PlannedEvent};
 use super::lanes::Lanes;
 use super::node::{OwnNode, Principal};
 use super::slot::{Slot, SlotTimer, Tell};
-use super::standing::Standing;
+use super::standing::{Standing, Strangers};
 use super::state::{Cause, DeviceState};
 use super::talk::Talk;
 use crate::access::AccessEvent;
@@ -38,15 +38,14 @@ pub struct Manager<const DEVICES: usize, const CONNECTIONS: usize> {
     pub(super) standing: Standing<DEVICES>,
     pub(super) talk: Talk,
     pub(super) lanes: Lanes,
-    pub(super) timers: Timers<Timer, 5>,
+    pub(super) timers: Timers<Timer, 6>,
     pub(super) counters: Counters,
     pub(super) mini_who_due: bool,
     /// It has asked since it began to work.
     pub(super) has_asked: bool,
     /// The Mini-who timer runs because a device is missing.
     pub(super) looks: bool,
-    /// The addresses that were told as those of unknown devices.
-    pub(super) strangers: u128,
+    pub(super) strangers: Strangers,
     /// The other manager that was told last.
     pub(super) other: Option<Option<u16>>,
     pub(super) events: Queue<ManagerEvent, EVENTS>,
@@ -76,16 +75,20 @@ pub(super) enum Timer {
     Takeover,
     /// The application's request.
     Talk,
+    /// What was heard of unknown devices with an address.
+    Strangers,
 }
 
-impl TimerKey<5> for Timer {
-    const ALL: [Self; 5] = [Self::MiniWho, Self::Answers, Self::Spacing, Self::Takeover, Self::Talk];
-    const WHY: [&'static str; 5] = [
+impl TimerKey<6> for Timer {
+    const ALL: [Self; 6] =
+        [Self::MiniWho, Self::Answers, Self::Spacing, Self::Takeover, Self::Talk, Self::Strangers];
+    const WHY: [&'static str; 6] = [
         "Mini-who",
         "answers to the Mini-who",
         "a pause after the Mini-who",
         "silence of the other manager",
         "explicit response",
+        "whether unknown devices are there still",
     ];
 
     fn index(self) -> usize {
@@ -95,6 +98,7 @@ impl TimerKey<5> for Timer {
             Self::Spacing => 2,
             Self::Takeover => 3,
             Self::Talk => 4,
+            Self::Strangers => 5,
         }
     }
 }
@@ -175,7 +179,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             mini_who_due: false,
             has_asked: false,
             looks: false,
-            strangers: 0,
+            strangers: Strangers::default(),
             other: None,
             events: Queue::new(),
             config,
@@ -270,7 +274,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     pub(super) fn start(&mut self) {
         self.work = Work::Going;
         self.has_asked = false;
-        self.strangers = 0;
+        self.strangers = Strangers::default();
         self.other = None;
         self.timers.clear(Timer::Takeover);
         self.raise(ManagerEvent::Started);
@@ -286,6 +290,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         self.mini_who_due = false;
         self.timers.clear(Timer::MiniWho);
         self.timers.clear(Timer::Answers);
+        self.timers.clear(Timer::Strangers);
         self.lanes.abandon();
         self.abandon_talk();
         if !worked {
@@ -344,6 +349,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
                 SlotTimer::Wait => self.wait_over(place),
                 SlotTimer::Poll => self.poll_over(place),
                 SlotTimer::Retry => self.retry_over(place),
+                SlotTimer::Shun => slot.forgive(),
             };
         }
         let mut watches = (0_u8..).zip(&mut slot.made);
@@ -360,6 +366,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             Timer::Spacing => {}
             Timer::Takeover => self.take_over(),
             Timer::Talk => self.talk_over(),
+            Timer::Strangers => self.strangers_over(),
         }
     }
 

@@ -115,9 +115,9 @@
 //! |---|---|
 //! | `database`, `config` | what it is told |
 //! | `discover`, `address`, `standing` | Hellos, Mini-whos, ROAMs: who is there, and who gets which address |
-//! | `connect`, `answer`, `watch` | connections, and what becomes of them |
+//! | `connect`, `answer`, `adopt`, `watch` | connections: made, found and compared with the plan, and what becomes of them |
 //! | `talk` | requests of the application, planned reads, new addresses for devices that have one |
-//! | `machine`, `slot`, `lanes`, `output` | what is kept of each device, and the order in which frames leave |
+//! | `machine`, `slot`, `made`, `lanes`, `output` | what is kept of each device and connection, and the order in which frames leave |
 //! | `node` | the manager as a node of its own |
 //!
 //! # Decisions where the paper is silent
@@ -125,7 +125,9 @@
 //! | Situation | What happens |
 //! |---|---|
 //! | the manager begins, and devices run already | each planned address is asked for its identity without a connection; only those that nobody answers for are looked for |
-//! | a dynamic connection after a restart of the manager | its number is not known any more: another one is made, and the old one ends by its own time-out |
+//! | a dynamic connection after a restart of the manager | its number is not known any more: those of the device are listed, and the one that is as planned is taken; another one is made only if there is none |
+//! | a connection that is there already differs from the plan | told, and what can be set is set; a dynamic one whose producer or trigger differs is deleted, and made anew |
+//! | a device does not take its address | after [`roam_tries`](Config::roam_tries) told, and passed over for [`retry_wait`](Config::retry_wait): another that fits is taken, spares too as soon as it shows that it is still there |
 //! | a device answers a Mini-who while the manager waits for its second Hello | it stands by: it gets its address at once |
 //! | several places fit a device | that which it had, that which is for it alone, the first of the database; as a spare last |
 //! | the device itself was never seen, but its spare | the spare waits [`spare_wait`](Config::spare_wait), then it may |
@@ -133,7 +135,8 @@
 //! | nobody can stand in | told once; Mini-whos go on, and the lost device gets its address too, if it comes back first |
 //! | a device says Hello without an address though it had one | it was restarted, and gets its address back before any spare |
 //! | a device is on line with an address that is not planned, and missing at another | it is readdressed, when its Hello response shows that it is on line ([`Config::readdress`]) |
-//! | somebody else has a planned address | told, and looked at again after [`retry_wait`](Config::retry_wait); the planned device waits |
+//! | somebody else has a planned address | told once, and looked at again after [`retry_wait`](Config::retry_wait), then more rarely; the planned device waits. One that is missing at another address is told that one |
+//! | an unknown device with an address falls silent | it is told again when it comes back, once it has left out three announcements ([`access::Config::announcement`](crate::access::Config::announcement)) |
 //! | the explicit connection of the predefined set belongs to another client | a dynamic one is asked for |
 //! | a connection is refused | told, and asked for again after [`retry_wait`](Config::retry_wait); the others are made |
 //! | there are two managers | the one that has not asked yet is the second, and leaves the work; of two that have, the one with the lower half serial number goes on |
@@ -141,6 +144,7 @@
 //! | learning | a device without an address gets the lowest one that is free; one that has an address keeps it. Connections are the application's business |
 
 mod address;
+mod adopt;
 mod answer;
 mod command;
 mod config;
@@ -150,6 +154,7 @@ mod discover;
 mod event;
 mod lanes;
 mod machine;
+mod made;
 mod node;
 mod output;
 mod slot;
@@ -165,7 +170,7 @@ pub use config::Config;
 pub use database::{
     Attribute, DatabaseError, IdentityPattern, PlannedConnection, PlannedDevice, READS, SPARES, Source,
 };
-pub use event::{Counters, ManagerEvent, PlannedEvent, RequestFailure, Value};
+pub use event::{Counters, Difference, ManagerEvent, PlannedEvent, RequestFailure, Value};
 pub use machine::Manager;
 pub use state::{Cause, DeviceState, EDGES, Edge};
 pub use talk::RequestError;

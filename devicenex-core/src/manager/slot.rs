@@ -1,17 +1,15 @@
 //! What the manager keeps for one planned device.
 
-use core::time::Duration;
-
 use cip_core::client::Waits;
-use cip_core::code::GeneralStatus;
+use heapless::Vec;
 use link_core::Timers;
 use link_core::timers::TimerKey;
 
-use super::database::PlannedDevice;
+use super::database::{PlannedDevice, SPARES};
 use super::event::PlannedEvent;
+use super::made::{Looked, Made, Setting, Stage};
 use super::state::{Cause, DeviceState, EDGES};
 use crate::client::{Conversation, Route};
-use crate::connection::ConnectionId;
 use crate::id::OperationalAddress;
 use crate::message::DeviceIdentity;
 
@@ -32,6 +30,12 @@ pub(super) struct Slot<const CONNECTIONS: usize> {
     pub(super) roam_due: bool,
     /// How many were sent.
     pub(super) roams: u8,
+    /// Those that did not take the address: they are passed over for a while.
+    pub(super) unwilling: Vec<DeviceIdentity, SPARES>,
+    /// Who has the address though it is planned for another, and was told to have it.
+    pub(super) holder: Option<Option<DeviceIdentity>>,
+    /// How often it was still there when it was looked at again.
+    pub(super) conflicts: u8,
     /// What has been read so far of the identity of whoever has the address.
     pub(super) probe: Probe,
     pub(super) conversation: Conversation<MESSAGE>,
@@ -42,6 +46,8 @@ pub(super) struct Slot<const CONNECTIONS: usize> {
     pub(super) explicit: Option<Route>,
     /// In the order of the plan.
     pub(super) made: [Made; CONNECTIONS],
+    /// The dynamic connections of the device that may be the one that is looked for.
+    pub(super) listed: Option<Vec<u8, LISTED>>,
     /// The connection on which nothing was heard.
     pub(super) timed_out: Option<u8>,
     /// The connection that was asked for its state last.
@@ -51,7 +57,7 @@ pub(super) struct Slot<const CONNECTIONS: usize> {
     pub(super) reopened: bool,
     /// How many of the attributes were read.
     pub(super) reads: u8,
-    pub(super) timers: Timers<SlotTimer, 4>,
+    pub(super) timers: Timers<SlotTimer, 5>,
 }
 
 /// What is told once.
@@ -74,45 +80,16 @@ pub(super) enum Task {
     OpenExplicit(u8),
     /// An attribute of a connection is set.
     Write(u8, Setting),
+    /// The connections of the device are listed, to find a dynamic one.
+    List(u8),
     /// A connection that may be there is looked at.
     Check(u8, Looked),
+    /// A dynamic connection is deleted, to be made anew.
+    Delete(u8),
     /// A connection that should be there is asked for its state.
     Poll(u8),
     /// The device is asked for its address.
     Alive,
-}
-
-/// What is set on a connection that is being configured.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub(super) enum Setting {
-    Trigger,
-    ConsumedId,
-    WatchdogAction,
-    PacketRate,
-}
-
-impl Setting {
-    /// In the order in which they are set; the packet rate establishes the connection.
-    pub(super) const ALL: [Self; 4] =
-        [Self::Trigger, Self::ConsumedId, Self::WatchdogAction, Self::PacketRate];
-
-    pub(super) const fn next(self) -> Option<Self> {
-        match self {
-            Self::Trigger => Some(Self::ConsumedId),
-            Self::ConsumedId => Some(Self::WatchdogAction),
-            Self::WatchdogAction => Some(Self::PacketRate),
-            Self::PacketRate => None,
-        }
-    }
-}
-
-/// What is read of a connection that may be there.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(super) enum Looked {
-    State,
-    ProducedId,
-    ConsumedId,
-    PacketRate,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
@@ -121,35 +98,6 @@ pub(super) struct Probe {
     pub(super) product_code: Option<u16>,
     pub(super) major_revision: Option<u8>,
     pub(super) serial: Option<u32>,
-}
-
-/// A planned connection as it is.
-#[derive(Clone, PartialEq, Eq, Hash, Debug)]
-pub(super) struct Made {
-    pub(super) stage: Stage,
-    /// The number of the instance, once it is known.
-    pub(super) instance: Option<u16>,
-    /// On which the device produces.
-    pub(super) produces: Option<ConnectionId>,
-    /// In ms.
-    pub(super) rate: u16,
-    /// What it was told to consume, or said that it does.
-    pub(super) consumes: Option<ConnectionId>,
-    pub(super) watch: Timers<Watch, 1>,
-}
-
-/// How far a connection is.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(super) enum Stage {
-    /// To be asked for.
-    Idle,
-    /// It may be there: to be looked at.
-    Unknown,
-    /// It is there, and this is to be set next.
-    Configuring(Setting),
-    Established,
-    /// To be asked for after a while.
-    Refused(Option<GeneralStatus>),
 }
 
 /// The waits for one device.
@@ -161,16 +109,19 @@ pub(super) enum SlotTimer {
     Poll,
     /// Before a connection that was refused is asked for again.
     Retry,
+    /// Before a device that did not take the address may have it again.
+    Shun,
 }
 
-/// The wait for the next message of a producer.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(super) struct Watch;
-
-impl TimerKey<4> for SlotTimer {
-    const ALL: [Self; 4] = [Self::Conversation, Self::Wait, Self::Poll, Self::Retry];
-    const WHY: [&'static str; 4] =
-        ["response of a device", "a device", "poll of a connection's state", "next attempt at a connection"];
+impl TimerKey<5> for SlotTimer {
+    const ALL: [Self; 5] = [Self::Conversation, Self::Wait, Self::Poll, Self::Retry, Self::Shun];
+    const WHY: [&'static str; 5] = [
+        "response of a device",
+        "a device",
+        "poll of a connection's state",
+        "next attempt at a connection",
+        "next attempt at a device that did not take its address",
+    ];
 
     fn index(self) -> usize {
         match self {
@@ -178,16 +129,8 @@ impl TimerKey<4> for SlotTimer {
             Self::Wait => 1,
             Self::Poll => 2,
             Self::Retry => 3,
+            Self::Shun => 4,
         }
-    }
-}
-
-impl TimerKey<1> for Watch {
-    const ALL: [Self; 1] = [Self];
-    const WHY: [&'static str; 1] = ["message of a producer"];
-
-    fn index(self) -> usize {
-        0
     }
 }
 
@@ -203,11 +146,15 @@ impl<const CONNECTIONS: usize> Slot<CONNECTIONS> {
             no_spare: Tell::No,
             roam_due: false,
             roams: 0,
+            unwilling: Vec::new(),
+            holder: None,
+            conflicts: 0,
             probe: Probe::default(),
             task: Task::None,
             dynamic: false,
             explicit: None,
             made: [const { Made::NEW }; CONNECTIONS],
+            listed: None,
             timed_out: None,
             polled: 0,
             poll_due: false,
@@ -287,6 +234,7 @@ impl<const CONNECTIONS: usize> Slot<CONNECTIONS> {
             made.produces = None;
             made.consumes = None;
             made.instance = None;
+            made.rate = None;
         }
     }
 
@@ -296,10 +244,35 @@ impl<const CONNECTIONS: usize> Slot<CONNECTIONS> {
             if made.instance.is_none() {
                 made.instance = plan.number().map(|instance| instance.0);
             }
-            if !matches!(made.stage, Stage::Refused(_)) && made.instance.is_some() {
+            if !matches!(made.stage, Stage::Refused(_)) {
                 made.set(Stage::Unknown);
             }
         }
+    }
+
+    /// It did not take the address; the last ones of these are remembered.
+    pub(super) fn shun(&mut self, device: DeviceIdentity) {
+        if self.unwilling.is_full() {
+            self.unwilling.remove(0);
+        }
+        let pushed = self.unwilling.push(device);
+        debug_assert!(pushed.is_ok());
+    }
+
+    pub(super) fn shuns(&self, device: &DeviceIdentity) -> bool {
+        self.unwilling.contains(device)
+    }
+
+    pub(super) fn forgive(&mut self) {
+        self.unwilling.clear();
+        self.timers.clear(SlotTimer::Shun);
+    }
+
+    /// A dynamic connection that is not one of those that are known is a candidate.
+    pub(super) fn list(&mut self, numbers: &[u8]) {
+        let is_known = |number: u8| self.made.iter().any(|made| made.instance == Some(number.into()));
+        let candidates = numbers.iter().copied().filter(|number| *number >= 128 && !is_known(*number));
+        self.listed = Some(candidates.take(LISTED).collect());
     }
 
     /// Whether every planned connection is there.
@@ -310,6 +283,7 @@ impl<const CONNECTIONS: usize> Slot<CONNECTIONS> {
     pub(super) fn stop_talking(&mut self) {
         self.conversation.cancel();
         self.task = Task::None;
+        self.listed = None;
         self.explicit = None;
         self.dynamic = false;
         self.keep_time();
@@ -321,31 +295,7 @@ impl<const CONNECTIONS: usize> Slot<CONNECTIONS> {
     }
 }
 
-impl Made {
-    const NEW: Self = Self {
-        stage: Stage::Idle,
-        instance: None,
-        produces: None,
-        rate: 0,
-        consumes: None,
-        watch: Timers::new(),
-    };
-
-    /// Only an established connection is watched.
-    pub(super) fn set(&mut self, stage: Stage) {
-        self.stage = stage;
-        self.watch.clear(Watch);
-    }
-
-    /// Something was heard of it, at that moment: four packet rates until something must be heard again.
-    pub(super) fn feed(&mut self, now: link_core::Instant, at_least: Duration) {
-        if self.rate != 0 {
-            self.watch.advance(now);
-            let span = Duration::from_millis(u64::from(self.rate).saturating_mul(4)).max(at_least);
-            self.watch.set_after(Watch, span);
-        }
-    }
-}
-
+/// So many of the dynamic connections of a device are looked at.
+const LISTED: usize = 14;
 /// The longest request is ten bytes: an attribute of four in the 16/16 format; the answers are shorter.
 const MESSAGE: usize = 16;

@@ -1,7 +1,9 @@
-//! The devices that stand by and get no address: spares of roles that are filled, and unknown ones.
+//! Those for whom there is no place: devices that stand by and get no address, spares of roles that are filled and unknown
+//! ones; and strangers that have an address.
 
 use heapless::Vec;
 
+use crate::id::OperationalAddress;
 use crate::message::DeviceIdentity;
 
 /// Those that were told to the application, so that each is told once.
@@ -55,4 +57,42 @@ impl<const N: usize> Standing<N> {
         let place = self.devices.iter().position(|known| !known.answered)?;
         Some(self.devices.swap_remove(place).device)
     }
+}
+
+/// The addresses of unknown devices, a bit each, so that each is told once for as long as it is there.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub(super) struct Strangers {
+    told: u128,
+    /// Of these, the ones that were heard since it was last looked.
+    heard: u128,
+}
+
+impl Strangers {
+    /// It was heard; true if it was not known.
+    pub(super) fn heard(&mut self, at: OperationalAddress) -> bool {
+        let is_new = !self.has(at);
+        self.told |= bit(at);
+        self.heard |= bit(at);
+        is_new
+    }
+
+    pub(super) fn has(&self, at: OperationalAddress) -> bool {
+        self.told & bit(at) != 0
+    }
+
+    /// The address is planned now.
+    pub(super) fn forget(&mut self, at: OperationalAddress) {
+        self.told &= !bit(at);
+        self.heard &= !bit(at);
+    }
+
+    /// Whoever was not heard since the last time is gone. Whether anybody is left.
+    pub(super) fn age(&mut self) -> bool {
+        self.told &= core::mem::take(&mut self.heard);
+        self.told != 0
+    }
+}
+
+fn bit(at: OperationalAddress) -> u128 {
+    1_u128.checked_shl(at.number().into()).unwrap_or_default()
 }

@@ -73,7 +73,7 @@ pub enum Cause {
     HelloResponse,
     /// The ROAM was on the bus.
     RoamSent,
-    /// No Hello with the address came, after the last ROAM.
+    /// No Hello with the address came after the last ROAM, or it did not stay; or the device has none still.
     NotTaken,
     /// The time to wait is over.
     WaitOver,
@@ -173,6 +173,7 @@ impl fmt::Display for Cause {
 /// | 3 | Missing | Hello response | Connecting |
 /// | 3 | Missing | other identity | Conflict |
 /// | 3 | Missing | wait over | Lost |
+/// | 3 | Missing | not taken | Lost |
 /// | 4 | Found | ROAM sent | Assigned |
 /// | 4 | Found | Hello request | Joining |
 /// | 4 | Found | Hello response | Connecting |
@@ -186,6 +187,8 @@ impl fmt::Display for Cause {
 /// | 5 | Assigned | other identity | Conflict |
 /// | 6 | Joining | wait over | Connecting |
 /// | 6 | Joining | Hello without address | Found |
+/// | 6 | Joining | not taken | Missing |
+/// | 6 | Joining | not taken | Lost |
 /// | 6 | Joining | Hello response | Connecting |
 /// | 6 | Joining | other identity | Conflict |
 /// | 7 | Connecting | connected | Running |
@@ -241,6 +244,7 @@ pub const EDGES: &[Edge] = {
         edge(3, Missing, HelloResponse, Connecting),
         edge(3, Missing, OtherIdentity, Conflict),
         edge(3, Missing, WaitOver, Lost),
+        edge(3, Missing, NotTaken, Lost),
         edge(4, Found, RoamSent, Assigned),
         edge(4, Found, HelloRequest, Joining),
         edge(4, Found, HelloResponse, Connecting),
@@ -254,6 +258,8 @@ pub const EDGES: &[Edge] = {
         edge(5, Assigned, OtherIdentity, Conflict),
         edge(6, Joining, WaitOver, Connecting),
         edge(6, Joining, HelloWithoutAddress, Found),
+        edge(6, Joining, NotTaken, Missing),
+        edge(6, Joining, NotTaken, Lost),
         edge(6, Joining, HelloResponse, Connecting),
         edge(6, Joining, OtherIdentity, Conflict),
         edge(7, Connecting, Connected, Running),

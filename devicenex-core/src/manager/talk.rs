@@ -12,7 +12,7 @@ use super::database::Attribute;
 use super::event::{ManagerEvent, PlannedEvent, RequestFailure, Value};
 use super::machine::{Manager, Timer};
 use super::slot::Task;
-use super::state::DeviceState;
+use super::state::{Cause, DeviceState};
 use crate::client::{Conversation, Route, connection_response};
 use crate::id::OperationalAddress;
 
@@ -116,10 +116,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     /// # Errors
     /// If another request is under way, or the manager is not on line.
     pub fn get(&mut self, to: OperationalAddress, attribute: Attribute) -> Result<(), RequestError> {
-        let number = u8::try_from(attribute.attribute.0).map_err(|_| RequestError::NotAddressable)?;
-        if attribute.class.0 > u16::from(u8::MAX) || attribute.instance.0 > u16::from(u8::MAX) {
-            return Err(RequestError::NotAddressable);
-        }
+        let Some([.., number]) = attribute.short() else { return Err(RequestError::NotAddressable) };
         let Attribute { class, instance, .. } = attribute;
         let request =
             Request::new(ServiceCode::GET_ATTRIBUTE_SINGLE, class, instance, core::slice::from_ref(&number));
@@ -238,13 +235,11 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         });
         let Some(slot) = due else { return };
         let (to, number) = (slot.address(), slot.reads);
-        let Some(Attribute { class, instance, attribute }) =
-            slot.plan.reads.get(usize::from(number)).copied()
-        else {
-            return;
-        };
-        let data = [attribute.0.to_le_bytes()[0]];
-        let request = Request::new(ServiceCode::GET_ATTRIBUTE_SINGLE, class, instance, &data);
+        let Some(read) = slot.plan.reads.get(usize::from(number)).copied() else { return };
+        // The plan was checked.
+        let Some([.., attribute]) = read.short() else { return };
+        let data = [attribute];
+        let request = Request::new(ServiceCode::GET_ATTRIBUTE_SINGLE, read.class, read.instance, &data);
         // It waits until the present transaction with the device is over.
         let _ = self.begin_talk(to, Purpose::Read(number), &request, false, self.config.connect_tries);
     }
@@ -334,11 +329,25 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
                 // A refusal is a response.
                 Ok(()) | Err(_) => ManagerEvent::Response(from),
             }),
-            Purpose::Readdress(to) => self.raise(ManagerEvent::Readdressed { from, to, result }),
+            Purpose::Readdress(to) => self.readdressed(from, to, result),
             Purpose::Read(number) => self.end_read(from, number, result),
         }
         if let Some(place) = self.place(from) {
             self.advance_slot(place);
+        }
+    }
+
+    fn readdressed(
+        &mut self,
+        from: OperationalAddress,
+        to: OperationalAddress,
+        result: Result<(), RequestFailure>,
+    ) {
+        self.raise(ManagerEvent::Readdressed { from, to, result });
+        let Some(place) = self.place(from) else { return };
+        if result.is_ok() && self.slots.get(place).is_some_and(|slot| slot.state == DeviceState::Conflict) {
+            // Who had it is gone.
+            self.begin_probe(place, Cause::WaitOver);
         }
     }
 

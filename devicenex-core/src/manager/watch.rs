@@ -5,7 +5,8 @@ use link_core::Frame;
 
 use super::event::PlannedEvent;
 use super::machine::Manager;
-use super::slot::{SlotTimer, Stage, Task};
+use super::made::Stage;
+use super::slot::{SlotTimer, Task};
 use super::state::{Cause, DeviceState};
 use crate::connection::ConnectionId;
 use crate::counter::count;
@@ -86,8 +87,8 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     pub(super) fn poll_next(&mut self, place: usize) {
         let Some(slot) = self.slot(place) else { return };
         slot.poll_due = false;
-        let is_asked = |(number, plan, made): (u8, &super::PlannedConnection, &mut super::slot::Made)| {
-            let is_heard = plan.is_heard() && made.rate != 0;
+        let is_asked = |(number, plan, made): (u8, &super::PlannedConnection, &mut super::made::Made)| {
+            let is_heard = plan.is_heard() && made.rate != Some(0);
             (made.stage == Stage::Established && !is_heard).then_some(number)
         };
         let polled = slot.polled;
@@ -111,9 +112,13 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             return self.begin_poll_wait(place);
         }
         let Some(slot) = self.slot(place) else { return };
+        let Some(plan) = slot.planned(number) else { return };
         let Some(made) = slot.made_mut(number) else { return };
         let instance = InstanceId(made.instance.unwrap_or_default());
-        made.set(Stage::Idle);
+        match value {
+            Some(_) => made.renew(&plan),
+            None => made.gone(&plan),
+        }
         let was_running = slot.state == DeviceState::Running;
         count(&mut self.counters.timed_out);
         self.tell(place, PlannedEvent::TimedOut(instance));

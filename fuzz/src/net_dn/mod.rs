@@ -33,7 +33,6 @@ mod tests;
 
 use core::time::Duration;
 
-use arbitrary::Unstructured;
 use devicenet_core::MacId;
 use devicenet_core::master;
 use devicenet_core::message::{DelayOffset, NodeSelection};
@@ -48,13 +47,10 @@ use referee::Referee;
 
 /// Lets a network live as the bytes say.
 pub fn run(data: &[u8]) {
-    let mut input = Unstructured::new(data);
-    let Ok(plan) = input.arbitrary::<u8>() else { return };
+    let Some((plan, operations)) = crate::input::plan_and_operations(data, MOST_OPERATIONS) else { return };
     let mut network = Network::new(plan);
-    let mut left = MOST_OPERATIONS;
-    while let (false, Ok([op, argument])) = (input.is_empty() || left == 0, input.arbitrary::<[u8; 2]>()) {
+    for [op, argument] in operations {
         network.apply(op, argument);
-        left -= 1;
     }
     network.come_to_rest();
 }

@@ -11,8 +11,8 @@
 //! - nothing is pending after a drain, a second tick changes nothing, and a manager that works has something to wait for as
 //!   long as a device is not as planned.
 
+mod answers;
 mod ops;
-mod plant;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -27,8 +27,9 @@ use link_core::{
     Action, BitRate, Frame, Input, Instant, LinkCommand, LinkEvent, Machine, Mode, TxOutcome, TxToken,
 };
 
+use crate::plant::{NODES, OWN, device, oa, own, plan};
+use answers::answer;
 use ops::Op;
-use plant::{NODES, OWN, answer, device, oa, own, plan};
 
 /// Does to a manager what the bytes say.
 pub fn run(data: &[u8]) {

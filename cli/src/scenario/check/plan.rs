@@ -245,7 +245,7 @@ impl Checker<'_> {
             let word = |key: &str, value: &Option<Spanned<i64>>| {
                 let value =
                     self.required(value.as_ref(), &span, &format!("`{key}` of the attribute that is read"))?;
-                self.number::<u16>(key, value, 0, 0xFFFF, "a number of 16 bits")
+                self.number::<u16>(key, value, 0, 0xFF, "0 to 255: it is read without a connection")
             };
             reads.push(Attribute {
                 class: ClassId(word("class", &raw.class)?),

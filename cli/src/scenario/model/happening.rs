@@ -88,6 +88,8 @@ names! {
         NotAddressed = "not_addressed",
         /// Manager: a connection of a planned device is established.
         Connected = "connected",
+        /// Manager: a connection that a planned device has already is not as planned.
+        Differs = "differs",
         /// Manager: a device stands by that may stand in for one that is there.
         Spare = "spare",
         /// Manager: nobody can stand in for a device that is lost.
@@ -148,6 +150,7 @@ impl EventName {
             | Self::Addressed
             | Self::NotAddressed
             | Self::Connected
+            | Self::Differs
             | Self::NoSpare
             | Self::Spare
             | Self::Conflict
@@ -183,6 +186,7 @@ impl EventName {
                 | Self::Addressed
                 | Self::NotAddressed
                 | Self::Connected
+                | Self::Differs
                 | Self::Refused
                 | Self::TimedOut
                 | Self::Lost
@@ -204,6 +208,7 @@ impl EventName {
                 | Self::OutputChanged
                 | Self::InputChanged
                 | Self::Connected
+                | Self::Differs
         )
     }
 }

@@ -181,6 +181,10 @@ impl NexExchange {
                 EventName::Connected
             }
             PlannedEvent::Refused { .. } => EventName::Refused,
+            PlannedEvent::Differs { instance, .. } => {
+                connection = Some(instance.0);
+                EventName::Differs
+            }
             PlannedEvent::TimedOut(instance) => {
                 connection = Some(instance.0);
                 EventName::TimedOut

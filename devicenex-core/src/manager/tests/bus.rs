@@ -291,6 +291,16 @@ impl Bus {
         }
     }
 
+    /// The same; the first question has been sent already.
+    pub(super) fn identifies_from(&mut self, request: &str, device: DeviceIdentity) {
+        let [low, high] = device.vendor.0.to_le_bytes();
+        self.hears(&std::format!("1C0386{}: 8E {low:02X} {high:02X}", &request[6..8]));
+        let [low, high] = device.product_code.to_le_bytes();
+        self.answers_get(&[low, high]);
+        self.answers_get(&[device.major_revision, 1]);
+        self.answers_get(&device.serial.to_le_bytes());
+    }
+
     /// The answer of 67 to the attribute that it was asked for last.
     #[track_caller]
     pub(super) fn answers_get(&mut self, value: &[u8]) {
@@ -302,7 +312,9 @@ impl Bus {
 
     /// The manager found the device on line, with its connection, of that packet rate.
     pub(super) fn adopted(rate: u16) -> Self {
-        let mut bus = Self::on_line(config(), [producer()]);
+        let mut plan = producer();
+        plan.connections[0].expected_packet_rate = rate;
+        let mut bus = Self::on_line(config(), [plan]);
         bus.identifies(PLANNED);
         bus.answers_get(&[3]);
         bus.answers_get(&0x8086_0007_u32.to_le_bytes());

@@ -100,6 +100,19 @@ fn every_edge_is_taken() {
     bus.hears(&std::format!("1D0386{}: 94 08 FF", &sent.last().unwrap()[6..8]));
     bus.wait(1000);
     bus.is(67, DeviceState::Retrying);
+    // It takes its address after the last ROAM, and gives it up at once; later it takes none at all.
+    for leaves in [2, 3] {
+        let mut bus = Bus::found();
+        for _ in 0..leaves {
+            bus.wait_on_the_bus(1020 + 2 * 500 + 10);
+            bus.hello(67, Direction::Request, PLANNED);
+            bus.is(67, DeviceState::Joining);
+            bus.hello(127, Direction::Request, PLANNED);
+            bus.hello(127, Direction::Request, PLANNED);
+            bus.wait_on_the_bus(10_000);
+            bus.hello(127, Direction::Request, PLANNED);
+        }
+    }
     // A connection that is no longer there.
     let mut bus = Bus::adopted(0);
     bus.wait(1000);

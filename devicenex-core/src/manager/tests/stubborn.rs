@@ -72,6 +72,7 @@ fn a_dynamic_producer_is_watched_at_the_rate_that_it_keeps() {
     plan.connections.push(PlannedConnection { instance: None, ..PlannedConnection::producer(100) }).unwrap();
     let mut bus = Bus::on_line(config(), [plan]);
     bus.identifies(PLANNED);
+    bus.answers_get(&[0]);
     let sent = bus.acknowledges();
     answers(&mut bus, &sent, "1D", 67, "4B D6 00 C4 09");
     let sent = bus.acknowledges();
@@ -104,6 +105,7 @@ fn consumer_is_being_told() -> (Bus, Vec<String>) {
     let mut bus = Bus::on_line(config(), [plan, consumer(0)]);
     bus.acknowledges();
     bus.hello(67, Direction::Response, PLANNED);
+    bus.answers_get(&[0]);
     grants_dynamic(&mut bus, "80");
     bus.is(67, DeviceState::Running);
     bus.hello(5, Direction::Response, CONSUMER);

@@ -100,3 +100,53 @@ pub(super) fn net_dn() -> Seeds {
     ];
     scripts.map(|(name, bytes)| (name.to_owned(), bytes)).to_vec()
 }
+
+/// What the network is like, then operations: it runs for 12 s, twice until all have connections, and something happens to it.
+pub(super) fn net_nx() -> Seeds {
+    let runs = [0, 0xCC];
+    let runs_twice = [0, 0xCC, 0, 0xCC];
+    // To which node the stranger speaks: 5, 67, 109, the manager; and what.
+    let says = |what: u8, to: u8| [11, what << 2 | to];
+    let (in_step, second, lower, stagger) = (2, 6, 0x0E, 0x82);
+    let scripts: [(&str, Vec<u8>); 16] = [
+        ("data", [&[in_step][..], &runs_twice, &[10, 7], &runs].concat()),
+        ("one-after-the-other", [&[stagger][..], &runs_twice, &runs, &[10, 7], &runs].concat()),
+        (
+            "spare-takes-over",
+            [&[0][..], &runs_twice, &[9, 1], &runs, &[10, 9], &runs, &[9, 1], &runs].concat(),
+        ),
+        (
+            "both-managers",
+            [&[second][..], &runs_twice, &[3, 0x80], &runs_twice, &runs, &[3, 0xC0], &runs].concat(),
+        ),
+        ("lower-manager", [&[lower][..], &runs_twice, &[3, 0], &runs_twice].concat()),
+        ("segments", [&[second][..], &[8, 0x12], &runs_twice, &[8, 0], &runs_twice].concat()),
+        ("one-address-twice", [&[0x22][..], &[8, 0x42], &runs_twice, &[8, 0], &runs_twice].concat()),
+        ("uninvited", [&[0x12][..], &runs_twice, &[3, 6], &runs].concat()),
+        ("uninvited-consumer", [&[0x32][..], &[3, 0xC6], &runs_twice].concat()),
+        (
+            "without-a-connection",
+            [&[1][..], &runs_twice, &says(1, 1), &says(2, 0), &says(3, 2), &says(0, 1), &[0, 0xC1]].concat(),
+        ),
+        (
+            "readdressed",
+            [&[in_step][..], &runs_twice, &says(4, 2), &[0, 0x41], &says(5, 2), &runs, &says(15, 1), &runs]
+                .concat(),
+        ),
+        ("its-connections", [&[in_step][..], &runs_twice, &says(7, 0), &says(8, 0), &runs].concat()),
+        ("contested", [&[in_step][..], &runs_twice, &says(9, 1), &runs, &says(10, 0), &runs].concat()),
+        ("gives-addresses", [&[in_step][..], &runs_twice, &says(11, 1), &says(27, 2), &runs].concat()),
+        ("another-manager-asks", [&[second][..], &runs_twice, &says(12, 0), &runs_twice, &runs].concat()),
+        (
+            "faults",
+            [
+                &[0x42][..],
+                &runs_twice,
+                &[4, 0x19, 5, 0x3A, 0, 0x82, 6, 0x88, 0, 0x82, 6, 0xC1, 0, 0x82, 7, 0],
+                &runs,
+            ]
+            .concat(),
+        ),
+    ];
+    scripts.map(|(name, bytes)| (name.to_owned(), bytes)).to_vec()
+}

@@ -27,6 +27,7 @@ pub(crate) fn of(target: &str) -> Seeds {
         "frame_decode" => frames::frame_decode(),
         "monitor" => frames::monitor(),
         "net_dn" => buses::net_dn(),
+        "net_nx" => buses::net_nx(),
         "nx_manager" => machines::nx_manager(),
         "nx_monitor" => frames::nx_monitor(),
         "nx_node" => device::nx_node(),
