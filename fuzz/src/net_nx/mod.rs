@@ -41,7 +41,7 @@ use std::collections::BTreeSet;
 use devicenex_core::access::StateKind;
 use devicenex_core::manager::DeviceState;
 use link_core::{BitRate, Instant};
-use transport_mock::nodes::External;
+use transport_mock::nodes::{External, Listener};
 use transport_mock::{BusConfig, Change, Fault, FaultId, Ignore, Network, NodeConfig, NodeId, Scope, Which};
 
 use crate::plant::{NODES, OWN, device, oa};
@@ -62,6 +62,8 @@ struct Plant {
     /// The managers first.
     nodes: Vec<NodeId>,
     stranger: NodeId,
+    /// It acknowledges what is said on the other segment: a lone node would say its first frame for ever.
+    ear: NodeId,
     /// The device that nobody planned has this address at the beginning.
     uninvited: Option<u8>,
     faults: BTreeSet<u32>,
@@ -91,10 +93,12 @@ impl Plant {
         let nodes: Vec<NodeId> = nodes.collect();
         let stranger = External::<()>::new().with_restart(Duration::from_millis(100));
         let stranger = network.add_silent(NodeConfig::named("stranger"), stranger);
+        let ear = network.add_silent(NodeConfig::named("ear"), Listener::new(1));
         Self {
             network,
             nodes,
             stranger,
+            ear,
             uninvited,
             faults: BTreeSet::new(),
             is_split: false,
@@ -158,7 +162,7 @@ impl Plant {
         let apart: Vec<NodeId> = apart.map(|(_, node)| *node).collect();
         if !apart.is_empty() {
             self.is_split = true;
-            self.network.apply(Change::Split(apart));
+            self.network.apply(Change::Split([&apart[..], &[self.ear]].concat()));
         }
     }
 
