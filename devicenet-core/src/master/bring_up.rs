@@ -25,13 +25,14 @@ use cip_core::message::{AttributeRequest, Response};
 use super::config::Config;
 use super::difference::{Difference, Property};
 use super::door;
-use super::event::{SlaveEvent, count};
+use super::event::SlaveEvent;
 use super::scan_list::IoInstance;
 use super::slot::{Sending, Slot, SlotTimer};
 use super::state::{Cause, Stage, Step};
 use super::status::ScannerStatus;
 use super::writes::AttributeWrite;
 use crate::client::Route;
+use crate::counter::count;
 use crate::id::MacId;
 
 /// What a step came to.

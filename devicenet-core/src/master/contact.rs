@@ -17,11 +17,11 @@ use cip_core::message::{AllocationChoice, Response};
 use super::bring_up::refusal;
 use super::config::{Config, FirstContact};
 use super::door;
-use super::event::count;
 use super::slot::{Slot, SlotTimer};
 use super::state::{Cause, Contact, Stage, Step};
 use super::status::ScannerStatus;
 use crate::client::{Failure, Route};
+use crate::counter::count;
 use crate::id::MacId;
 use crate::message::{FormatByte, GroupSelect, MessageId, OpenRequest, OpenResponse};
 

@@ -181,13 +181,3 @@ impl fmt::Display for SlaveEvent {
         }
     }
 }
-
-/// Adds one to a counter that saturates.
-pub(super) fn count(counter: &mut u16) {
-    *counter = counter.saturating_add(1);
-}
-
-/// Adds one to a counter that saturates.
-pub(super) fn count32(counter: &mut u32) {
-    *counter = counter.saturating_add(1);
-}

@@ -11,7 +11,7 @@ use link_core::{
 use super::board::{Board, Known};
 use super::config::Config;
 use super::cycle::Cycle;
-use super::event::{Counters, MasterEvent, count};
+use super::event::{Counters, MasterEvent};
 use super::lanes::Lanes;
 use super::node::{OwnNode, Scanner};
 use super::replacement::{Candidate, ReplacementMode};
@@ -19,6 +19,7 @@ use super::slot::{Output, Slot, SlotTimer};
 use super::state::{Cause, Stage};
 use crate::access::NetworkStatus;
 use crate::collision;
+use crate::counter::count;
 use crate::id::{self, MacId};
 use crate::slave;
 

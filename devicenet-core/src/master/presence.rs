@@ -3,10 +3,10 @@
 use core::time::Duration;
 
 use super::config::Config;
-use super::event::count;
 use super::slot::{Slot, SlotTimer};
 use super::state::{Cause, Stage};
 use super::status::ScannerStatus;
+use crate::counter::count;
 use crate::id::MacId;
 
 impl<const N: usize> Slot<N> {

@@ -8,20 +8,21 @@ use cip_core::message::Response;
 use link_core::Frame;
 
 use super::config::Config;
-use super::event::{SlaveEvent, count, count32};
+use super::event::SlaveEvent;
 use super::machine::Master;
 use super::scan_list::IoInstance;
 use super::slot::{Slot, SlotTimer};
 use super::state::{Cause, Stage};
 use super::status::ScannerStatus;
 use crate::client::Progress;
+use crate::counter::{count, count_wide};
 use crate::id::{Identifier, MacId, Purpose};
 use crate::message::{Direction, ExplicitMessage, Heartbeat, Shutdown, Wire};
 
 impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     pub(super) fn frame(&mut self, frame: &Frame) {
-        let Some(id) = Identifier::of_frame(frame) else { return count32(&mut self.counters.unrelated) };
-        let Some(slave) = id.mac_id() else { return count32(&mut self.counters.unrelated) };
+        let Some(id) = Identifier::of_frame(frame) else { return count_wide(&mut self.counters.unrelated) };
+        let Some(slave) = id.mac_id() else { return count_wide(&mut self.counters.unrelated) };
         if !self.board.listed().contains(slave) {
             return self.frame_of_stranger(id, slave, frame);
         }
@@ -34,11 +35,11 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             Purpose::MulticastPollResponse => self.io(slave, IoInstance::MulticastPoll, frame.data()),
             Purpose::ExplicitResponse | Purpose::UnconnectedResponse if self.broadcast(slave, frame) => {}
             Purpose::ExplicitResponse if self.is_others_allocation(frame) => {
-                count32(&mut self.counters.unrelated);
+                count_wide(&mut self.counters.unrelated);
                 self.with_slot(slave, Slot::taken_over);
             }
             Purpose::PollCommand => {
-                count32(&mut self.counters.unrelated);
+                count_wide(&mut self.counters.unrelated);
                 self.with_slot(slave, Slot::verify_owner);
             }
             _ => self.explicit_frame(slave, frame),
@@ -51,7 +52,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         if replaces && id.purpose() == Purpose::DuplicateMacCheck {
             self.candidate_heard(frame);
         } else if !(replaces && self.on_line && self.candidate_frame(frame)) {
-            count32(&mut self.counters.unrelated);
+            count_wide(&mut self.counters.unrelated);
         }
     }
 
@@ -89,7 +90,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         }
         let Some(slot) = self.board.get_mut(&mut self.slots, slave) else { return false };
         if let Ok(heartbeat) = Heartbeat::parse(data) {
-            count32(&mut slot.counters.heartbeats);
+            count_wide(&mut slot.counters.heartbeats);
             slot.raise(SlaveEvent::Heartbeat(heartbeat));
         } else if let Ok(shutdown) = Shutdown::parse(data) {
             slot.raise(SlaveEvent::Shutdown(shutdown));
@@ -120,7 +121,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         let own = self.access().mac_id();
         let Some(slot) = self.board.get_mut(&mut self.slots, slave) else { return };
         let failure = match slot.conversation.frame(frame) {
-            Progress::NotMine => return count32(&mut self.counters.unrelated),
+            Progress::NotMine => return count_wide(&mut self.counters.unrelated),
             Progress::Ignored(_) => return count(&mut slot.counters.explicit_ignored),
             Progress::Pending => {
                 slot.timers.clear(SlotTimer::Restart);
@@ -159,7 +160,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         let Some(slot) = self.board.get_mut(&mut self.slots, slave) else { return };
         let agreed = slot.entry.agreed(instance);
         let Some(agreed) = agreed.filter(|_| slot.is_running()) else {
-            return count32(&mut self.counters.unexpected);
+            return count_wide(&mut self.counters.unexpected);
         };
         // The acknowledge of output data that are sent without poll.
         let Some(size) = agreed.produce else { return };
@@ -204,7 +205,7 @@ impl<const N: usize> Slot<N> {
             debug_assert!(kept.is_ok());
             input.received = true;
         }
-        count32(&mut self.counters.received);
+        count_wide(&mut self.counters.received);
         self.feed_watchdog(instance);
         self.timers.clear(SlotTimer::Restart);
         self.acknowledge_due |= acknowledged;

@@ -4,8 +4,8 @@ use core::time::Duration;
 
 use super::board::View;
 use super::cycle::{Cycle, Position};
-use super::event::count32;
 use super::machine::{Master, Timer};
+use crate::counter::count_wide;
 
 impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     /// Moves the scan on where it waits for nothing.
@@ -67,14 +67,14 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     }
 
     fn end_scan(&mut self) {
-        count32(&mut self.counters.scans);
+        count_wide(&mut self.counters.scans);
         for timer in [Timer::Interscan, Timer::ResponseWait, Timer::Quiet] {
             self.timers.clear(timer);
         }
         let mut missing = 0_u8;
         for slave in self.cycle.missing() {
             if let Some(slot) = self.board.get_mut(&mut self.slots, slave) {
-                count32(&mut slot.counters.missed);
+                count_wide(&mut slot.counters.missed);
                 missing = missing.saturating_add(1);
             }
         }

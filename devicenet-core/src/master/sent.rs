@@ -6,13 +6,13 @@ use link_core::{TxOutcome, TxToken};
 
 use super::board::{Known, View};
 use super::cycle::Position;
-use super::event::{count, count32};
 use super::lanes::{ANSWERS, Carried, EXPLICIT, SCAN, Withdrawal};
 use super::machine::Master;
 use super::scan_list::IoInstance;
 use super::set::SlaveSet;
 use super::slot::{Sending, Slot, SlotTimer};
 use crate::client::Conversation;
+use crate::counter::{count, count_wide};
 use crate::id::MacId;
 
 impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
@@ -33,7 +33,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         if sent {
             self.unacknowledged = false;
         } else {
-            count32(&mut self.counters.not_sent);
+            count_wide(&mut self.counters.not_sent);
         }
         match carried {
             Carried::Acknowledge | Carried::Abandoned => {}
@@ -94,7 +94,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             if let Some(fragment) = slot.output.next_fragment(fragment) {
                 return self.next_command(Position::Poll { slave, fragment });
             }
-            count32(&mut slot.counters.commands);
+            count_wide(&mut slot.counters.commands);
             self.cycle.expect(IoInstance::Poll, slave);
         }
         let next = self.cycle.poll_after(
@@ -148,7 +148,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     fn expect_all(&mut self, instance: IoInstance, slaves: SlaveSet) {
         for slave in slaves {
             if let Some(slot) = self.board.get_mut(&mut self.slots, slave) {
-                count32(&mut slot.counters.commands);
+                count_wide(&mut slot.counters.commands);
                 self.cycle.expect(instance, slave);
             }
         }

@@ -9,11 +9,12 @@ use heapless::Vec;
 use link_core::Timers;
 use link_core::timers::TimerKey;
 
-use super::event::{SlaveCounters, SlaveEvent, count};
+use super::event::{SlaveCounters, SlaveEvent};
 use super::scan_list::{IoInstance, ScanEntry};
 use super::state::{Cause, EDGES, SlaveState, Stage};
 use super::status::ScannerStatus;
 use crate::client::{Conversation, Route, Waits};
+use crate::counter::count;
 use crate::id::MacId;
 
 /// One slave: its entry, its state, its data.

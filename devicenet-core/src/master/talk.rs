@@ -12,10 +12,11 @@ use heapless::Vec;
 use super::bring_up::refusal;
 use super::config::Config;
 use super::door;
-use super::event::{SlaveEvent, count};
+use super::event::SlaveEvent;
 use super::slot::{Slot, TalkStage};
 use super::state::Cause;
 use crate::client::{Failure, Route, StartError};
+use crate::counter::count;
 use crate::id::MacId;
 
 impl<const N: usize> Slot<N> {
