@@ -11,7 +11,7 @@
 //! | [`message`] | explicit request and response bodies in the five body formats, and the bodies of the services |
 //! | [`fragment`] | cutting and reassembly of messages longer than a CAN frame |
 //! | [`identity`] | who a device is, its status and state |
-//! | [`connection`] | the values of connection attributes, defaults of the predefined connection set |
+//! | [`connection`] | the Connection object: attributes, state machines, time-outs, production |
 //! | [`parameter`] | the descriptors of the Parameter object |
 //! | [`scan`] | what a master must know of a slave: an entry of its scan list |
 //! | [`names`] | attributes and services of the object classes, with their types |

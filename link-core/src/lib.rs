@@ -17,10 +17,12 @@
 //! | [`filter`] | acceptance filters |
 //! | [`link`] | what happens below the frame: bus-off, error-passive, bit rate, mode |
 //! | [`machine`] | the contract |
+//! | [`edge`] | the transitions of state machines |
 //! | [`drive`](mod@drive) | the run loop and [`Port`] |
 //! | [`ethernet`] | the same contract with raw Ethernet frames |
 //! | [`codec`] | bounded reading and writing of bytes, and the laws of a type with a byte layout |
 //! | [`codes`] | numbers with names |
+//! | [`recording`] | which frame of a recording answers which |
 //! | [`text`] | formatting without allocation |
 //! | `embedded` | feature `embedded-can`: a [`Port`] on an `embedded_can` driver |
 //!

@@ -5,13 +5,18 @@
 //!
 //! | Type | What |
 //! |---|---|
+//! | [`Explicit`], [`Asked`] | what an explicit message says, and what of a request its response does not repeat |
+//! | [`packet`] | requests inside of a request, and their responses |
+//! | [`Connection`], [`Side`], [`Flow`] | what is known of a connection, of one of its directions, and which that is |
+//! | [`Flights`] | the fragments that wait for an acknowledge |
+//! | [`Slots`], [`Piece`], [`Part`] | the messages that are being put together from fragments, and what becomes of a frame |
 //! | [`Flaw`] | what can be wrong with a message |
+//! | [`Remark`] | what a rule has found, for the [reading](Remarks) of the network |
 //! | [`Frag`] | the fragmentation byte of a frame |
 //! | [`Seen`], [`Answered`] | a frame of the recording, and what its answer says of it |
-//! | [`Remark`] | what a rule has found, for the [reading](Remarks) of the network |
-//! | [`Slots`] | the messages that are being put together from fragments |
 //! | [`Span`] | where in a message its value stands |
 //! | [`Traffic`] | what a node has sent, in numbers |
+//! | [`Vocabulary`], [`text`] | names and words; the network has some of its own |
 //!
 //! Storage is fixed, and what a frame costs is bounded.
 
