@@ -55,13 +55,6 @@ super::codes! {
     }
 }
 
-impl GeneralStatus {
-    /// True for 0xD0-0xFF, where the object class gives the meaning and the additional code the detail.
-    pub const fn is_object_specific(self) -> bool {
-        self.0 >= 0xD0
-    }
-}
-
 super::codes! {
     /// The additional code of an error response. Its meaning depends on the object and the service.
     pub struct AdditionalCode(u8), "additional code" in hex {

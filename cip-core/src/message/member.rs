@@ -1,6 +1,5 @@
 //! Bodies of the member services: Get_Member, Set_Member, Insert_Member, Remove_Member.
 
-use crate::code::AttributeId;
 use crate::codec::{Full, ParseError, Reader, Tail, Wire, Writer};
 
 /// The service data of a member service in formats 0-3.
@@ -20,13 +19,6 @@ pub struct MemberRequest<'a> {
     pub member: u16,
     /// The value.
     pub value: &'a [u8],
-}
-
-impl MemberRequest<'_> {
-    /// The attribute as an ID.
-    pub fn attribute_id(&self) -> AttributeId {
-        AttributeId(self.attribute.into())
-    }
 }
 
 impl<'a> Wire<'a> for MemberRequest<'a> {
