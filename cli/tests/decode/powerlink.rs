@@ -63,7 +63,10 @@ fn a_summary_tells_cycle_nodes_and_transfers() {
     assert_eq!(node["pres"]["count"], 31);
     let states: Vec<_> = node["states"].as_array().unwrap().iter().map(|state| state["n"].clone()).collect();
     assert_eq!(states, [113, 508, 518, 548]);
-    assert_eq!((&managing_node["node"], &managing_node["mac"]), (&json!(240), &json!("02-00-00-00-00-F0")));
+    assert_eq!(
+        (&managing_node["node"], &managing_node["mac_address"]),
+        (&json!(240), &json!("02-00-00-00-00-F0"))
+    );
     let [sdo] = of("sdo")[..] else { panic!("{rows:?}") };
     assert_eq!((&sdo["writes"], &sdo["aborts"], &sdo["client"]), (&json!(17), &json!(2), &json!(240)));
     let objects: Vec<_> = of("sdo_abort").iter().map(|row| row["index"].clone()).collect();

@@ -98,6 +98,51 @@ fn of_decode() {
     });
 }
 
+const POWERLINK: &str = "../../../tests/captures/powerlink/boot.pcap";
+
+#[test]
+fn of_decode_of_powerlink() {
+    let runs: [&[&str]; 1] = [&["decode", "--json", POWERLINK]];
+    // The capture has no problem, no tag, no other protocol, and every transfer in one part.
+    let rare = [
+        "captured",
+        "channel",
+        "vlan",
+        "ethertype",
+        "reason",
+        "nodes",
+        "note",
+        "problem",
+        "problem_code",
+        "sdo.part",
+        "sdo.total",
+        "message",
+        "message_type",
+    ];
+    agree(&["### decode of Ethernet POWERLINK"], &runs, &rare, Some);
+}
+
+#[test]
+fn of_a_summary_of_powerlink() {
+    let two_senders = file("two-senders.pcap");
+    let bytes =
+        std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/captures/powerlink/boot.pcap")).unwrap();
+    // The first frame twice, a SoA of the managing node: the second time from node 7.
+    let mut foreign = bytes[24..24 + 16 + 54].to_vec();
+    foreign[16 + 16] = 7;
+    std::fs::write(&two_senders, [&bytes[..24 + 16 + 54], &foreign].concat()).unwrap();
+    let runs: [&[&str]; 2] = [
+        &["decode", "--summary", "--json", POWERLINK],
+        &["decode", "--summary", "--json", two_senders.to_str().unwrap()],
+    ];
+    let known = |field: String| {
+        let is_kind = field.starts_with("kinds.");
+        let is_identity = field.starts_with("identity.");
+        (field != "summary" && !is_kind && !is_identity).then_some(field)
+    };
+    agree(&["### decode --summary of Ethernet POWERLINK"], &runs, &["states_forgotten"], known);
+}
+
 #[test]
 fn of_a_summary() {
     let scenario = file("summed-up.log");

@@ -1,5 +1,6 @@
 //! The summary as JSON, one object a line.
 
+use link_core::Instant;
 use powerlink_core::NodeId;
 use powerlink_core::monitor::{Cycle, Monitor, NodeRecord};
 use serde::Serialize;
@@ -7,6 +8,7 @@ use serde_json::{Map, Value, json};
 
 use super::{Abort, Count, Network, Summary, Transfers};
 use crate::histogram::Histogram;
+use crate::text::push_seconds;
 
 impl Summary {
     /// As JSON, one object a line: first the network, then its nodes, its SDO connections, what was refused, its problems.
@@ -19,29 +21,30 @@ impl Summary {
         for (index, network) in self.networks.iter().enumerate() {
             let channel = channel(index);
             let monitor = monitors.get(index).map(AsRef::as_ref);
-            let mut push = |record: Value| out += &line(&record);
-            push(network.record(&channel, monitor));
+            let mut push = |summary, fields| out += &line(&Row { summary, channel: &channel, fields });
+            push("network", network.record(monitor));
             for (node, count) in network.senders() {
                 let known = node.and_then(|node| monitor?.node(NodeId(node)));
-                push(node_record(&channel, node, count, known));
+                push("node", network.node_record(node, count, known));
             }
             for ((client, server), transfers) in &network.transfers {
                 let Transfers { reads, writes, others, aborts, responses } = transfers;
-                push(json!({
-                    "summary": "sdo", "channel": channel, "client": client, "server": server,
-                    "reads": reads, "writes": writes, "others": others, "aborts": aborts,
-                    "response": times(responses),
-                }));
+                push(
+                    "sdo",
+                    json!({
+                        "client": client, "server": server, "reads": reads, "writes": writes, "others": others,
+                        "aborts": aborts, "response": times(responses),
+                    }),
+                );
             }
             for (Abort { client, server, object, code }, count) in &network.aborts {
                 let mut record = json!({
-                    "summary": "sdo_abort", "channel": channel, "client": client, "server": server,
-                    "abort": code, "count": count,
+                    "client": client, "server": server, "abort": code, "count": count,
                 });
                 put(&mut record, "index", object.map(|(index, _)| index));
                 put(&mut record, "subindex", object.map(|(_, sub)| sub));
                 put(&mut record, "abort_name", code.name());
-                push(record);
+                push("sdo_abort", record);
             }
             for problem in network.problems.records(&channel) {
                 out += &line(&problem);
@@ -52,12 +55,12 @@ impl Summary {
 }
 
 impl Network {
-    fn record(&self, channel: &str, monitor: Option<&Monitor>) -> Value {
+    fn record(&self, monitor: Option<&Monitor>) -> Value {
         let kinds: Map<_, _> =
             self.kinds().map(|(kind, frames)| (kind.name().to_owned(), frames.into())).collect();
         let Count { frames, bytes, problems, .. } = &self.total;
         let mut record = json!({
-            "summary": "network", "channel": channel, "seconds": self.seconds(), "verdict": self.verdict,
+            "seconds": self.seconds(), "verdict": self.verdict,
             "frames": frames, "bytes": bytes, "problems": problems, "kinds": kinds,
         });
         put(&mut record, "cycle", monitor.and_then(|monitor| self.cycle_record(monitor.cycle())));
@@ -75,30 +78,46 @@ impl Network {
         put(&mut record, "p99", is_timed.then(|| self.cycle.percentile(99).as_secs_f64()));
         Some(record)
     }
+
+    fn node_record(&self, node: Option<u8>, count: &Count, known: Option<&NodeRecord>) -> Value {
+        let Count { frames, bytes, problems, pres } = count;
+        let mut record = json!({
+            "frames": frames, "bytes": bytes, "problems": problems,
+        });
+        put(&mut record, "node", node);
+        put(&mut record, "pres", times(pres));
+        let Some(known) = known else { return record };
+        put(&mut record, "mac_address", known.mac.map(|mac| mac.to_string()));
+        put(&mut record, "nmt_state", known.state.map(|state| state.to_string()));
+        let history = known.history.iter().map(|change| {
+            json!({ "t": seconds(change.at, self.digits), "n": change.n, "nmt_state": change.state.to_string() })
+        });
+        put(&mut record, "states", Some(history.collect::<Vec<_>>()));
+        put(&mut record, "states_forgotten", Some(known.forgotten).filter(|forgotten| *forgotten > 0));
+        let losses = json!({
+            "polls": known.polls, "pres_missing": known.pres_missing, "pres_late": known.pres_late,
+            "answers_missing": known.answers_missing,
+        });
+        put(&mut record, "losses", Some(losses));
+        put(&mut record, "identity", known.ident.as_ref().map(powerlink_core::monitor::IdentityFields));
+        record
+    }
 }
 
-fn node_record(channel: &str, node: Option<u8>, count: &Count, known: Option<&NodeRecord>) -> Value {
-    let Count { frames, bytes, problems, pres } = count;
-    let mut record = json!({
-        "summary": "node", "channel": channel, "frames": frames, "bytes": bytes, "problems": problems,
-    });
-    put(&mut record, "node", node);
-    put(&mut record, "pres", times(pres));
-    let Some(known) = known else { return record };
-    put(&mut record, "mac", known.mac.map(|mac| mac.to_string()));
-    put(&mut record, "nmt_state", known.state.map(|state| state.to_string()));
-    let history = known.history.iter().map(|change| {
-        json!({ "t": change.at.as_nanos() as f64 / 1e9, "n": change.n, "nmt_state": change.state.to_string() })
-    });
-    put(&mut record, "states", Some(history.collect::<Vec<_>>()));
-    put(&mut record, "states_forgotten", Some(known.forgotten).filter(|forgotten| *forgotten > 0));
-    let losses = json!({
-        "polls": known.polls, "pres_missing": known.pres_missing, "pres_late": known.pres_late,
-        "answers_missing": known.answers_missing,
-    });
-    put(&mut record, "losses", Some(losses));
-    put(&mut record, "identity", known.ident.as_ref().map(powerlink_core::monitor::IdentityFields));
-    record
+/// A moment with the decimals of the capture.
+fn seconds(at: Instant, digits: u8) -> f64 {
+    let mut text = Vec::new();
+    push_seconds(&mut text, at, digits);
+    String::from_utf8_lossy(&text).parse().unwrap_or_default()
+}
+
+/// One line.
+#[derive(Serialize)]
+struct Row<'a> {
+    summary: &'static str,
+    channel: &'a str,
+    #[serde(flatten)]
+    fields: Value,
 }
 
 /// Seconds, percentiles with two significant digits.
