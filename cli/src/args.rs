@@ -9,6 +9,7 @@ use devicenet_core::monitor::Kind;
 use crate::compare::CompareArgs;
 use crate::eds::EdsArgs;
 use crate::live::{GetArgs, MonitorArgs, RecordArgs, RecoverArgs, RunArgs, ScanArgs, SetArgs};
+use crate::powerlink::PowerlinkArgs;
 use crate::scenario::Time;
 use crate::simulate::SimulateArgs;
 use crate::standard::is_standard;
@@ -59,6 +60,8 @@ pub enum Command {
     Master(RunArgs),
     /// Watch a live bus: nodes, load, response times, what is wrong
     Monitor(MonitorArgs),
+    /// Be a station of Ethernet POWERLINK
+    Powerlink(PowerlinkArgs),
     /// Record a live bus when something happens, with what came before
     Record(RecordArgs),
     /// Give nodes that are silent for a duplicate MAC ID another one

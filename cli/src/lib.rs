@@ -14,6 +14,7 @@
 //! | [`eds`] | `devicenet eds` |
 //! | [`health`] | what a doctor is told of a network beforehand |
 //! | [`live`] | `devicenet monitor`, `scan`, `get`, `set`, `slave`, `master`, `record`, `recover`: on an interface, on the simulated bus, over a recording |
+//! | [`powerlink`] | `devicenet powerlink` |
 //! | [`recording`] | readers and writers of recordings of a CAN bus, streaming, the format found in the content |
 //! | [`scenario`] | scenario files: model, parser, diagnostics |
 //! | [`simulate`] | `devicenet simulate` |
@@ -32,6 +33,7 @@ pub mod health;
 mod histogram;
 pub mod live;
 pub mod output;
+pub mod powerlink;
 pub mod recording;
 pub mod scenario;
 pub mod simulate;
@@ -56,6 +58,7 @@ pub fn run(cli: &Cli) -> Result<Exit, Failure> {
         Command::Get(args) => live::get(args, cli.json),
         Command::Master(args) => live::master(args, cli.json),
         Command::Monitor(args) => live::monitor(args, cli.json),
+        Command::Powerlink(args) => powerlink::run(args, cli.json),
         Command::Record(args) => live::record(args, cli.json),
         Command::Recover(args) => live::recover(args, cli.json),
         Command::Scan(args) => live::scan(args, cli.json),

@@ -62,6 +62,7 @@ pub struct EthernetPort {
     has_ahead: bool,
     /// What the socket has counted.
     lost: u32,
+    not_sent: u64,
 }
 
 #[derive(Debug)]
@@ -109,6 +110,7 @@ impl EthernetPort {
             ahead: Slot::new(),
             has_ahead: false,
             lost: 0,
+            not_sent: 0,
         };
         // Again, for it may have changed before it was watched.
         port.interface = Interface::find(name)?;
@@ -122,6 +124,12 @@ impl EthernetPort {
     #[must_use]
     pub const fn interface(&self) -> &Interface {
         &self.interface
+    }
+
+    /// How many frames were not sent: each of them was told, or will be.
+    #[must_use]
+    pub const fn not_sent(&self) -> u64 {
+        self.not_sent
     }
 
     /// Takes a frame ahead of its turn. Whether there is one.
@@ -161,6 +169,11 @@ impl EthernetPort {
     fn is_too_late(&mut self) -> Result<bool, Error> {
         let Some((at, limit)) = self.answered.zip(self.answer_within) else { return Ok(false) };
         Ok(self.look_ahead()? || self.stamps.now().saturating_since(at) > limit)
+    }
+
+    fn withhold(&mut self) {
+        self.not_sent = self.not_sent.saturating_add(1);
+        self.tell(LinkEvent::NotSent);
     }
 
     fn tell(&mut self, event: LinkEvent) {
@@ -237,7 +250,7 @@ impl Port for EthernetPort {
 
     fn transmit(&mut self, frame: &[u8]) -> Result<(), Error> {
         if !self.has_link || self.is_too_late()? {
-            self.tell(LinkEvent::NotSent);
+            self.withhold();
             return Ok(());
         }
         match self.socket.send(frame) {
@@ -246,7 +259,7 @@ impl Port for EthernetPort {
             Err(Errno::ENOBUFS | Errno::EAGAIN | Errno::EMSGSIZE | Errno::EINVAL) => {}
             Err(error) => return Err(self.failed("cannot send", error)),
         }
-        self.tell(LinkEvent::NotSent);
+        self.withhold();
         Ok(())
     }
 

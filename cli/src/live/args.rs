@@ -103,7 +103,7 @@ fn parse_interval(text: &str) -> Result<Time, String> {
 }
 
 /// For `--for`.
-fn parse_span(text: &str) -> Result<Time, String> {
+pub(crate) fn parse_span(text: &str) -> Result<Time, String> {
     let time: Time = text.parse().map_err(|error: crate::scenario::TimeError| error.to_string())?;
     if time.0.is_zero() { Err("longer than 0s".to_owned()) } else { Ok(time) }
 }

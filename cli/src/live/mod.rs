@@ -27,6 +27,7 @@ mod scan;
 mod trigger;
 mod visit;
 
+pub(crate) use args::parse_span;
 pub use args::{
     AskArgs, GetArgs, MonitorArgs, NodeArgs, PermitArgs, RecordArgs, RecoverArgs, RunArgs, ScanArgs, SetArgs,
 };

@@ -1,0 +1,125 @@
+//! What a station tells: a line of text each, or an object.
+
+use core::fmt::Display;
+use std::io;
+
+use link_core::Instant;
+use link_core::ethernet::LinkEvent;
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use crate::output::Output;
+use crate::text::{LOWER, push_hex};
+
+pub(super) struct Log {
+    output: Output,
+    json: bool,
+    /// Who tells, in text.
+    name: String,
+    /// The same in JSON.
+    node: u8,
+}
+
+impl Log {
+    pub(super) fn new(node: u8, json: bool) -> Self {
+        Self { output: Output::new(), json, name: format!("node {node}"), node }
+    }
+
+    /// An event as it stands in the core: its name, and what it carries.
+    pub(super) fn event<E: Serialize + Display>(&mut self, now: Instant, event: &E) -> io::Result<()> {
+        let (name, fields) = parts(event);
+        self.line(now, &name, fields, &event.to_string())
+    }
+
+    /// News of the interface. What is not sent is counted: there may be much of it.
+    pub(super) fn link(&mut self, now: Instant, event: LinkEvent) -> io::Result<()> {
+        match event {
+            LinkEvent::Up => self.line(now, "link", fields([("state", "up".into())]), "link up"),
+            LinkEvent::Down => self.line(now, "link", fields([("state", "down".into())]), "link down"),
+            LinkEvent::FramesLost { count } => {
+                self.line(now, "lost", fields([("frames", count.into())]), &format!("{count} frames lost"))
+            }
+            LinkEvent::CrcError | LinkEvent::Collision | LinkEvent::NotSent => Ok(()),
+        }
+    }
+
+    /// Process data.
+    pub(super) fn data(&mut self, now: Instant, name: &str, data: &[u8], is_valid: bool) -> io::Result<()> {
+        let hex = hex(data);
+        let remark = if is_valid { "" } else { ", not valid" };
+        let words = format!("{name} {hex}{remark}");
+        self.line(now, name, fields([("data", hex.into()), ("valid", is_valid.into())]), &words)
+    }
+
+    /// The last line: where it ended, and what was counted.
+    pub(super) fn end(
+        &mut self,
+        now: Instant,
+        state: &(impl Serialize + Display),
+        counters: &impl Serialize,
+    ) -> io::Result<()> {
+        let counters = serde_json::to_value(counters).unwrap_or_default();
+        let counted: Vec<String> = counters
+            .as_object()
+            .into_iter()
+            .flatten()
+            .filter(|(_, count)| **count != Value::from(0))
+            .map(|(name, count)| format!("{} {count}", name.replace('_', " ")))
+            .collect();
+        let list = if counted.is_empty() { String::new() } else { format!(": {}", counted.join(", ")) };
+        let words = format!("ends in {state}{list}");
+        let state = serde_json::to_value(state).unwrap_or_default();
+        self.line(now, "end", fields([("state", state), ("counters", counters)]), &words)
+    }
+
+    pub(super) fn line(
+        &mut self,
+        now: Instant,
+        event: &str,
+        fields: Map<String, Value>,
+        words: &str,
+    ) -> io::Result<()> {
+        let line = match self.json {
+            true => {
+                let mut object = Map::new();
+                object.insert("t".into(), seconds(now).into());
+                object.insert("node".into(), self.node.into());
+                object.insert("event".into(), event.into());
+                object.extend(fields);
+                object.insert("text".into(), words.into());
+                Value::Object(object).to_string()
+            }
+            false => format!("{now:.6}  {}  {words}", self.name),
+        };
+        self.output.buffer.extend_from_slice(line.as_bytes());
+        self.output.buffer.push(b'\n');
+        self.output.flush()
+    }
+}
+
+/// The name of an event, and its fields; a single value is `value`.
+fn parts(event: &impl Serialize) -> (String, Map<String, Value>) {
+    match serde_json::to_value(event).unwrap_or_default() {
+        Value::String(name) => (name, Map::new()),
+        Value::Object(object) => match object.into_iter().next() {
+            Some((name, Value::Object(fields))) => (name, fields),
+            Some((name, value)) => (name, fields([("value", value)])),
+            None => Default::default(),
+        },
+        _ => Default::default(),
+    }
+}
+
+fn fields<const N: usize>(fields: [(&str, Value); N]) -> Map<String, Value> {
+    fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+}
+
+pub(super) fn hex(bytes: &[u8]) -> String {
+    let mut text = Vec::new();
+    push_hex(&mut text, bytes, LOWER);
+    String::from_utf8(text).unwrap_or_default()
+}
+
+fn seconds(at: Instant) -> f64 {
+    at.as_nanos() as f64 / 1e9
+}
