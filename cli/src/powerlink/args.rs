@@ -21,6 +21,8 @@ pub struct PowerlinkArgs {
 pub enum PowerlinkRole {
     /// Be a controlled node
     Cn(CnArgs),
+    /// Be the managing node
+    Mn(MnArgs),
 }
 
 /// How a command takes part in a network.
@@ -98,6 +100,37 @@ pub struct CnArgs {
     /// How long an answer may take: told to the managing node (0x1F98/3 and /6), and kept
     #[arg(long, value_name = "TIME", default_value = "5ms", value_parser = parse_answer_time)]
     pub answer_within: Time,
+}
+
+/// `devicenet powerlink mn`.
+#[derive(Args, Clone, Debug)]
+#[command(after_long_help = "\
+FILE is a network file in TOML: the cycle and its times; of each node what it must be, what is written to it, what is mapped into its \
+process data, and its outputs. docs/powerlink.md lists every key.
+
+It listens for another managing node first, then resets, identifies, configures and starts every node, and brings back those that are \
+lost. What happens is printed, one line each, until Ctrl-C or --for; process data when they change. At its end it resets every node, so \
+that none goes on alone. It is a small managing node, for tests and demonstrations.
+
+Raw Ethernet frames need the right cap_net_raw: run it as root, or, as root: setcap cap_net_raw+ep devicenet
+
+Exit codes:
+  0  every node was operational in the end
+  1  some node was not
+  2  wrong usage or bad file
+  3  there is no such interface, no right to use it, or it failed
+  4  refused to transmit: no --allow-tx
+130  interrupted a second time
+
+Examples:
+  devicenet powerlink mn eth0 network.toml --allow-tx
+  devicenet powerlink mn eth0 network.toml --allow-tx --for 10s --json --record network.pcap")]
+pub struct MnArgs {
+    /// How to take part.
+    #[command(flatten)]
+    pub station: StationArgs,
+    /// The network
+    pub file: PathBuf,
 }
 
 /// Bytes.

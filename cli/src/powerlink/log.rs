@@ -5,6 +5,7 @@ use std::io;
 
 use link_core::Instant;
 use link_core::ethernet::LinkEvent;
+use powerlink_core::NodeId;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -21,8 +22,8 @@ pub(super) struct Log {
 }
 
 impl Log {
-    pub(super) fn new(node: u8, json: bool) -> Self {
-        Self { output: Output::new(), json, name: format!("node {node}"), node }
+    pub(super) fn new(node: NodeId, json: bool) -> Self {
+        Self { output: Output::new(), json, name: node.to_string(), node: node.0 }
     }
 
     /// An event as it stands in the core: its name, and what it carries.
@@ -41,6 +42,13 @@ impl Log {
             }
             LinkEvent::CrcError | LinkEvent::Collision | LinkEvent::NotSent => Ok(()),
         }
+    }
+
+    /// Process data of another node.
+    pub(super) fn inputs(&mut self, now: Instant, node: NodeId, data: &[u8]) -> io::Result<()> {
+        let hex = hex(data);
+        let words = format!("{node}: inputs {hex}");
+        self.line(now, "inputs", fields([("node", node.0.into()), ("data", hex.into())]), &words)
     }
 
     /// Process data.
@@ -63,7 +71,7 @@ impl Log {
             .as_object()
             .into_iter()
             .flatten()
-            .filter(|(_, count)| **count != Value::from(0))
+            .filter(|(_, count)| count.as_u64() != Some(0))
             .map(|(name, count)| format!("{} {count}", name.replace('_', " ")))
             .collect();
         let list = if counted.is_empty() { String::new() } else { format!(": {}", counted.join(", ")) };
@@ -72,13 +80,7 @@ impl Log {
         self.line(now, "end", fields([("state", state), ("counters", counters)]), &words)
     }
 
-    pub(super) fn line(
-        &mut self,
-        now: Instant,
-        event: &str,
-        fields: Map<String, Value>,
-        words: &str,
-    ) -> io::Result<()> {
+    fn line(&mut self, now: Instant, event: &str, fields: Map<String, Value>, words: &str) -> io::Result<()> {
         let line = match self.json {
             true => {
                 let mut object = Map::new();
@@ -114,7 +116,7 @@ fn fields<const N: usize>(fields: [(&str, Value); N]) -> Map<String, Value> {
     fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
-pub(super) fn hex(bytes: &[u8]) -> String {
+fn hex(bytes: &[u8]) -> String {
     let mut text = Vec::new();
     push_hex(&mut text, bytes, LOWER);
     String::from_utf8(text).unwrap_or_default()

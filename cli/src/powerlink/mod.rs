@@ -3,7 +3,7 @@
 //! ```text
 //! interface ── transport_ethernet::EthernetPort ── session: the end, an interruption, a recording
 //!                                                     │
-//!                                       cn: powerlink_core::ControlledNode
+//!            cn: powerlink_core::ControlledNode ───────┼─────── mn: powerlink_core::managing::ManagingNode, of a network file
 //!                                                     │
 //!                                                log: lines, or JSON
 //! ```
@@ -14,11 +14,13 @@ mod cn;
 #[cfg(target_os = "linux")]
 mod log;
 #[cfg(target_os = "linux")]
+mod mn;
+#[cfg(target_os = "linux")]
 mod record;
 #[cfg(target_os = "linux")]
 mod session;
 
-pub use args::{CnArgs, Hex, PowerlinkArgs, PowerlinkRole, StationArgs};
+pub use args::{CnArgs, Hex, MnArgs, PowerlinkArgs, PowerlinkRole, StationArgs};
 
 use crate::exit::{Exit, Failure};
 
@@ -30,6 +32,7 @@ use crate::exit::{Exit, Failure};
 pub fn run(args: &PowerlinkArgs, json: bool) -> Result<Exit, Failure> {
     match &args.role {
         PowerlinkRole::Cn(args) => cn::run(args, json),
+        PowerlinkRole::Mn(args) => mn::run(args, json),
     }
 }
 

@@ -71,11 +71,19 @@ impl Session {
         self.port.interface()
     }
 
-    /// Runs a machine until the session ends.
+    /// Interrupted or not, there is a little time to come to an end.
+    pub(super) fn end_soon(&mut self) {
+        static NEVER: AtomicBool = AtomicBool::new(false);
+        self.interrupted = &NEVER;
+        self.end = self.now() + LONGEST_GOODBYE;
+    }
+
+    /// Runs a machine until the session ends, or the machine is done.
     pub(super) fn run<M: Machine>(
         &mut self,
         machine: &mut M,
         mut tell: impl FnMut(&mut M, Instant, News<M::Event>) -> io::Result<()>,
+        is_done: impl Fn(&M) -> bool,
     ) -> Result<(), Failure> {
         let mut now = self.now();
         loop {
@@ -88,6 +96,9 @@ impl Session {
                 Ok(ControlFlow::Break(error)) => return Err(error.into()),
                 Err(Ended::Over) => return Ok(()),
                 Err(Ended::Failed(failure)) => return Err(failure),
+            }
+            if is_done(machine) {
+                return Ok(());
             }
             let link;
             match self.wait(machine.deadline()) {
@@ -164,3 +175,5 @@ fn failed(error: transport_ethernet::Error) -> Failure {
 
 /// How often an interruption is looked for.
 const LOOK_AFTER: Duration = Duration::from_millis(200);
+/// Some cycles.
+const LONGEST_GOODBYE: Duration = Duration::from_secs(1);

@@ -14,6 +14,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 pub use check::LONGEST_RUN;
+pub(crate) use check::toml_error;
 pub use diagnostic::ScenarioError;
 pub use model::{
     AccessNode, Action, Attribute, Bus, ConnectionName, ConnectionStateName, DeviceNode, DeviceStateName, Do,

@@ -33,14 +33,15 @@ pub(super) fn run(args: &CnArgs, json: bool) -> Result<Exit, Failure> {
     objects.set_inputs(&args.inputs.0, digital);
     let mut node: Node = ControlledNode::new(config(args, &session)?, objects)
         .map_err(|error| Failure::Usage(error.to_string()))?;
-    let mut log = Log::new(args.node, json);
+    let mut log = Log::new(NodeId(args.node), json);
     let mut outputs = Outputs { digital, analog, told: None };
     node.power_on(session.now());
-    session.run(&mut node, |node, now, news| match news {
+    let tell = |node: &mut Node, now, news| match news {
         News::Event(NodeEvent::ProcessData { is_valid, .. }) => outputs.tell(node, now, is_valid, &mut log),
         News::Event(event) => log.event(now, &event),
         News::Link(event) => log.link(now, event),
-    })?;
+    };
+    session.run(&mut node, tell, |_| false)?;
     log.end(session.now(), &node.state(), node.counters())?;
     session.finish()?;
     Ok(if node.error_led() { Exit::Findings } else { Exit::Done })

@@ -33,19 +33,7 @@ use super::values::{RateSetting, Time};
 
 /// Reads and checks the text of a scenario. Files that it names are looked for in `folder`.
 pub(super) fn scenario(file: &str, text: &str, folder: &Path) -> Result<Scenario, ScenarioError> {
-    let raw: RawScenario = toml::from_str(text).map_err(|error| {
-        let span = error.span().unwrap_or_default();
-        if let Some(message) = unknown::key(error.message(), text, &span) {
-            return ScenarioError::at(file, text, &span, message);
-        }
-        let message = error.message().replace("expected i64", "expected a whole number");
-        ScenarioError::at(
-            file,
-            text,
-            &span,
-            message.replace("expected f64", "expected a number such as 1e-4"),
-        )
-    })?;
+    let raw: RawScenario = toml::from_str(text).map_err(|error| toml_error(file, text, &error))?;
     let mut check = Checker { file, text, folder, names: HashMap::new(), end: Instant::ZERO };
 
     let Some(bus) = &raw.bus else {
@@ -76,6 +64,16 @@ pub(super) fn scenario(file: &str, text: &str, folder: &Path) -> Result<Scenario
         bus,
         nodes,
     })
+}
+
+/// What the TOML reader complains of, in our words.
+pub(crate) fn toml_error(file: &str, text: &str, error: &toml::de::Error) -> ScenarioError {
+    let span = error.span().unwrap_or_default();
+    if let Some(message) = unknown::key(error.message(), text, &span) {
+        return ScenarioError::at(file, text, &span, message);
+    }
+    let message = error.message().replace("expected i64", "expected a whole number");
+    ScenarioError::at(file, text, &span, message.replace("expected f64", "expected a number such as 1e-4"))
 }
 
 fn each<T, U>(items: &[T], check: impl Fn(&T) -> Result<U, ScenarioError>) -> Result<Vec<U>, ScenarioError> {

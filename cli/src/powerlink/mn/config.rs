@@ -1,0 +1,296 @@
+//! The network file of a managing node.
+
+use core::ops::Range;
+use core::time::Duration;
+use std::path::Path;
+
+use powerlink_core::dictionary::ObjectAddress;
+use powerlink_core::managing::{Config, NodePlan, ObjectWrite};
+use powerlink_core::pdo::MappingEntry;
+use powerlink_core::wire::{ConfigurationStamp, PdoVersion};
+use powerlink_core::{MacAddress, NodeId};
+use toml::Spanned;
+
+use super::raw::{RawMapped, RawNetwork, RawNode, RawWrite};
+use crate::scenario::{ScenarioError, Time, toml_error};
+use crate::text::{hex_bytes, unsigned};
+
+/// What the file says. `docs/powerlink.md` is its reference.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct Network {
+    /// With an address of nobody, until the interface is known.
+    pub(super) config: Config,
+    pub(super) nodes: Vec<Node>,
+}
+
+/// A node of the network, with everything that its plan borrows.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct Node {
+    plan: NodePlan<'static>,
+    map_outputs: Vec<MappingEntry>,
+    map_inputs: Vec<MappingEntry>,
+    writes: Vec<Write>,
+    /// The process data of its PReq.
+    pub(super) outputs: Vec<u8>,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug)]
+struct Write {
+    at: ObjectAddress,
+    data: Vec<u8>,
+    may_fail: bool,
+}
+
+impl Network {
+    pub(super) fn load(path: &Path) -> Result<Self, ScenarioError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| ScenarioError::of_file(&file, format!("the network cannot be read: {error}")))?;
+        Self::parse(&file, &text)
+    }
+
+    fn parse(file: &str, text: &str) -> Result<Self, ScenarioError> {
+        let raw: RawNetwork = toml::from_str(text).map_err(|error| toml_error(file, text, &error))?;
+        let check = Check { file, text };
+        if raw.node.is_empty() {
+            return Err(ScenarioError::of_file(file, "there is no [[node]]; expected at least one"));
+        }
+        let config = check.config(&raw)?;
+        let pres_timeout = raw.pres_timeout.as_ref().map_or(PRES_TIMEOUT, time);
+        let nodes = raw.node.iter().map(|node| check.node(node, pres_timeout)).collect::<Result<_, _>>()?;
+        Ok(Self { config, nodes })
+    }
+
+    /// What is written to each node, for [`plans`](Self::plans).
+    pub(super) fn writes(&self) -> Vec<Vec<ObjectWrite<'_>>> {
+        self.nodes.iter().map(Node::writes).collect()
+    }
+
+    pub(super) fn plans<'p>(&'p self, writes: &'p [Vec<ObjectWrite<'p>>]) -> Vec<NodePlan<'p>> {
+        let plan = |(node, writes): (&'p Node, &'p Vec<ObjectWrite<'p>>)| NodePlan {
+            outputs: &node.map_outputs,
+            inputs: &node.map_inputs,
+            writes,
+            ..node.plan
+        };
+        self.nodes.iter().zip(writes).map(plan).collect()
+    }
+}
+
+impl Node {
+    pub(super) const fn id(&self) -> NodeId {
+        self.plan.node
+    }
+
+    fn writes(&self) -> Vec<ObjectWrite<'_>> {
+        self.writes
+            .iter()
+            .map(|write| ObjectWrite { at: write.at, data: &write.data, may_fail: write.may_fail })
+            .collect()
+    }
+}
+
+struct Check<'a> {
+    file: &'a str,
+    text: &'a str,
+}
+
+impl Check<'_> {
+    fn fail<T>(&self, span: &Range<usize>, message: impl Into<String>) -> Result<T, ScenarioError> {
+        Err(ScenarioError::at(self.file, self.text, span, message))
+    }
+
+    fn config(&self, raw: &RawNetwork) -> Result<Config, ScenarioError> {
+        let mut config = Config::new(MacAddress::default());
+        config.async_slot = ASYNC_SLOT;
+        let times = [
+            (&mut config.cycle, &raw.cycle),
+            (&mut config.wait_not_active, &raw.wait_not_active),
+            (&mut config.wait_after_reset, &raw.wait_after_reset),
+            (&mut config.wait_pre_operational_1, &raw.wait_pre_operational_1),
+            (&mut config.command_timeout, &raw.command_timeout),
+            (&mut config.command_repeat, &raw.command_repeat),
+            (&mut config.wait_soc_preq, &raw.wait_soc_preq),
+            (&mut config.async_slot, &raw.async_slot),
+            (&mut config.status_period, &raw.status_period),
+            (&mut config.retry_after, &raw.retry_after),
+            (&mut config.sdo_timeout, &raw.sdo_timeout),
+        ];
+        for (place, value) in times {
+            value.as_ref().map(time).into_iter().for_each(|value| *place = value);
+        }
+        self.number(&mut config.async_mtu, raw.async_mtu.as_ref(), 300, 1500)?;
+        self.number(&mut config.multiplexed_cycles, raw.multiplexed_cycles.as_ref(), 0, 255)?;
+        self.number(&mut config.prescaler, raw.prescaler.as_ref(), 0, 1000)?;
+        self.number(&mut config.status_threshold, raw.status_threshold.as_ref(), 1, 255)?;
+        self.number(&mut config.state_threshold, raw.state_threshold.as_ref(), 1, 255)?;
+        self.number(&mut config.check_cycles, raw.check_cycles.as_ref(), 0, 65_535)?;
+        config.follows_requests = raw.follows_requests.unwrap_or(config.follows_requests);
+        config.asks_diagnostic_device = raw.asks_diagnostic_device.unwrap_or(config.asks_diagnostic_device);
+        Ok(config)
+    }
+
+    fn node(&self, table: &Spanned<RawNode>, pres_timeout: Duration) -> Result<Node, ScenarioError> {
+        let (raw, span) = (table.get_ref(), table.span());
+        let Some(id) = &raw.node else {
+            return self.fail(&span, "`node`, the number of the node, is missing");
+        };
+        let mut number = 0_u8;
+        self.number(&mut number, Some(id), 1, 239)?;
+        let mut plan = NodePlan::new(NodeId(number));
+        plan.is_mandatory = raw.mandatory.unwrap_or(plan.is_mandatory);
+        plan.is_async_only = raw.async_only.unwrap_or(plan.is_async_only);
+        plan.multiplexed_slot = self.optional(raw.multiplexed_slot.as_ref())?;
+        if let Some(identity) = &raw.identity {
+            plan.device_type = self.optional(identity.device_type.as_ref())?;
+            plan.vendor_id = self.optional(identity.vendor.as_ref())?;
+            plan.product_code = self.optional(identity.product.as_ref())?;
+            plan.revision = self.optional(identity.revision.as_ref())?;
+            plan.serial_number = self.optional(identity.serial.as_ref())?;
+        }
+        if let Some(stamp) = &raw.configuration {
+            let (mut date, mut time) = (0, 0);
+            self.number(&mut date, stamp.date.as_ref(), 0, u32::MAX.into())?;
+            self.number(&mut time, stamp.time.as_ref(), 0, u32::MAX.into())?;
+            plan.configuration = Some(ConfigurationStamp { date, time });
+        }
+        plan.pres_timeout = raw.pres_timeout.as_ref().map_or(pres_timeout, time);
+        let threshold = raw.loss_of_pres_threshold.as_ref();
+        self.number(&mut plan.loss_of_pres_threshold, threshold, 0, u32::MAX.into())?;
+        self.number(&mut plan.preq_limit, raw.preq_limit.as_ref(), 36, LIMIT)?;
+        self.number(&mut plan.pres_limit, raw.pres_limit.as_ref(), 36, LIMIT)?;
+        let mut version = 0_u8;
+        self.number(&mut version, raw.pdo_version.as_ref(), 0, 255)?;
+        plan.pdo_version = PdoVersion(version);
+        let outputs = self.bytes(raw.outputs.as_ref())?;
+        if let Some(given) = raw.outputs.as_ref().filter(|_| outputs.len() > plan.preq_limit.into()) {
+            let limit = plan.preq_limit;
+            return self.fail(
+                &given.span(),
+                format!("{} bytes; `preq_limit` of this node is {limit}", outputs.len()),
+            );
+        }
+        Ok(Node {
+            plan,
+            map_outputs: self.mapping(&raw.map_outputs)?,
+            map_inputs: self.mapping(&raw.map_inputs)?,
+            writes: raw.write.iter().map(|write| self.write(write)).collect::<Result<_, _>>()?,
+            outputs,
+        })
+    }
+
+    /// Objects follow one another without a gap where no offset is given.
+    fn mapping(&self, items: &[Spanned<RawMapped>]) -> Result<Vec<MappingEntry>, ScenarioError> {
+        let mut end = 0_u16;
+        let mut entries = Vec::new();
+        for item in items {
+            let (raw, span) = (item.get_ref(), item.span());
+            let object = self.object(raw.object.as_ref(), &span)?;
+            let (mut length, mut offset) = (0_u16, end);
+            let Some(bits) = &raw.bits else {
+                return self.fail(&span, "`bits`, the length of the object, is missing");
+            };
+            self.number(&mut length, Some(bits), 1, 11_920)?;
+            self.number(&mut offset, raw.offset.as_ref(), 0, 11_919)?;
+            end = offset.saturating_add(length);
+            entries.push(MappingEntry { object, offset, length });
+        }
+        Ok(entries)
+    }
+
+    fn write(&self, item: &Spanned<RawWrite>) -> Result<Write, ScenarioError> {
+        let (raw, span) = (item.get_ref(), item.span());
+        let at = self.object(raw.object.as_ref(), &span)?;
+        let data = match (&raw.value, &raw.size, &raw.data) {
+            (None, None, Some(_)) => self.bytes(raw.data.as_ref())?,
+            (Some(value), Some(size), None) => self.value(value, size)?,
+            _ => return self.fail(&span, "expected either `data`, or `value` and `size` in bytes"),
+        };
+        Ok(Write { at, data, may_fail: raw.may_fail.unwrap_or(false) })
+    }
+
+    /// Little-endian.
+    fn value(&self, value: &Spanned<i64>, size: &Spanned<i64>) -> Result<Vec<u8>, ScenarioError> {
+        let mut len = 0_u8;
+        self.number(&mut len, Some(size), 1, 8)?;
+        let number = *value.get_ref();
+        let bits = 8 * u32::from(len);
+        let fits = bits == 64 || (-(1_i64 << (bits - 1))..1_i64 << bits).contains(&number);
+        if !fits {
+            return self.fail(&value.span(), format!("{number} does not fit into {len} bytes"));
+        }
+        Ok(number.to_le_bytes().into_iter().take(len.into()).collect())
+    }
+
+    fn object(
+        &self,
+        name: Option<&Spanned<String>>,
+        table: &Range<usize>,
+    ) -> Result<ObjectAddress, ScenarioError> {
+        let Some(name) = name else { return self.fail(table, "`object` is missing") };
+        let address = name.get_ref().split_once('/').and_then(|(index, sub)| {
+            let (index, sub) = (unsigned(index)?, unsigned(sub)?);
+            Some(ObjectAddress::new(u16::try_from(index).ok()?, u8::try_from(sub).ok()?))
+        });
+        match address {
+            Some(address) => Ok(address),
+            None => {
+                self.fail(&name.span(), "expected index and sub-index of an object, such as \"0x6200/1\"")
+            }
+        }
+    }
+
+    fn bytes(&self, text: Option<&Spanned<String>>) -> Result<Vec<u8>, ScenarioError> {
+        let Some(text) = text else { return Ok(Vec::new()) };
+        match hex_bytes(text.get_ref()) {
+            Some(bytes) => Ok(bytes),
+            None => {
+                self.fail(&text.span(), "expected an even number of hexadecimal digits, such as \"01ff\"")
+            }
+        }
+    }
+
+    fn optional<T: TryFrom<i64> + Default + TryFrom<u64>>(
+        &self,
+        value: Option<&Spanned<i64>>,
+    ) -> Result<Option<T>, ScenarioError> {
+        let Some(value) = value else { return Ok(None) };
+        match T::try_from(*value.get_ref()) {
+            Ok(number) => Ok(Some(number)),
+            Err(_) => {
+                let most = u64::MAX >> (64 - 8 * size_of::<T>());
+                self.fail(&value.span(), format!("{} is out of range; expected 0 to {most}", value.get_ref()))
+            }
+        }
+    }
+
+    /// Sets `place`, if there is a value.
+    fn number<T: TryFrom<i64>>(
+        &self,
+        place: &mut T,
+        value: Option<&Spanned<i64>>,
+        least: i64,
+        most: i64,
+    ) -> Result<(), ScenarioError> {
+        let Some(value) = value else { return Ok(()) };
+        let number = *value.get_ref();
+        match T::try_from(number).ok().filter(|_| (least..=most).contains(&number)) {
+            Some(number) => *place = number,
+            None => {
+                return self
+                    .fail(&value.span(), format!("{number} is out of range; expected {least} to {most}"));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn time(value: &Spanned<Time>) -> Duration {
+    value.get_ref().0
+}
+
+/// Programs on computers need longer than the 25 and 100 us of the specification.
+const PRES_TIMEOUT: Duration = Duration::from_millis(1);
+const ASYNC_SLOT: Duration = Duration::from_millis(1);
+/// The most process data.
+const LIMIT: i64 = 1490;

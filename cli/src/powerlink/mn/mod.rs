@@ -1,0 +1,131 @@
+//! `devicenet powerlink mn`: a managing node.
+
+mod config;
+mod raw;
+
+use std::collections::BTreeMap;
+use std::io;
+
+use link_core::Instant;
+use link_core::ethernet::Port as _;
+use powerlink_core::NodeId;
+use powerlink_core::managing::{ManagingNode, MnEvent, MnState, NodePhase};
+use powerlink_core::wire::NmtCommandId;
+
+use super::args::MnArgs;
+use super::log::Log;
+use super::session::{News, Session};
+use crate::exit::{Exit, Failure};
+use crate::output;
+use config::Network;
+
+/// Is the managing node.
+pub(super) fn run(args: &MnArgs, json: bool) -> Result<Exit, Failure> {
+    let mut network = Network::load(&args.file).map_err(|error| Failure::Usage(error.to_string()))?;
+    let usage = |error: &dyn core::fmt::Display| Failure::Usage(format!("{}: {error}", args.file.display()));
+    let list = network.nodes.iter().map(|node| node.id().0.to_string()).collect::<Vec<_>>().join(", ");
+    let cycle = crate::scenario::Time(network.config.cycle);
+    let what = format!(
+        "as managing node 240: NMTResetNode to every node, a cycle of {cycle}, and to each of nodes {list} its configuration and \
+         process data"
+    );
+    let mut session = Session::open(&args.station, None, &what)?;
+    network.config.mac = session.interface().mac();
+    let writes = network.writes();
+    let plans = network.plans(&writes);
+    let mut machine: Box<Machine<'_>> =
+        Box::new(ManagingNode::new(network.config, &plans).map_err(|error| usage(&error))?);
+    for node in network.nodes.iter().filter(|node| !node.outputs.is_empty()) {
+        machine.set_outputs(node.id(), &node.outputs).map_err(|error| usage(&error))?;
+    }
+
+    let mut log = Log::new(NodeId::MANAGING_NODE, json);
+    let mut inputs = Inputs::default();
+    machine.start(session.now());
+    session.run(
+        &mut *machine,
+        |machine, now, news| tell(machine, now, news, &mut inputs, &mut log),
+        |_| false,
+    )?;
+    let is_complete = machine.is_complete();
+    let missing: Vec<String> = missing(&machine);
+    leave(&mut session, &mut machine, &mut inputs, &mut log)?;
+    session.finish()?;
+    if is_complete {
+        return Ok(Exit::Done);
+    }
+    output::error(format_args!("not operational in the end: {}", missing.join(", ")));
+    Ok(Exit::Findings)
+}
+
+/// Room for every node, with as much process data as there can be.
+type Machine<'p> = ManagingNode<'p, 239, 1490>;
+
+/// Resets every node, so that none goes on alone, and falls silent.
+fn leave(
+    session: &mut Session,
+    machine: &mut Machine<'_>,
+    inputs: &mut Inputs,
+    log: &mut Log,
+) -> Result<(), Failure> {
+    let is_alone = |machine: &Machine<'_>| {
+        machine.plans().iter().all(|plan| machine.phase(plan.node) == Some(NodePhase::Absent))
+    };
+    if !is_alone(machine) {
+        session.end_soon();
+        // It is a command for nodes.
+        let _ = machine.command_all(NmtCommandId::RESET_NODE);
+        session.run(machine, |machine, now, news| tell(machine, now, news, inputs, log), is_alone)?;
+        match is_alone(machine) {
+            true => output::note("told every node NMTResetNode"),
+            false => output::warn("the nodes could not be told NMTResetNode: they notice the loss of SoC"),
+        }
+    }
+    let (state, counters) = (machine.state(), *machine.counters());
+    machine.stop(session.now());
+    Ok(log.end(session.now(), &state, &counters)?)
+}
+
+fn tell(
+    machine: &mut Machine<'_>,
+    now: Instant,
+    news: News<MnEvent>,
+    inputs: &mut Inputs,
+    log: &mut Log,
+) -> io::Result<()> {
+    match news {
+        News::Event(MnEvent::Inputs { node }) => inputs.tell(node, machine.inputs(node), now, log),
+        News::Event(event) => log.event(now, &event),
+        News::Link(event) => log.link(now, event),
+    }
+}
+
+/// What is not as it should be.
+fn missing(machine: &Machine<'_>) -> Vec<String> {
+    let nodes = machine.plans().iter().filter_map(|plan| Some((plan.node, machine.phase(plan.node)?)));
+    let mut missing: Vec<String> = nodes
+        .filter(|(_, phase)| *phase != NodePhase::Operational)
+        .map(|(node, phase)| format!("{node} ({phase})"))
+        .collect();
+    if machine.state() != MnState::Operational {
+        missing.push(format!("the managing node ({})", machine.state()));
+    }
+    missing
+}
+
+/// Inputs are told when they change, not in every cycle.
+#[derive(Default)]
+struct Inputs {
+    told: BTreeMap<u8, Vec<u8>>,
+}
+
+impl Inputs {
+    fn tell(&mut self, node: NodeId, data: Option<&[u8]>, now: Instant, log: &mut Log) -> io::Result<()> {
+        let data = data.unwrap_or_default();
+        if self.told.get(&node.0).is_some_and(|told| told == data) {
+            return Ok(());
+        }
+        self.told.insert(node.0, data.to_vec());
+        log.inputs(now, node, data)
+    }
+}
