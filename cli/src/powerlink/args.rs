@@ -105,12 +105,36 @@ pub struct CnArgs {
 /// `devicenet powerlink mn`.
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = "\
-FILE is a network file in TOML: the cycle and its times; of each node what it must be, what is written to it, what is mapped into its \
-process data, and its outputs. docs/powerlink.md lists every key.
-
 It listens for another managing node first, then resets, identifies, configures and starts every node, and brings back those that are \
 lost. What happens is printed, one line each, until Ctrl-C or --for; process data when they change. At its end it resets every node, so \
 that none goes on alone. It is a small managing node, for tests and demonstrations.
+
+FILE is a network file in TOML. Times have a unit, numbers may be hexadecimal; only [[node]] with its number is required:
+  cycle = \"20ms\"             from one SoC to the next
+  pres_timeout = \"1ms\"       until a node begins its PRes
+  async_slot = \"1ms\"         until an invited node begins to answer
+  async_mtu = 300             the longest payload of an asynchronous frame
+  wait_not_active, wait_after_reset, wait_pre_operational_1, wait_soc_preq, command_timeout, command_repeat,
+  status_period, retry_after, sdo_timeout
+                              further times
+  multiplexed_cycles, prescaler, status_threshold, state_threshold, check_cycles
+                              numbers
+  follows_requests, asks_diagnostic_device
+                              true or false
+  [[node]]
+  node = 1                    1 to 239
+  identity = { device_type = 0x000F0191, vendor = 0x123, product = 7, revision = 1, serial = 42 }
+                              what it must be; what is not named is not checked
+  map_outputs = [{ object = \"0x6200/1\", bits = 8, offset = 0 }]
+  map_inputs = [{ object = \"0x6000/1\", bits = 8 }]
+                              what is in its PReq and PRes, one behind the other unless an offset is given, in bits
+  outputs = \"5a\"            the process data of its PReq
+  write = [{ object = \"0x1C14/0\", value = 20_000_000, size = 4 }, { object = \"0x6200/2\", data = \"07\", may_fail = true }]
+                              written before the mapping, in this order
+  configuration = { date = 1, time = 1 }
+                              a node that has it already is not written again
+  mandatory = true, async_only = false, multiplexed_slot = 0, pres_timeout = \"1ms\", loss_of_pres_threshold = 15,
+  preq_limit = 36, pres_limit = 36, pdo_version = 0
 
 Raw Ethernet frames need the right cap_net_raw: run it as root, or, as root: setcap cap_net_raw+ep devicenet
 

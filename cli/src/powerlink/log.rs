@@ -44,11 +44,18 @@ impl Log {
         }
     }
 
-    /// Process data of another node.
-    pub(super) fn inputs(&mut self, now: Instant, node: NodeId, data: &[u8]) -> io::Result<()> {
-        let hex = hex(data);
-        let words = format!("{node}: inputs {hex}");
-        self.line(now, "inputs", fields([("node", node.0.into()), ("data", hex.into())]), &words)
+    /// Process data of another node, if there are any.
+    pub(super) fn inputs(&mut self, now: Instant, node: NodeId, data: Option<&[u8]>) -> io::Result<()> {
+        let mut fields = fields([("node", node.0.into()), ("valid", data.is_some().into())]);
+        let words = match data.map(hex) {
+            Some(hex) => {
+                let words = format!("{node}: inputs {hex}");
+                fields.insert("data".into(), hex.into());
+                words
+            }
+            None => format!("{node}: no inputs"),
+        };
+        self.line(now, "inputs", fields, &words)
     }
 
     /// Process data.

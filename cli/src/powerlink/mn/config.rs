@@ -15,7 +15,7 @@ use super::raw::{RawMapped, RawNetwork, RawNode, RawWrite};
 use crate::scenario::{ScenarioError, Time, toml_error};
 use crate::text::{hex_bytes, unsigned};
 
-/// What the file says. `docs/powerlink.md` is its reference.
+/// What the file says. The help of the command is its reference.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Network {
     /// With an address of nobody, until the interface is known.
@@ -294,3 +294,45 @@ const PRES_TIMEOUT: Duration = Duration::from_millis(1);
 const ASYNC_SLOT: Duration = Duration::from_millis(1);
 /// The most process data.
 const LIMIT: i64 = 1490;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_network_in_the_readme_is_one() {
+        let readme = include_str!("../../../../README.md");
+        let (_, rest) = readme.split_once("<!-- network.toml -->\n```text\n").unwrap();
+        let (text, _) = rest.split_once("```").unwrap();
+        let network = Network::parse("network.toml", text).unwrap();
+        let writes = network.writes();
+        let plans = network.plans(&writes);
+        assert_eq!((plans[0].output_len(), plans[0].device_type), (1, Some(0x000F_0191)));
+        assert_eq!(
+            (plans[0].writes[0].data, &network.nodes[0].outputs[..]),
+            (&[0, 0x2D, 0x31, 0x01][..], &[0x5A][..])
+        );
+        assert_eq!(plans[0].pres_timeout, Duration::from_millis(2));
+    }
+
+    #[test]
+    fn objects_follow_one_another_unless_an_offset_is_given() {
+        let text = "[[node]]\nnode = 1\nmap_inputs = [{ object = \"0x6000/1\", bits = 8 }, { object = \"0x6401/1\", bits = 16 }, \
+                    { object = \"0x6000/2\", bits = 8, offset = 64 }]";
+        let network = Network::parse("a.toml", text).unwrap();
+        let offsets: Vec<u16> = network.nodes[0].map_inputs.iter().map(|entry| entry.offset).collect();
+        assert_eq!(offsets, [0, 8, 64]);
+    }
+
+    #[test]
+    fn values_are_little_endian_and_may_be_negative() {
+        let data = |write: &str| {
+            let text = format!("[[node]]\nnode = 1\nwrite = [{{ object = \"0x2000/1\", {write} }}]");
+            Network::parse("a.toml", &text).map(|network| network.nodes[0].writes[0].data.clone())
+        };
+        assert_eq!(data("value = 0x0102, size = 4").unwrap(), [2, 1, 0, 0]);
+        assert_eq!(data("value = -2, size = 2").unwrap(), [0xFE, 0xFF]);
+        assert_eq!(data("data = \"0102\"").unwrap(), [1, 2]);
+        assert!(data("value = 65536, size = 2").is_err() && data("value = -32769, size = 2").is_err());
+    }
+}

@@ -95,7 +95,12 @@ fn tell(
 ) -> io::Result<()> {
     match news {
         News::Event(MnEvent::Inputs { node }) => inputs.tell(node, machine.inputs(node), now, log),
-        News::Event(event) => log.event(now, &event),
+        News::Event(event) => {
+            if let MnEvent::NodeLost { node, .. } = event {
+                inputs.told.remove(&node.0);
+            }
+            log.event(now, &event)
+        }
         News::Link(event) => log.link(now, event),
     }
 }
@@ -113,19 +118,18 @@ fn missing(machine: &Machine<'_>) -> Vec<String> {
     missing
 }
 
-/// Inputs are told when they change, not in every cycle.
+/// Inputs are told when they change, or come back with their node, not in every cycle.
 #[derive(Default)]
 struct Inputs {
-    told: BTreeMap<u8, Vec<u8>>,
+    told: BTreeMap<u8, Option<Vec<u8>>>,
 }
 
 impl Inputs {
     fn tell(&mut self, node: NodeId, data: Option<&[u8]>, now: Instant, log: &mut Log) -> io::Result<()> {
-        let data = data.unwrap_or_default();
-        if self.told.get(&node.0).is_some_and(|told| told == data) {
+        if self.told.get(&node.0).is_some_and(|told| told.as_deref() == data) {
             return Ok(());
         }
-        self.told.insert(node.0, data.to_vec());
+        self.told.insert(node.0, data.map(<[u8]>::to_vec));
         log.inputs(now, node, data)
     }
 }

@@ -1,0 +1,46 @@
+//! Others on the cable, who keep to nothing.
+
+use link_core::ethernet::Port as _;
+use transport_ethernet::{EthernetPort, Interface, Options};
+
+use crate::namespace::ip;
+use crate::rig::{Cable, NODE_OPERATIONAL, controlled, managing};
+
+/// Frames of the right EtherType with anything in them, of every length, from one byte to more than an adapter may send.
+#[test]
+#[ignore = "needs a namespace"]
+fn garbage_is_counted_and_disturbs_nobody() {
+    let cable = Cable::new("gar0", "gar1");
+    for end in [cable.0, cable.1] {
+        ip(&["link", "set", end, "mtu", "9000"]);
+    }
+    let mut node = controlled(cable.0, &["--json"]);
+    let mut manager = managing(cable.1, &[]);
+    manager.until(NODE_OPERATIONAL);
+    let mut port = EthernetPort::open(cable.1, Options::new(0x88AB)).unwrap();
+    let node_mac = Interface::find(cable.0).unwrap().mac();
+    let destinations = [node_mac.0, [0x01, 0x11, 0x1E, 0, 0, 2], [0x01, 0x11, 0x1E, 0, 0, 4], [0xFF; 6]];
+    let mut seed = 1_u32;
+    let mut random = || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        seed.to_be_bytes()[1]
+    };
+    for (number, len) in
+        [0, 1, 2, 3, 5, 9, 22, 46, 300, 1500, 1501, 8900].into_iter().cycle().take(600).enumerate()
+    {
+        let mut frame = destinations[number % destinations.len()].to_vec();
+        frame.extend([0x02, 0, 0, 0, 0, 0x77, 0x88, 0xAB]);
+        // Anything but SoC, SoA and what is for this node: that would be obeyed.
+        let of_header = |at: usize| [[0x03, 0x04, 0x06, 0x09][number % 4], 99].get(at).copied();
+        frame.extend((0..len).map(|at| of_header(at).unwrap_or_else(&mut random)));
+        port.transmit(&frame).unwrap();
+    }
+    node.until("bad_frame");
+    node.until("frames lost");
+    let manager = manager.interrupted();
+    assert!(manager.code == 0 && !manager.out.contains("is lost"), "{}", manager.out);
+    let ended = node.interrupted();
+    let last: serde_json::Value = serde_json::from_str(ended.out.lines().last().unwrap()).unwrap();
+    let counted = |name: &str| last["counters"][name].as_u64().unwrap();
+    assert!(counted("bad_frames") > 0 && counted("frames_lost") > 0 && counted("echoes") == 0, "{last}");
+}

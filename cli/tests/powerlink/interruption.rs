@@ -1,0 +1,73 @@
+//! The end of a session, and what is recorded of it.
+
+use crate::rig::{Cable, NODE_OPERATIONAL, controlled, devicenet, managing};
+
+#[test]
+#[ignore = "needs a namespace"]
+fn a_session_ends_when_its_time_is_over() {
+    let cable = Cable::new("end0", "end1");
+    let ended = controlled(cable.0, &["--for", "100ms"]).ended();
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert!(ended.out.contains("ends in NotActive"), "{}", ended.out);
+    // Nobody answers.
+    let ended = managing(cable.1, &["--for", "100ms"]).ended();
+    assert_eq!(ended.code, 1, "{}", ended.err);
+    let words = "not operational in the end: node 1 (Absent), the managing node (";
+    assert!(ended.err.contains(words), "{}", ended.err);
+}
+
+#[test]
+#[ignore = "needs a namespace"]
+fn an_interface_without_a_link_is_waited_for() {
+    let cable = Cable::new("late0", "late1");
+    cable.set(0, "down");
+    let mut node = controlled(cable.0, &[]);
+    node.until("NotActive");
+    cable.set(0, "up");
+    node.until("link up");
+    let ended = node.interrupted();
+    assert!(
+        ended
+            .err
+            .contains("late0 has no link, and is waited for; if it is down, as root: ip link set late0 up"),
+        "{}",
+        ended.err
+    );
+}
+
+/// Both ends record the same frames, each with its own times.
+#[test]
+#[ignore = "needs a namespace"]
+fn what_is_sent_and_received_is_recorded() {
+    let folder = std::env::temp_dir().join(format!("devicenet-powerlink-{}", std::process::id()));
+    std::fs::create_dir(&folder).unwrap();
+    let file = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let (of_node, of_manager) = (file("node.pcap"), file("manager.pcap"));
+    let cable = Cable::new("rec0", "rec1");
+    let node = controlled(cable.0, &["--record", &of_node]);
+    let mut manager = managing(cable.1, &["--record", &of_manager]);
+    manager.until(NODE_OPERATIONAL);
+    manager.interrupted();
+    node.interrupted();
+    let [one, other] = [&of_node, &of_manager].map(|path| frames(path));
+    assert!(one.len() > 50);
+    // The managing node may have begun before the other listened.
+    let begin = other.len() - one.len();
+    assert_eq!(one, other[begin..]);
+    // A file is never written over.
+    let again = devicenet(&["powerlink", "cn", cable.0, "--node", "1", "--allow-tx", "--record", &of_node])
+        .output()
+        .unwrap();
+    assert_eq!(again.status.code(), Some(2));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+fn frames(path: &str) -> Vec<Vec<u8>> {
+    let mut reader = pcap_file::pcap::PcapReader::new(std::fs::File::open(path).unwrap()).unwrap();
+    assert_eq!(reader.header().datalink, pcap_file::DataLink::ETHERNET);
+    let mut frames = Vec::new();
+    while let Some(packet) = reader.next_packet() {
+        frames.push(packet.unwrap().data.into_owned());
+    }
+    frames
+}
