@@ -13,6 +13,7 @@
 //! | [`monitor`] | the passive decoder on a session | what it puts together was sent, what it pairs came before |
 //! | [`net_dn`] | whole networks, with a tool, a UCMM and bus-off | who may be on line, who owns what, data from the owner only; undisturbed, every slave is served |
 //! | [`net_nx`] | whole DeviceNeX networks, with a spare, a second manager, strangers, faults and segments | who may be on line with which address, who may say what; undisturbed, one manager works and what it plans runs |
+//! | [`net_pl`] | whole POWERLINK networks | one frame for each invitation, nobody out of turn, outputs of the application only; undisturbed, every node is in operation |
 //! | [`nx_manager`] | a DeviceNeX network manager | who gets which address, whom it asks for connections, what consumers are told; nothing off line, nothing stuck |
 //! | [`nx_monitor`] | the passive decoder of DeviceNeX on a session | the same |
 //! | [`nx_node`] | a DeviceNeX device | who is answered, what is sent when, one history of events; connectionless requests change nothing |
@@ -49,6 +50,7 @@ pub mod input;
 pub mod monitor;
 pub mod net_dn;
 pub mod net_nx;
+pub mod net_pl;
 pub mod nx_manager;
 pub mod nx_monitor;
 pub mod nx_node;
@@ -79,6 +81,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "monitor", run: monitor::run },
     Target { name: "net_dn", run: net_dn::run },
     Target { name: "net_nx", run: net_nx::run },
+    Target { name: "net_pl", run: net_pl::run },
     Target { name: "nx_manager", run: nx_manager::run },
     Target { name: "nx_monitor", run: nx_monitor::run },
     Target { name: "nx_node", run: nx_node::run },

@@ -41,7 +41,7 @@ pub struct ManagingNode<'p, const N: usize, const DATA: usize = 36, const SDO: u
     /// The transfer of the client is the application's.
     pub(super) is_for_application: bool,
     pub(super) application: Application<SDO>,
-    /// SoAs, then cycles, since the state was entered.
+    /// SoAs, then cycles, since the state was entered; while it listens, 1 once another managing node was heard.
     pub(super) rounds: u16,
     /// How far the reduced cycle is.
     pub(super) opening: Opening,

@@ -3,7 +3,7 @@
 use link_core::codec::{Reader, Wire};
 
 use super::event::{MnEvent, count};
-use super::machine::{ManagingNode, Step};
+use super::machine::{ManagingNode, Step, Timer};
 use super::schedule::Slot;
 use super::state::{MnCause, MnState, NodePhase};
 use crate::NodeId;
@@ -42,10 +42,16 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
 
     /// There can be one only: it gives way, and listens until the other is quiet.
     fn other_managing_node(&mut self, header: &Header) {
-        self.raise(MnEvent::OtherManagingNode(header.source));
-        if self.state != MnState::Off {
+        // Told once while it listens.
+        if self.state != MnState::NotActive || self.rounds == 0 {
+            self.raise(MnEvent::OtherManagingNode(header.source));
+        }
+        if self.state == MnState::NotActive {
+            self.timers.set_after(Timer::State, self.config.wait_not_active);
+        } else if self.state != MnState::Off {
             self.enter(MnState::NotActive, MnCause::OtherManagingNode);
         }
+        self.rounds = 1;
     }
 
     /// The node that a frame is of, if it is of the network.

@@ -122,7 +122,6 @@ pub struct Edge<S, C> {
 /// | From | Cause | To |
 /// |---|---|---|
 /// | Off | start | NotActive |
-/// | NotActive | another managing node | NotActive |
 /// | NotActive | quiet | PreOperational1 |
 /// | PreOperational1 | nodes configured | PreOperational2 |
 /// | PreOperational2 | nodes ready | ReadyToOperate |
@@ -144,7 +143,6 @@ pub const MN_EDGES: &[Edge<MnState, MnCause>] = {
     }
     &[
         edge(Off, Start, NotActive),
-        edge(NotActive, OtherManagingNode, NotActive),
         edge(NotActive, Quiet, PreOperational1),
         edge(PreOperational1, NodesConfigured, PreOperational2),
         edge(PreOperational2, NodesReady, ReadyToOperate),

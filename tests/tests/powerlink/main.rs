@@ -12,6 +12,7 @@
 
 mod boot;
 mod chaos;
+mod edges;
 mod faults;
 mod losses;
 mod network;

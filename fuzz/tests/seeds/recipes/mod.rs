@@ -5,6 +5,7 @@ mod device;
 mod files;
 mod frames;
 mod machines;
+mod powerlink;
 mod slave;
 
 use std::path::{Path, PathBuf};
@@ -28,6 +29,7 @@ pub(crate) fn of(target: &str) -> Seeds {
         "monitor" => frames::monitor(),
         "net_dn" => buses::net_dn(),
         "net_nx" => buses::net_nx(),
+        "net_pl" => powerlink::net_pl(),
         "nx_manager" => machines::nx_manager(),
         "nx_monitor" => frames::nx_monitor(),
         "nx_node" => device::nx_node(),
