@@ -16,6 +16,8 @@ use super::scan_list::{self, ScanLists};
 use super::sheets::Sheets;
 use super::summary::Summary;
 use crate::args::DecodeArgs;
+use crate::bus_rate;
+use crate::exit::Failure;
 use crate::health;
 use crate::output;
 use crate::recording::{Channels, Content, RecordedFrame};
@@ -226,6 +228,14 @@ impl Decoder {
         let name = |bus| channels.iter().nth(bus).unwrap_or(file).to_owned();
         let text = if *json { summary.json(name) } else { summary.text(name) };
         out.extend_from_slice(text.as_bytes());
+    }
+
+    /// Why there can be no summary: what the user has said of the bus cannot be.
+    pub(super) fn refusal(&self, channels: &Channels, file: &str) -> Option<Failure> {
+        let View::Summary { summary, .. } = &self.view else { return None };
+        let (said, bus, needed) = summary.refuted_rate()?;
+        let bus = printable(channels.iter().nth(bus).unwrap_or("the bus"));
+        Some(bus_rate::too_low(file, said, &bus, needed))
     }
 
     /// Whether something is or was wrong, as the summary says; `None` without one, and before [`finish`](Self::finish).

@@ -253,7 +253,10 @@ impl Session {
     /// Shows what was still to be shown, however reading has ended, and tells whether the summary says that something is wrong.
     fn close(mut self, recording: &Recording) -> (Option<bool>, Result<(), Failure>) {
         let mut output = self.output.borrow_mut();
-        self.decoder.finish(&mut output.buffer, recording.channels(), &self.file, self.tally.bad_lines);
+        let refused = self.decoder.refusal(recording.channels(), &self.file).map_or(Ok(()), Err);
+        if refused.is_ok() {
+            self.decoder.finish(&mut output.buffer, recording.channels(), &self.file, self.tally.bad_lines);
+        }
         let is_bad = self.decoder.is_bad();
         let written = output.flush();
         drop(output);
@@ -261,7 +264,7 @@ impl Session {
         self.decoder.note_unused_sheets();
         let written = self.written(written);
         let copied = self.copy.take().map_or(Ok(()), Copy::finish);
-        (is_bad, written.and(copied))
+        (is_bad, refused.and(written).and(copied))
     }
 
     /// Whoever closes the pipe that the words go to does not want more of them, but the copy is to be complete.

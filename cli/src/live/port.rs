@@ -10,6 +10,8 @@ use transport_mock::{Ended, Ignore, NetworkPort, NodeConfig};
 
 use super::endpoint::Endpoint;
 use super::recorded::Recorded;
+#[cfg(target_os = "linux")]
+use crate::bus_rate;
 use crate::exit::Failure;
 use crate::recording::Recording;
 use crate::scenario::{Scenario, ScenarioError, Time};
@@ -207,6 +209,21 @@ impl LivePort {
                 | Err(_) => None,
             },
             Bus::Simulated(_) | Bus::Recorded(_) => self.bit_rate,
+        }
+    }
+
+    /// The frames do not fit into the bit rate that the user has said. A recording cannot have come so; an interface may have been late
+    /// for once, and is listened to on.
+    pub(super) fn doubt_bit_rate(&self, said: BitRate, needed: BitRate) -> Result<(), Failure> {
+        match &self.bus {
+            Bus::Recorded(recorded) => Err(recorded.too_low(said, needed)),
+            #[cfg(target_os = "linux")]
+            Bus::Interface(port) => {
+                let why = bus_rate::why_too_low(said, port.interface().name(), needed);
+                crate::output::warn(format_args!("{why}; it is left out of account"));
+                Ok(())
+            }
+            Bus::Simulated(_) => Ok(()),
         }
     }
 

@@ -2,13 +2,15 @@
 
 use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
+use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::path::Path;
 
 use link_core::machine::Deadline;
-use link_core::{Input, Instant, LinkEvent};
+use link_core::{BitRate, Input, Instant, LinkEvent};
 
 use super::port::PortError;
+use crate::bus_rate;
 use crate::exit::Failure;
 use crate::recording::{ChannelId, Content, RecordedFrame, Recording};
 use crate::simulate;
@@ -107,6 +109,12 @@ impl Recorded {
         self.bad_entries
     }
 
+    /// Its frames do not fit into the bit rate that the user has said.
+    pub(super) fn too_low(&self, said: BitRate, needed: BitRate) -> Failure {
+        let bus = self.name_of(self.channel.flatten());
+        bus_rate::too_low(&self.file, said, &bus.unwrap_or("the bus".into()), needed)
+    }
+
     /// Says how many lines or records could not be read, if there are any.
     pub(super) fn warn_of_bad_entries(&self) {
         if self.bad_entries > 0 {
@@ -195,20 +203,18 @@ impl Recorded {
         let chosen = *self.channel.get_or_insert(channel);
         let is_heard = chosen == channel;
         if !is_heard && !core::mem::replace(&mut self.is_told, true) {
-            let name = |channel: Option<ChannelId>| {
-                channel.map_or_else(
-                    || "no channel".to_owned(),
-                    |channel| printable(self.recording.channels().name(channel)).into_owned(),
-                )
-            };
             crate::output::warn(format_args!(
                 "{}: {} is listened to, {} and any other channel is left out; `devicenet decode` reads all",
                 self.file,
-                name(chosen),
-                name(channel),
+                self.name_of(chosen).unwrap_or(NO_CHANNEL.into()),
+                self.name_of(channel).unwrap_or(NO_CHANNEL.into()),
             ));
         }
         is_heard
+    }
+
+    fn name_of(&self, channel: Option<ChannelId>) -> Option<Cow<'_, str>> {
+        channel.map(|channel| printable(self.recording.channels().name(channel)))
     }
 }
 
@@ -216,6 +222,8 @@ fn is_set(interrupted: Option<&AtomicBool>) -> bool {
     interrupted.is_some_and(|interrupted| interrupted.load(Ordering::Relaxed))
 }
 
+/// In the place of its name.
+const NO_CHANNEL: &str = "no channel";
 /// By less, entries are only out of order.
 const SET_BACK: Duration = Duration::from_secs(1);
 /// Longer than the windows of the health rules, and than four times the expected packet rates in use. What takes longer is noticed

@@ -3,7 +3,7 @@
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::process::Stdio;
 
-use super::{assert_exit, capture, devicenet, run, stderr, stdout, temporary};
+use super::{assert_exit, capture, devicenet, run, run_with_input, stderr, stdout, temporary};
 
 #[test]
 fn wrong_usage_exits_with_2() {
@@ -95,4 +95,26 @@ fn a_live_pipe_is_shown_at_once() {
     }
     drop(input);
     assert!(child.wait().unwrap().code().is_some());
+}
+
+/// A hundred frames of 111 bits and more in 60 ms.
+#[test]
+fn a_bit_rate_that_cannot_carry_the_frames_is_refused() {
+    let log: String = (0..300).map(|n| format!("(1.{:06}) can7 455#5555555555555555\n", n * 600)).collect();
+    for json in [&[][..], &["--json"]] {
+        let summary =
+            |rate: &[&str]| run_with_input(&[&["decode", "--summary", "-"], json, rate].concat(), &log);
+        let output = summary(&["--bit-rate", "125k"]);
+        assert_exit(&output, 2);
+        assert_eq!(stdout(&output), "");
+        assert_eq!(
+            stderr(&output),
+            "error: <stdin>: --bit-rate is too low: 125 kbit/s cannot carry the frames of can7, which need 250 kbit/s at \
+             least\n"
+        );
+        for rate in [&["--bit-rate", "250k"][..], &["--bit-rate", "1M"], &[]] {
+            let output = summary(rate);
+            assert_eq!((stderr(&output), output.status.code()), ("", Some(0)), "{rate:?}");
+        }
+    }
 }

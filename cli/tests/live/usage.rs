@@ -210,3 +210,30 @@ fn a_slave_whose_mac_id_is_taken_is_a_finding() {
          one off"
     );
 }
+
+#[test]
+fn a_bit_rate_that_cannot_be() {
+    let log: String = (0..300).map(|n| format!("(1.{:06}) can7 455#5555555555555555\n", n * 600)).collect();
+    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("faster-than-said.log");
+    std::fs::write(&path, log).unwrap();
+    let endpoint = format!("log:{}", path.display());
+    for json in ["--text", "--json"] {
+        let run = devicenet(&["monitor", &endpoint, json, "--bit-rate", "125k"]);
+        assert_eq!(run.code(), 2, "{}", run.err());
+        assert_eq!(
+            run.error(),
+            format!(
+                "{}: --bit-rate is too low: 125 kbit/s cannot carry the frames of can7, which need 250 kbit/s at least",
+                path.display()
+            )
+        );
+        let run = devicenet(&["monitor", &endpoint, json, "--bit-rate", "250k"]);
+        assert_eq!(run.code(), 0, "{}", run.err());
+    }
+    let run = devicenet(&["monitor", "sim:drop.toml", "--bit-rate", "250k"]);
+    assert_eq!(run.code(), 2, "{}", run.err());
+    assert_eq!(
+        run.error(),
+        "sim:drop.toml: --bit-rate says 250 kbit/s, but it has 125 kbit/s: leave --bit-rate out"
+    );
+}

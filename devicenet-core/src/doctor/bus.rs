@@ -83,6 +83,12 @@ impl Bus {
         self.newest = Some(seen.n);
     }
 
+    /// What was measured was not the load.
+    pub(super) fn measure_anew<const N: usize>(&mut self, ledger: &mut Ledger<N>, now: Instant) {
+        self.load = Window::new();
+        ledger.end(Rule::BusLoad, None, now);
+    }
+
     /// Time passes.
     pub(super) fn pass<const N: usize>(
         &mut self,

@@ -89,7 +89,7 @@ pub use ledger::Forgotten;
 pub use rule::{Rule, Severity};
 pub use text::Advice;
 
-use link_core::{Frame, Instant, LinkEvent};
+use link_core::{BitRate, Frame, Instant, LinkEvent};
 
 use bus::{Bus, LOOK_EVERY};
 use ledger::{Ledger, Sign};
@@ -149,6 +149,12 @@ impl<const N: usize> SizedDoctor<N> {
     #[must_use]
     pub const fn config(&self) -> &DoctorConfig {
         &self.config
+    }
+
+    /// The bit rate of the bus is another one than was thought; with `None` its load is not judged any more.
+    pub fn set_bit_rate(&mut self, bit_rate: Option<BitRate>) {
+        self.config.bit_rate = bit_rate;
+        self.bus.measure_anew(&mut self.ledger, self.now);
     }
 
     /// Tells what is known of a node beforehand. A node that is expected belongs to the network.

@@ -36,7 +36,7 @@ pub(super) struct Summary {
 #[derive(Debug)]
 struct Bus {
     span: Option<(Instant, Instant)>,
-    /// Where nobody says the bit rate.
+    /// Where nobody says the bit rate, and whether the one that somebody says can be.
     least: LeastRate,
     /// Of the first frame, which end before the span begins.
     first_bits: u32,
@@ -100,7 +100,7 @@ struct Connection {
 impl Summary {
     pub(super) fn new(bit_rate: Option<BitRate>) -> Self {
         // A recording without frames is still a bus.
-        Self { bit_rate, buses: vec![Bus::new()] }
+        Self { bit_rate, buses: vec![Bus::new(bit_rate)] }
     }
 
     /// The bit rate, if somebody says it.
@@ -110,7 +110,13 @@ impl Summary {
 
     /// That of a bus: nobody says it for one of several.
     fn rate(&self, bus: &Bus) -> BusRate {
-        self.bit_rate.map_or_else(|| BusRate::AtLeast(bus.least.rate()), BusRate::Known)
+        self.bit_rate.map_or_else(|| BusRate::AtLeast(bus.least.rate()), BusRate::Said)
+    }
+
+    /// The bit rate that somebody has said, the first bus whose frames need more, and what they need at least.
+    pub(super) fn refuted_rate(&self) -> Option<(BitRate, usize, BitRate)> {
+        let needed = (0..).zip(&self.buses).find_map(|(bus, seen)| Some((bus, seen.least.needed()?)));
+        needed.and_then(|(bus, needed)| Some((self.bit_rate?, bus, needed)))
     }
 
     /// Takes note of when a frame was on a bus, whether it is counted or not: a load is a part of the whole recording.
@@ -208,18 +214,18 @@ impl Summary {
 
     fn bus(&mut self, index: usize) -> &mut Bus {
         if self.buses.len() <= index {
-            self.buses.resize_with(index + 1, Bus::new);
+            self.buses.resize_with(index + 1, || Bus::new(self.bit_rate));
         }
         &mut self.buses[index]
     }
 }
 
 impl Bus {
-    fn new() -> Self {
+    fn new(said: Option<BitRate>) -> Self {
         let nodes = core::iter::repeat_with(Node::default).take(NODES + 1).collect();
         Self {
             span: None,
-            least: LeastRate::new(),
+            least: LeastRate::new(said),
             first_bits: 0,
             digits: 0,
             total: Count::default(),

@@ -18,6 +18,7 @@ use super::args::MonitorArgs;
 use super::endpoint::Endpoint;
 use super::permit;
 use super::port::LivePort;
+use crate::bus_rate::BusRate;
 use crate::exit::{Exit, Failure};
 use crate::health;
 use crate::output::{self, Output};
@@ -41,9 +42,10 @@ pub fn monitor(args: &MonitorArgs, json: bool) -> Result<Exit, Failure> {
         let end = port.now() + span.0;
         port.set_end(end);
     }
-    let bit_rate = port.bit_rate().or(args.bit_rate.map(BitRate));
+    let bit_rate = bit_rate(args, &port)?;
     let learning = args.learn.map(|span| span.0);
-    let mut model = Model::new(bit_rate, health::doctor(bit_rate, expected.as_ref(), learning));
+    let known = bit_rate.and_then(BusRate::known);
+    let mut model = Model::new(bit_rate, health::doctor(known, expected.as_ref(), learning));
     let output = Output::new();
     let ended = if json || args.text || !output.is_terminal() || !io::stdin().is_terminal() {
         lines::run(args, &mut port, &mut model, output, json)
@@ -66,6 +68,18 @@ pub fn monitor(args: &MonitorArgs, json: bool) -> Result<Exit, Failure> {
     port.note_early_end(&args.endpoint, args.span);
     ended?;
     conclude(&args.endpoint, &model)
+}
+
+/// The bit rate as the bus tells it, or else the user.
+fn bit_rate(args: &MonitorArgs, port: &LivePort) -> Result<Option<BusRate>, Failure> {
+    let said = args.bit_rate.map(BitRate);
+    match (port.bit_rate(), said) {
+        (Some(known), Some(said)) if known != said => Err(Failure::Usage(format!(
+            "{}: --bit-rate says {said}, but it has {known}: leave --bit-rate out",
+            args.endpoint
+        ))),
+        (known, said) => Ok(known.map(BusRate::Known).or(said.map(BusRate::Said))),
+    }
 }
 
 /// How it ends.

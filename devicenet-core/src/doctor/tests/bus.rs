@@ -31,6 +31,18 @@ fn a_bus_that_is_nearly_full() {
 }
 
 #[test]
+fn a_bit_rate_that_turns_out_to_be_another_one() {
+    let mut ward = load(160);
+    assert!(!ward.only(Rule::BusLoad).is_over());
+    ward.doctor.set_bit_rate(None);
+    assert!(ward.only(Rule::BusLoad).is_over());
+    for _ in 0..2_000 {
+        ward.poll().wait(1);
+    }
+    assert!(ward.only(Rule::BusLoad).is_over(), "it is not judged any more");
+}
+
+#[test]
 fn errors_now_and_then_are_normal_and_many_are_not() {
     let mut ward = Ward::new();
     for _ in 0..20 {

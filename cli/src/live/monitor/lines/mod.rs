@@ -33,11 +33,11 @@ pub(super) fn run(
                 if at >= report_at {
                     // Of a silence that was passed over there is one summary, however many intervals it has.
                     report_at = last_report(report_at, at, args.interval.0);
-                    lines.see(model, port, report_at, Input::Tick);
+                    lines.see(model, port, report_at, Input::Tick)?;
                     lines.report(&model.report(), false)?;
                     report_at = report_at.saturating_add(args.interval.0);
                 }
-                lines.see(model, port, at, input);
+                lines.see(model, port, at, input)?;
                 now = now.max(at);
                 lines.show(input)?;
             }
@@ -47,7 +47,7 @@ pub(super) fn run(
     // The silence before the end counts.
     let end = args.span.map_or(Instant::MAX, |span| begin.saturating_add(span.0));
     let now = port.now().min(end);
-    lines.see(model, port, now, Input::Tick);
+    lines.see(model, port, now, Input::Tick)?;
     lines.report(&model.report(), true)?;
     match ended {
         PortError::Over => Ok(()),
@@ -75,7 +75,13 @@ struct Lines {
 }
 
 impl Lines {
-    fn see(&mut self, model: &mut Model, port: &mut LivePort, at: Instant, input: Input) {
+    fn see(
+        &mut self,
+        model: &mut Model,
+        port: &mut LivePort,
+        at: Instant,
+        input: Input,
+    ) -> Result<(), Failure> {
         let begin = model.begin().unwrap_or(at);
         model.see_port(port, at, input, |event: Event| {
             let at = event.at.saturating_since(begin);
@@ -85,7 +91,7 @@ impl Lines {
                 text::event(at, &event.what)
             };
             self.line(&line);
-        });
+        })
     }
 
     fn report(&mut self, picture: &Picture, is_last: bool) -> Result<(), Failure> {

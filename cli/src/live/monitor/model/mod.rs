@@ -28,6 +28,7 @@ use link_core::{BitRate, Frame, Input, Instant, LinkEvent};
 
 use crate::bus_rate::{BusRate, LeastRate};
 use crate::bus_time;
+use crate::exit::Failure;
 use crate::histogram::Histogram;
 use crate::live::port::LivePort;
 use crate::verdict::{self, Verdict};
@@ -49,8 +50,10 @@ pub(super) struct Model {
     monitor: Box<Monitor>,
     doctor: Box<Doctor>,
     bit_rate: BusRate,
-    /// Of a bus whose bit rate is not known.
+    /// Of a bus whose bit rate neither a scenario nor a controller tells.
     least: LeastRate,
+    /// What the user has said of it, and what its frames need: news.
+    refuted: Option<(BitRate, BitRate)>,
     /// When it began to listen.
     begin: Option<Instant>,
     now: Instant,
@@ -78,12 +81,14 @@ struct Responses {
 
 impl Model {
     /// `doctor` knows the same bit rate, if it is known.
-    pub(super) fn new(bit_rate: Option<BitRate>, doctor: Box<Doctor>) -> Self {
+    pub(super) fn new(bit_rate: Option<BusRate>, doctor: Box<Doctor>) -> Self {
+        let least = LeastRate::new(bit_rate.and_then(BusRate::said));
         Self {
             monitor: Box::new(Monitor::new(MonitorConfig::default())),
             doctor,
-            bit_rate: bit_rate.map_or(BusRate::AtLeast(LeastRate::new().rate()), BusRate::Known),
-            least: LeastRate::new(),
+            bit_rate: bit_rate.unwrap_or(BusRate::AtLeast(least.rate())),
+            least,
+            refuted: None,
             begin: None,
             now: Instant::ZERO,
             link: LinkState::Down,
@@ -101,13 +106,17 @@ impl Model {
     }
 
     /// Looks at a port after it has told of an input, and tells what follows.
+    ///
+    /// # Errors
+    /// A recording does not fit into the bit rate that the user has said. Of an interface that is a warning: it may have been late for
+    /// once.
     pub(super) fn see_port(
         &mut self,
         port: &mut LivePort,
         at: Instant,
         input: Input,
         mut tell: impl FnMut(Event),
-    ) {
+    ) -> Result<(), Failure> {
         while let Some((at, n)) = port.can_fd() {
             self.pass(at);
             self.counters.frames += 1;
@@ -117,6 +126,10 @@ impl Model {
         }
         self.counters.unread = port.bad_entries();
         self.see(at, port.entry(), input, &mut tell);
+        match self.refuted.take() {
+            Some((said, needed)) => port.doubt_bit_rate(said, needed),
+            None => Ok(()),
+        }
     }
 
     /// Takes an input of the interface, and tells what follows. `n` is the number of the entry of a recording that it comes from;
@@ -204,18 +217,35 @@ impl Model {
         self.history.0.advance(self.now);
     }
 
-    /// What was counted at a lower bit rate took less of the time, now that it is known to be higher.
+    /// What a bus whose bit rate only the user tells, or nobody, has shown of it.
     fn deduce(&mut self, at: Instant, frame: &Frame) {
-        let BusRate::AtLeast(rate) = self.bit_rate else { return };
-        self.least.see(at, frame);
-        let least = self.least.rate();
+        match self.bit_rate {
+            BusRate::Known(_) => {}
+            BusRate::AtLeast(_) => {
+                self.least.see(at, frame);
+                self.is_at_least(self.least.rate());
+            }
+            BusRate::Said(said) => {
+                self.least.see(at, frame);
+                if let Some(needed) = self.least.needed() {
+                    self.is_at_least(needed);
+                    self.doctor.set_bit_rate(None);
+                    self.refuted = Some((said, needed));
+                }
+            }
+        }
+    }
+
+    /// What was counted at a lower bit rate took less of the time, now that it is known to be higher.
+    fn is_at_least(&mut self, least: BitRate) {
+        let rate = self.bit_rate.rate();
+        self.bit_rate = BusRate::AtLeast(least);
         if least != rate {
             let scale = |busy: u64| (u128::from(busy) * u128::from(rate.0) / u128::from(least.0)) as u64;
             self.total.scale(scale);
             self.interval.scale(scale);
             self.window.0.each(|tally| tally.scale(scale));
             self.history.0.each(|cell| *cell = cell.map(scale));
-            self.bit_rate = BusRate::AtLeast(least);
         }
     }
 

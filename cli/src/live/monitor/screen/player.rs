@@ -167,7 +167,7 @@ impl Player {
             let look = until.min(at.saturating_add(LOOK_EVERY));
             match port.wait(Some(Deadline { at: look, why: "the next picture" })) {
                 Ok((now, input)) => {
-                    model.see_port(port, now, input, |_| {});
+                    model.see_port(port, now, input, |_| {})?;
                     at = at.max(now);
                     inputs += 1;
                     let is_long = input != Input::Tick && !inputs.is_multiple_of(LOOK_AT_THE_CLOCK);
@@ -179,7 +179,7 @@ impl Player {
                 Err(PortError::Over) => {
                     // The silence before the end counts.
                     let now = port.now();
-                    model.see_port(port, now, Input::Tick, |_| {});
+                    model.see_port(port, now, Input::Tick, |_| {})?;
                     self.is_over = !self.stays;
                     self.playback = Playback::Ended;
                     break;

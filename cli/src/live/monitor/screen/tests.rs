@@ -13,6 +13,7 @@ use super::draw;
 use super::player::{Playback, Speed};
 use super::style::Theme;
 use super::view::{Command, View};
+use crate::bus_rate::BusRate;
 use crate::live::endpoint::Endpoint;
 use crate::live::monitor::model::Model;
 use crate::live::port::LivePort;
@@ -36,7 +37,7 @@ impl Session {
         let title = super::title(&endpoint);
         let port = LivePort::open_listen_only(&endpoint).unwrap();
         let bit_rate = port.bit_rate();
-        let model = Model::new(bit_rate, crate::health::doctor(bit_rate, None, None));
+        let model = Model::new(bit_rate.map(BusRate::Known), crate::health::doctor(bit_rate, None, None));
         let playback = Playback::Playing(Speed::Times(1));
         Self { title, port, model, view: View::default(), playback }
     }
@@ -59,7 +60,7 @@ impl Session {
             look_at = until.min(look_at + Duration::from_millis(100));
             loop {
                 let (at, input) = self.port.wait(Some(Deadline { at: look_at, why: "a look" })).unwrap();
-                self.model.see_port(&mut self.port, at, input, |_| {});
+                self.model.see_port(&mut self.port, at, input, |_| {}).unwrap();
                 if at >= look_at {
                     break;
                 }
