@@ -19,10 +19,13 @@ impl<const N: usize> Clinic<'_, N> {
         let Some(mac) = identifier.mac_id() else { return };
         let is_part = reading.frag.is_some() && reading.message.is_none();
         let seen = Seen { n: reading.n, at: reading.at };
-        let before = lane_of(identifier.purpose()).and_then(|which| self.patient(mac).peek(which).last);
+        let before = match lane_of(identifier.purpose()) {
+            Some(which) => self.patient(mac).peek(which).last.map(|last| last.at),
+            None => self.patient(mac).commanded.replace(seen.at),
+        };
         let is_again = self.patient(mac).repeats(seen.at, &reading.frame);
-        // An error since the last answer: this can be that one again, or the answer to a command that was lost.
-        let has_error = self.last_error.is_some_and(|error| before.is_none_or(|before| before.at <= error));
+        // An error since the last answer, or the last command: this can be that one again, or the answer to a command that was lost.
+        let has_error = self.last_error.is_some_and(|error| before.is_none_or(|before| before <= error));
         let doubt = match (is_again, has_error) {
             (_, true) => Doubt::Error,
             (true, false) => Doubt::Again,
@@ -266,7 +269,7 @@ enum Doubt {
     None,
     /// It is the one before again.
     Again,
-    /// There was an error since the last answer of the slave.
+    /// There was an error since the last answer of the slave, or of a command since the last command.
     Error,
 }
 

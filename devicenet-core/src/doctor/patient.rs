@@ -86,6 +86,8 @@ pub(super) struct Patient {
     pub(super) refused: Option<Refused>,
     pub(super) unasked: Option<Unasked>,
     sent: Option<Sent>,
+    /// When the last frame of a command was.
+    pub(super) commanded: Option<Instant>,
     /// How many answers came twice of late: more for one that did, less for one that did not.
     pub(super) doubled: u8,
     /// What it has produced by change of state or cyclic.
@@ -155,6 +157,7 @@ impl Patient {
         refused: None,
         unasked: None,
         sent: None,
+        commanded: None,
         doubled: 0,
         rhythm: Rhythm::NEW,
         setup: None,

@@ -157,6 +157,27 @@ fn fragments_that_are_heard_from_the_middle_have_one_sender() {
     ward.group1(0xF, 10, &[0xBF, 0]).is_healthy();
 }
 
+/// A fragment of a command that comes twice can be one that an error has destroyed for somebody; one error excuses no more than that.
+#[test]
+fn an_error_excuses_a_fragment_that_is_repeated_right_after_it() {
+    const FIRST: &[u8] = &[0, 1, 2, 3, 4, 5, 6, 7];
+    const MIDDLE: &[u8] = &[0x41, 1, 2, 3, 4, 5, 6, 7];
+    const LAST: &[u8] = &[0x82, 1];
+    let mut ward = Ward::with_slave();
+    // It consumes 15 bytes.
+    ward.group2(10, 4, &[1, 0x0E, 5, 2, 8]).group2(10, 3, &[1, 0x8E, 15, 0]);
+    let command = |ward: &mut Ward| {
+        ward.group2(10, 5, FIRST).group2(10, 5, MIDDLE).group2(10, 5, LAST).answer();
+    };
+    command(&mut ward);
+    ward.group2(10, 5, FIRST).group2(10, 5, MIDDLE).link(LinkEvent::BusError(link_core::BusErrorKind::Crc));
+    ward.group2(10, 5, MIDDLE).group2(10, 5, LAST).answer();
+    ward.is_healthy();
+    command(&mut ward);
+    ward.group2(10, 5, FIRST).group2(10, 5, MIDDLE).wait(5).group2(10, 5, MIDDLE);
+    assert_eq!(ward.only(Rule::FragmentSequence).facts, Facts::Fragments { after: 1, found: 1 });
+}
+
 /// It is one all the same, but its allocation was not seen.
 #[test]
 fn a_second_sender_on_a_bus_that_already_runs() {
