@@ -62,7 +62,9 @@ impl<const N: usize> Clinic<'_, N> {
             }
             (Kind::Heartbeat, Some(mac)) => self.heartbeat(reading, mac, seen),
             (Kind::Shutdown, Some(mac)) => {
-                self.patient(mac).begin_anew();
+                let patient = self.patient(mac);
+                patient.begin_anew();
+                (patient.holder, patient.owner) = (None, None);
                 let code = match reading.fields.detail {
                     Detail::Shutdown { code } => code,
                     _ => 0,
@@ -86,6 +88,10 @@ impl<const N: usize> Clinic<'_, N> {
     fn restarts(&mut self, reading: &Reading<'_>, mac: MacId, seen: Seen) {
         let before = self.patient(mac).check;
         self.patient(mac).begin_anew();
+        // Whoever checks belongs to nobody, unless it is another one.
+        if reading.problem.is_none() && reading.note != Some(Note::RestartedOrAnother) {
+            self.patient(mac).owner = self.records.owner(mac);
+        }
         // What it has told of itself is no longer true, and it tells it anew.
         for rule in [Rule::Fault, Rule::BusOff] {
             self.ledger.end(rule, Some(mac), seen.at);
@@ -109,19 +115,32 @@ impl<const N: usize> Clinic<'_, N> {
         self.ledger.end_where(Rule::DuplicateMacId, seen.at, |finding| {
             finding.node != Some(mac) && is_rival(finding.facts, device)
         });
+        for (other, patient) in MacId::all().zip(self.patients.iter_mut()) {
+            if other != mac && patient.holder == Some(device) {
+                patient.holder = None;
+            }
+        }
         let before = self.patient(mac).check.replace(Check { seen, device });
         let Some(before) = before.filter(|before| before.device != device) else { return };
         if seen.at.saturating_since(before.seen.at) > BOTH_CHECK {
             return;
         }
-        let held = self.ledger.open(Rule::DuplicateMacId, Some(mac)).map(|finding| finding.facts);
-        let facts = match self.patient(mac).holder {
+        let held = self.ledger.open(Rule::DuplicateMacId, Some(mac)).copied();
+        // One that is still there would have objected to the first of the two.
+        let is_there = |holder: DeviceIdentity| {
+            holder == device
+                || holder == before.device
+                || held.is_some_and(|held| is_rival(held.facts, holder) && held.last >= before.seen.at)
+        };
+        let facts = match self.patient(mac).holder.filter(|&holder| is_there(holder)) {
             Some(holder) if holder == device => {
                 Facts::Rivals { holder: Some(holder), rival: Some(before.device) }
             }
             Some(holder) => Facts::Rivals { holder: Some(holder), rival: Some(device) },
             // They have met before.
-            None if held.is_some_and(|facts| is_rival(facts, before.device) && is_rival(facts, device)) => {
+            None if held
+                .is_some_and(|held| is_rival(held.facts, before.device) && is_rival(held.facts, device)) =>
+            {
                 return;
             }
             // Neither was on line yet: the one that hears the other goes off line without a word.
@@ -132,6 +151,8 @@ impl<const N: usize> Clinic<'_, N> {
 
     fn defends(&mut self, mac: MacId, holder: Option<DeviceIdentity>, seen: Seen) {
         let check = self.patient(mac).check;
+        // An answer to a question that was not heard says nothing of one that was.
+        let check = check.filter(|check| seen.at.saturating_since(check.seen.at) <= BOTH_CHECK);
         let rival = check.map(|check| check.device).filter(|&device| Some(device) != holder);
         let request = check.map(|check| check.seen);
         if holder.is_some() {

@@ -79,8 +79,10 @@ impl<const N: usize> Clinic<'_, N> {
             }
             _ if is_release(reading) => {
                 if let Some(slave) = reading.src {
-                    self.patient(slave).begin_anew();
-                    self.patient(slave).refused = None;
+                    let owner = self.records.owner(slave);
+                    let patient = self.patient(slave);
+                    patient.begin_anew();
+                    (patient.refused, patient.owner) = (None, owner);
                     self.ledger.end(Rule::NotAnswering, Some(slave), seen.at);
                 }
             }

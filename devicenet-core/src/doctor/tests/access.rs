@@ -132,6 +132,44 @@ fn two_devices_that_check_at_once_silence_each_other() {
     );
 }
 
+/// A device that was there before, and is not any more, has no part in it.
+#[test]
+fn an_owner_that_is_gone_does_not_have_the_mac_id() {
+    const GOODBYE: [u8; 8] = [10, 0xCE, 1, 0, 1, 0, 0, 0];
+    let leave: [(&str, fn(&mut Ward)); 3] = [
+        ("without a word", |_| {}),
+        ("to another MAC ID", |ward| {
+            ward.check(11, 0, 1).wait(1_000).check(11, 0, 1);
+        }),
+        ("with a farewell", |ward| {
+            ward.group2(10, 3, &GOODBYE);
+        }),
+    ];
+    for (how, leave) in leave {
+        let mut ward = Ward::new();
+        ward.check(10, 0, 1).wait(1_000).check(10, 0, 1).wait(5_000);
+        leave(&mut ward);
+        ward.wait(5_000).check(10, 0, 2).wait(500).check(10, 0, 3);
+        assert_eq!(
+            ward.of(Rule::DuplicateMacId)[0].2,
+            "duplicate MAC ID 10: vendor 4660, serial 0x00000002 and vendor 4660, serial 0x00000003 both want it, and none \
+             has it yet",
+            "{how}"
+        );
+    }
+}
+
+/// Whoever asked was not heard; who has asked long before is somewhere else by now.
+#[test]
+fn an_answer_names_only_who_has_just_asked() {
+    let mut ward = Ward::new();
+    ward.check(10, 0, 1).wait(1_000).check(10, 0, 1).wait(60_000).check(10, 0x80, 2);
+    assert_eq!(
+        ward.only(Rule::DuplicateMacId).to_string(),
+        "duplicate MAC ID 10: vendor 4660, serial 0x00000002 has it"
+    );
+}
+
 /// Its defence fails, it is bus-off, begins anew, and checks its MAC ID itself: it is still the owner.
 #[test]
 fn an_owner_that_checks_anew_after_an_intruder_is_the_owner() {

@@ -209,6 +209,30 @@ fn a_slave_that_belongs_to_another_master() {
     assert!(ward.doctor.findings().next().is_some_and(Finding::is_over));
 }
 
+/// Who refuses belongs to somebody; who has let it go, or has lost it with its power, is not the one.
+#[test]
+fn a_master_that_has_let_a_slave_go_is_not_its_owner() {
+    let leave: [(&str, fn(&mut Ward)); 2] = [
+        ("release", |ward| {
+            ward.group2(10, 6, &[1, 0x4C, 3, 1, 3]).group2(10, 3, &[1, 0xCC]);
+        }),
+        ("restart", |ward| {
+            ward.check(10, 0, 1).wait(1_000).check(10, 0, 1).wait(1_000);
+        }),
+    ];
+    for (how, leave) in leave {
+        let mut ward = Ward::with_slave();
+        ward.poll().answer();
+        leave(&mut ward);
+        ward.group2(10, 6, &[2, 0x4B, 3, 1, 3, 2]).group2(10, 3, &[2, 0x94, 0x0C, 0x01]);
+        assert_eq!(
+            ward.of(Rule::TwoMasters)[0].2,
+            "two masters want node 10: 2 is refused, because another has it",
+            "{how}"
+        );
+    }
+}
+
 /// Two masters with slaves of their own are what many networks have.
 #[test]
 fn two_masters_with_their_own_slaves_are_healthy() {
