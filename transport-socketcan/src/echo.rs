@@ -8,11 +8,14 @@ use link_core::{Instant, LinkEvent};
 /// frame itself, or its echo, without a word: then nobody will ever tell what became of it, and nothing else would be sent.
 ///
 /// A controller that has trouble, however, repeats its frame for as long as it takes: a node that is alone on the bus waits in error-passive
-/// for another to acknowledge. Its frame is not lost.
+/// for another to acknowledge. Its frame is not lost. Where the driver does not tell of that, and nothing else is heard either, it looks
+/// like a lost one: each that is given up adds another of its kind to the queue, so each is waited for twice as long as the one before.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct EchoWatch {
     /// When the echo is late; a controller that was never heard of has no trouble.
     late_at: Instant,
+    /// How long after the kernel has taken a frame that is.
+    patience: Duration,
     has_trouble: bool,
     /// Frames were lost while the kernel had this one: when to give it up for that.
     lost_at: Option<Instant>,
@@ -20,13 +23,26 @@ pub(crate) struct EchoWatch {
 
 impl EchoWatch {
     pub(crate) const fn new() -> Self {
-        Self { late_at: Instant::ZERO, has_trouble: false, lost_at: None }
+        Self { late_at: Instant::ZERO, patience: LATE, has_trouble: false, lost_at: None }
     }
 
     /// The kernel has taken a frame.
     pub(crate) fn begin(&mut self, now: Instant) {
-        self.late_at = now.saturating_add(LATE);
+        self.late_at = now.saturating_add(self.patience);
         self.lost_at = None;
+    }
+
+    /// It was given up.
+    pub(crate) fn give_up(&mut self) {
+        self.patience = self.patience.saturating_mul(2).min(LATEST);
+    }
+
+    /// A frame was heard, an own one or another's: somebody else is there.
+    pub(crate) fn alive(&mut self, at: Instant) {
+        if self.patience > LATE {
+            self.patience = LATE;
+            self.late_at = self.late_at.min(at.saturating_add(LATE));
+        }
     }
 
     /// The receive queue has lost frames, of which the echo may have been one.
@@ -63,6 +79,8 @@ impl EchoWatch {
 
 /// Many times what the most patient frame waits on a full bus.
 const LATE: Duration = Duration::from_secs(3);
+/// Of a bus on which nothing is ever heard.
+const LATEST: Duration = Duration::from_secs(60);
 /// After frames were lost.
 const AFTER_A_LOSS: Duration = Duration::from_secs(1);
 
@@ -82,6 +100,26 @@ mod tests {
         assert_eq!(watch.give_up_at(), Some(at(3_500)));
         watch.begin(at(600));
         assert_eq!(watch.give_up_at(), Some(at(3_600)), "each frame has its own time");
+    }
+
+    /// Alone on a bus whose driver tells of no trouble.
+    #[test]
+    fn what_is_given_up_in_silence_makes_patient_until_something_is_heard() {
+        let mut watch = EchoWatch::new();
+        let mut now = 0;
+        for patience in [3, 6, 12, 24, 48, 60, 60] {
+            watch.begin(at(now));
+            now += patience * 1_000;
+            assert_eq!(watch.give_up_at(), Some(at(now)));
+            watch.give_up();
+        }
+        watch.begin(at(now));
+        watch.alive(at(now + 10_000));
+        assert_eq!(watch.give_up_at(), Some(at(now + 13_000)), "what is with the kernel goes next");
+        watch.begin(at(now + 11_000));
+        assert_eq!(watch.give_up_at(), Some(at(now + 14_000)));
+        watch.alive(at(now + 12_000));
+        assert_eq!(watch.give_up_at(), Some(at(now + 14_000)), "other frames say nothing of this one");
     }
 
     #[test]

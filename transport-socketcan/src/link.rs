@@ -186,6 +186,7 @@ impl Link {
         }
         if self.outbox.with_kernel().is_some() && self.echo.give_up_at().is_some_and(|at| at <= now) {
             self.outbox.give_up();
+            self.echo.give_up();
             self.hand_over()?;
         }
         if self.restart_due.take_if(|at| *at <= now).is_some() {
@@ -214,7 +215,9 @@ impl Link {
             match self.socket.send(&frame) {
                 Ok(true) if self.has_echo => {
                     self.outbox.hand_over();
-                    self.echo.begin(self.stamps.last());
+                    // The last known moment may be long ago.
+                    let now = self.now();
+                    self.echo.begin(now);
                 }
                 Ok(true) => {
                     self.outbox.sent();

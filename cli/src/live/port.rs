@@ -4,6 +4,8 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
 use std::path::Path;
 
+#[cfg(target_os = "linux")]
+use link_core::TxOutcome;
 use link_core::machine::Deadline;
 use link_core::{BitRate, Frame, Input, Instant, LinkCommand, Port, TxToken};
 use transport_mock::{Ended, Ignore, NetworkPort, NodeConfig};
@@ -30,6 +32,9 @@ pub(super) struct LivePort {
     /// The latest that was told.
     #[cfg(target_os = "linux")]
     refusal: Option<transport_socketcan::Refusal>,
+    /// The user knows that a frame was lost sight of.
+    #[cfg(target_os = "linux")]
+    is_silence_told: bool,
 }
 
 enum Bus {
@@ -102,6 +107,8 @@ impl LivePort {
             interrupted: None,
             #[cfg(target_os = "linux")]
             refusal: None,
+            #[cfg(target_os = "linux")]
+            is_silence_told: false,
         })
     }
 
@@ -188,7 +195,19 @@ impl LivePort {
     fn wait_for_the_bus(&mut self, deadline: Option<Deadline>) -> Result<(Instant, Input), PortError> {
         match &mut self.bus {
             #[cfg(target_os = "linux")]
-            Bus::Interface(port) => port.wait(deadline).map_err(failed),
+            Bus::Interface(port) => {
+                let input = port.wait(deadline).map_err(failed)?;
+                if matches!(input.1, Input::TxDone(_, TxOutcome::Unknown))
+                    && !core::mem::replace(&mut self.is_silence_told, true)
+                {
+                    crate::output::warn(format_args!(
+                        "{}: its driver tells neither that a frame was sent nor of an error: so it is when nobody acknowledges, alone on \
+                         the bus or at the wrong bit rate",
+                        port.interface().name()
+                    ));
+                }
+                Ok(input)
+            }
             Bus::Simulated(port) => port.wait(deadline).map_err(|Ended { at }| {
                 self.over = Some(at);
                 PortError::Over

@@ -45,11 +45,15 @@ impl Link {
         match frame::from_kernel(&message.raw) {
             // An echo that nobody waits for is of a frame that was given up.
             Some(frame) if message.is_own => {
+                self.echo.alive(at);
                 if self.outbox.confirm(&frame) {
                     self.answer();
                 }
             }
-            Some(frame) => self.inputs.push_back((at, Input::Frame(frame))),
+            Some(frame) => {
+                self.echo.alive(at);
+                self.inputs.push_back((at, Input::Frame(frame)));
+            }
             None => error_frame::events(message.raw).for_each(|event| self.link_event(at, event)),
         }
     }
