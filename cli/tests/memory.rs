@@ -22,6 +22,23 @@ fn a_longer_time_needs_no_more_memory() {
     assert!(long <= short + 20 * 80 + SLACK, "{long} bytes instead of {short}");
 }
 
+/// No node of this network hears them, and each is counted.
+#[test]
+fn frames_of_can_fd_need_no_memory() {
+    let [few, many] = [1_000, 50_000].map(|count| {
+        let log: String = (0..count)
+            .map(|n| format!("({}.{:06}) can0 123##10102\n", 1 + n / 1_000, n % 1_000 * 1_000))
+            .collect();
+        let path = format!("{}/fd-{count}.log", env!("CARGO_TARGET_TMPDIR"));
+        std::fs::write(&path, log).unwrap();
+        let watched = measure(&format!("log:{path}"), "1h");
+        assert_eq!(watched.summary["frames"], count);
+        assert_eq!(watched.summary["findings"][0]["count"], count);
+        watched.peak
+    });
+    assert!(many <= few + 50 * 80 + SLACK, "{many} bytes instead of {few}");
+}
+
 #[test]
 #[ignore = "takes minutes in release mode"]
 fn a_day_needs_no_more_memory_than_six_minutes() {
@@ -54,9 +71,13 @@ struct Watched {
 fn watch(slaves: u8, span: &str) -> Watched {
     let path = format!("{}/full-{slaves}-{span}.toml", env!("CARGO_TARGET_TMPDIR"));
     std::fs::write(&path, scenario(slaves)).unwrap();
+    measure(&format!("sim:{path}"), span)
+}
+
+fn measure(endpoint: &str, span: &str) -> Watched {
     let child = Command::new(std::env::current_exe().unwrap())
         .args(["--exact", "the_process_that_is_measured", "--ignored", "--nocapture"])
-        .env("DEVICENET_WATCH", format!("sim:{path} {span}"))
+        .env("DEVICENET_WATCH", format!("{endpoint} {span}"))
         .stderr(Stdio::piped())
         .output()
         .unwrap();

@@ -139,13 +139,22 @@ impl LivePort {
         }
     }
 
-    /// A frame of CAN FD that a recording has had by now, and its number.
+    /// The frame of CAN FD of a recording that the last tick stands for, and its number.
     pub(super) fn can_fd(&mut self) -> Option<(Instant, u64)> {
         match &mut self.bus {
             Bus::Recorded(recorded) => recorded.can_fd(),
             #[cfg(target_os = "linux")]
             Bus::Interface(_) => None,
             Bus::Simulated(_) => None,
+        }
+    }
+
+    fn has_can_fd(&self) -> bool {
+        match &self.bus {
+            Bus::Recorded(recorded) => recorded.has_can_fd(),
+            #[cfg(target_os = "linux")]
+            Bus::Interface(_) => false,
+            Bus::Simulated(_) => false,
         }
     }
 
@@ -367,7 +376,11 @@ impl Port for LivePort {
             let look = self.interrupted.map(|_| self.now() + LOOK_AFTER);
             let look = look.map(|at| Deadline { at, why: "an interruption" });
             match self.wait_for_the_bus(Deadline::earlier(deadline, look))? {
-                (now, Input::Tick) if deadline.is_none_or(|deadline| now < deadline.at) => {}
+                input @ (now, Input::Tick) if deadline.is_none_or(|deadline| now < deadline.at) => {
+                    if self.has_can_fd() {
+                        return Ok(input);
+                    }
+                }
                 (_, Input::Tick) if is_last => return Err(PortError::Over),
                 input => return self.end.admit(input),
             }

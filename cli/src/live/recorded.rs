@@ -33,15 +33,23 @@ pub(super) struct Recorded {
     /// A silence is played for so long; the rest of it is passed over.
     patience: Duration,
     bad_entries: u64,
-    ahead: VecDeque<(Instant, Input)>,
+    ahead: VecDeque<(Instant, Ahead)>,
     /// Of standard input, whose end is none when this is set.
     interrupted: Option<&'static AtomicBool>,
-    /// Time stamps and numbers of frames of CAN FD, which no node of this network hears as a frame.
-    can_fd: VecDeque<(Instant, u64)>,
+    /// When the frame of CAN FD was that the last tick stands for.
+    can_fd: Option<Instant>,
     /// The number of the entry that these are of.
     ahead_entry: u64,
     /// That of the last one that was told.
     entry: u64,
+}
+
+/// What an entry is to a listener.
+#[derive(Clone, Copy)]
+enum Ahead {
+    Input(Input),
+    /// A frame of CAN FD, which no node of this network hears as a frame: a tick.
+    CanFd,
 }
 
 impl Recorded {
@@ -68,7 +76,7 @@ impl Recorded {
             patience: PATIENCE,
             bad_entries: 0,
             ahead: VecDeque::new(),
-            can_fd: VecDeque::new(),
+            can_fd: None,
             ahead_entry: 0,
             entry: 0,
         })
@@ -78,15 +86,14 @@ impl Recorded {
         self.now
     }
 
-    /// A frame of CAN FD that was there by now, and its number.
+    /// The frame of CAN FD that the last tick stands for, and its number.
     pub(super) fn can_fd(&mut self) -> Option<(Instant, u64)> {
-        let &(stamp, n) = self.can_fd.front()?;
-        let at = self.moment(stamp, self.last?);
-        if at > self.now && !self.ahead.is_empty() {
-            return None;
-        }
-        self.can_fd.pop_front();
-        Some((self.now.max(at), n))
+        Some((self.can_fd.take()?, self.entry))
+    }
+
+    /// Whether the last tick stands for one.
+    pub(super) const fn has_can_fd(&self) -> bool {
+        self.can_fd.is_some()
     }
 
     /// When an entry with this time stamp is: from its first frame on, as on a bus that one has just come to.
@@ -130,11 +137,12 @@ impl Recorded {
         deadline: Option<Deadline>,
         end: Instant,
     ) -> Result<(Instant, Input), PortError> {
+        self.can_fd = None;
         let Some(last) = self.last else {
             self.last = Some(self.peek()?.map_or(Instant::ZERO, |(at, _)| at));
             return Ok((self.now, Input::Link(LinkEvent::Up)));
         };
-        let Some((stamp, input)) = self.peek()? else { return Err(PortError::Over) };
+        let Some((stamp, ahead)) = self.peek()? else { return Err(PortError::Over) };
         let at = self.moment(stamp, last);
         if let Some(deadline) = deadline.filter(|deadline| deadline.at < at) {
             self.now = if deadline.at <= self.heard.saturating_add(self.patience) {
@@ -151,6 +159,13 @@ impl Recorded {
             (self.last, self.heard) = (Some(stamp), at);
         }
         self.now = self.now.max(at);
+        let input = match ahead {
+            Ahead::Input(input) => input,
+            Ahead::CanFd => {
+                self.can_fd = Some(self.now);
+                Input::Tick
+            }
+        };
         Ok((self.now, input))
     }
 
@@ -166,7 +181,7 @@ impl Recorded {
         until.max(self.now)
     }
 
-    fn peek(&mut self) -> Result<Option<(Instant, Input)>, PortError> {
+    fn peek(&mut self) -> Result<Option<(Instant, Ahead)>, PortError> {
         while self.ahead.is_empty() {
             let entry = self.recording.next();
             // It may be half of one.
@@ -179,11 +194,14 @@ impl Recorded {
                 Some(Ok(RecordedFrame { n, at, content, .. })) => {
                     self.ahead_entry = n;
                     match content {
-                        Content::Classic(frame) => self.ahead.push_back((at, Input::Frame(frame))),
-                        Content::Error(error) => {
-                            self.ahead.extend(error.link_events().map(|event| (at, Input::Link(event))));
+                        Content::Classic(frame) => {
+                            self.ahead.push_back((at, Ahead::Input(Input::Frame(frame))));
                         }
-                        Content::Fd(_) => self.can_fd.push_back((at, n)),
+                        Content::Error(error) => {
+                            let inputs = error.link_events().map(|event| Ahead::Input(Input::Link(event)));
+                            self.ahead.extend(inputs.map(|input| (at, input)));
+                        }
+                        Content::Fd(_) => self.ahead.push_back((at, Ahead::CanFd)),
                     }
                 }
                 Some(Err(error)) if error.is_fatal() => {

@@ -145,6 +145,41 @@ fn io_goes_on_when_the_interface_is_back() {
     assert!(slaves.map(Process::interrupted).iter().all(|slave| slave.code == 0));
 }
 
+/// It never restarts by itself, so it is of no use from then on.
+#[test]
+#[ignore = "needs vcan"]
+fn a_node_that_is_bus_off_in_the_end_has_failed() {
+    let bus = Interface::new("vcan104");
+    for (role, name) in [("slave", "valve"), ("master", "scanner")] {
+        let mut node = Process::node(role, bus.0, "line.toml", name);
+        node.until("-> OnLine");
+        run("cansend", &[bus.0, "20000040#0000000000000000"]);
+        node.until("OnLine -> CommFault");
+        let ended = node.interrupted();
+        assert_eq!(ended.code, 1, "{role} {}", ended.err);
+        assert!(
+            ended.err.ends_with("check the bit rate, the cable and its terminators\n"),
+            "{role} {}",
+            ended.err
+        );
+    }
+}
+
+/// An interface that echoes what has left its queue, which it does not within the test, and tells of no error.
+#[test]
+#[ignore = "needs vcan"]
+fn a_driver_that_says_nothing_is_told_once() {
+    let bus = Interface::new("vcan105");
+    run("tc", &["qdisc", "add", "dev", bus.0, "root", "netem", "delay", "60s"]);
+    let node =
+        ["slave", bus.0, "line.toml", "--node", "valve", "--allow-tx", "--listen", "1ms", "--for", "12s"];
+    let ended = Process::start(&node).ended();
+    // After three seconds, and after six more.
+    assert_eq!(ended.out.matches("not sent").count(), 2, "{}", ended.out);
+    let told = "vcan105: its driver tells neither that a frame was sent nor of an error";
+    assert_eq!(ended.err.matches(told).count(), 1, "{}", ended.err);
+}
+
 /// A master and eight slaves on an interface that has room for one frame, and sends one in a millisecond: whoever comes second hears that
 /// there is no room. Every poll is answered once all the same, and none is sent before the last was answered.
 #[test]

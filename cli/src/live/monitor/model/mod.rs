@@ -117,7 +117,7 @@ impl Model {
         input: Input,
         mut tell: impl FnMut(Event),
     ) -> Result<(), Failure> {
-        while let Some((at, n)) = port.can_fd() {
+        if let Some((at, n)) = port.can_fd() {
             self.pass(at);
             self.counters.frames += 1;
             self.counters.problems += 1;
