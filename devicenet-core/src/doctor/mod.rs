@@ -22,7 +22,7 @@
 //! | [`TwoMasters`](Rule::TwoMasters) | a request of a master on a slave of another; refused with 0x0C/0x01 | the second one gets the slave, or quiet | 83 | warning |
 //! | [`ForeignMacId`](Rule::ForeignMacId) | a node that is neither expected nor learned ([`Intrusion`]) | quiet | | error |
 //! | [`UnexpectedAllocation`](Rule::UnexpectedAllocation) | a slave is allocated by another master than the expected or learned one | quiet | | error |
-//! | [`IdentifierCollision`](Rule::IdentifierCollision) | three I/O responses of a node within 10 s that nobody has asked for; ten, if it was never asked; change-of-state or cyclic messages in a rhythm that one sender cannot have, three to six times within 10 s or EPR x 12 | quiet | | error; warning if the allocation was not seen |
+//! | [`IdentifierCollision`](Rule::IdentifierCollision) | three I/O responses of a node within 10 s that nobody has asked for; ten, if it was never asked; change-of-state or cyclic messages in a rhythm that one sender cannot have, three to twelve times within 10 s or EPR x 12 | quiet | | error; warning if the allocation was not seen |
 //! | [`BusOff`](Rule::BusOff) | a controller is bus-off; a node tells a bus-off counter above 0 | it takes part again; the counter is 0, or the node begins anew | 91 | error; warning |
 //! | [`ErrorPassive`](Rule::ErrorPassive) | a controller is error-passive | it is error-active, with or without warning | | warning |
 //! | [`ErrorFrames`](Rule::ErrorFrames) | 10 errors within 10 s; up to 16 form errors of one that tries again at once are one | fewer than 5 | | warning; error from 100 |

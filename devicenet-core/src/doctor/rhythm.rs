@@ -1,7 +1,7 @@
 //! The rhythm in which a slave produces by change of state or cyclic, and what does not fit into it.
 //!
-//! A single producer sends when something changes, and so long after its last message, whatever that was, as its expected packet
-//! rate says. Who does not is two.
+//! A single producer sends when something changes, when its application wants it, and so long after its last message, whatever that
+//! was, as its expected packet rate says. Who goes on at that rate as if nothing had been sent in between is two.
 
 use core::time::Duration;
 
@@ -14,6 +14,8 @@ use crate::monitor;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) struct Rhythm {
     last: Option<Message>,
+    /// When the two before it were, the newer one first.
+    earlier: [Option<Instant>; 2],
     /// The last one with other data than that.
     other: Option<Message>,
     doubt: Option<Doubt>,
@@ -31,11 +33,23 @@ struct Message {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 struct Doubt {
     first: Seen,
-    points: u8,
+    points: u16,
+    /// Messages that nothing but the application explains.
+    triggered: u16,
+}
+
+/// What a message says.
+enum Points {
+    /// That it fits.
+    None,
+    /// That it came early, without a change, and not as if it were of a second producer.
+    Triggered,
+    /// So much that there are two producers.
+    Second(u16),
 }
 
 impl Rhythm {
-    pub(super) const NEW: Self = Self { last: None, other: None, doubt: None };
+    pub(super) const NEW: Self = Self { last: None, earlier: [None; 2], other: None, doubt: None };
 
     /// A message. `is_again`: it is the one before again, which was not acknowledged, or was destroyed for somebody. Returns the first
     /// one that did not fit, if there are too many of them.
@@ -47,43 +61,72 @@ impl Rhythm {
         is_again: bool,
     ) -> Option<Seen> {
         let message = Message::new(seen.at, data);
-        let points = if is_again { 0 } else { self.points(&message, rhythm) };
+        let points = if is_again { Points::None } else { self.points(&message, rhythm) };
         match self.last {
             Some(last) if last.is_same(&message) => {}
             last => self.other = last,
         }
-        self.last = Some(message);
-        if points == 0 {
-            return None;
+        let before = self.last.replace(message);
+        match (before, &mut self.last) {
+            // Its time is that of the first attempt.
+            (Some(before), Some(last)) if is_again => last.at = before.at,
+            (before, _) => self.earlier = [before.map(|before| before.at), self.earlier[0]],
         }
         let within = SHORTEST_SPAN.max(rhythm.period.saturating_mul(PERIODS));
-        let held = self.doubt.filter(|doubt| seen.at.saturating_since(doubt.first.at) <= within);
-        let mut doubt = held.unwrap_or(Doubt { first: seen, points: 0 });
-        doubt.points = doubt.points.saturating_add(points);
-        self.doubt = Some(doubt);
-        (doubt.points >= TOO_MANY).then_some(doubt.first)
+        self.doubt = self.doubt.filter(|doubt| seen.at.saturating_since(doubt.first.at) <= within);
+        match points {
+            Points::None => return None,
+            Points::Triggered => {
+                if let Some(doubt) = &mut self.doubt {
+                    doubt.triggered = doubt.triggered.saturating_add(1);
+                }
+                return None;
+            }
+            Points::Second(points) => {
+                let doubt = self.doubt.get_or_insert(Doubt { first: seen, points: 0, triggered: 0 });
+                doubt.points = doubt.points.saturating_add(points);
+            }
+        }
+        // An application that triggers without a change does so at any time, now and then at that of a second producer.
+        let doubt = self.doubt.filter(|doubt| doubt.points >= TOO_MANY && doubt.points >= doubt.triggered)?;
+        Some(doubt.first)
     }
 
-    fn points(&self, message: &Message, rhythm: &monitor::Rhythm) -> u8 {
-        let Some(last) = self.last else { return 0 };
+    fn points(&self, message: &Message, rhythm: &monitor::Rhythm) -> Points {
+        let Some(last) = self.last else { return Points::None };
         let gap = message.at.saturating_since(last.at);
         let is_early = gap.saturating_mul(2) < rhythm.period;
         if gap.saturating_mul(2) < rhythm.inhibit || rhythm.is_cyclic && is_early {
             // Half of the time is more than a busy bus can take.
-            return CERTAIN;
+            return Points::Second(CERTAIN);
         }
-        if last.is_same(message) {
-            // Nothing has changed, and it was not time yet.
-            return if is_early { LIKELY } else { 0 };
-        }
-        let Some(other) = self.other.filter(|other| other.is_same(message)) else { return 0 };
-        // One that sends the same on and on, at its own time, as if nothing had been sent in between.
-        let since = message.at.saturating_since(other.at);
         let tolerance = rhythm.period.checked_div(PARTS).unwrap_or_default().max(SHORTEST_TOLERANCE);
-        let is_in_time = since.abs_diff(rhythm.period) <= tolerance;
+        // One that sends the same on and on, at its own time, as if nothing had been sent in between.
+        let is_in_time =
+            |before: Instant| message.at.saturating_since(before).abs_diff(rhythm.period) <= tolerance;
+        if last.is_same(message) {
+            // The time of a single producer begins with its last message.
+            let is_of_another = gap.saturating_add(tolerance) < rhythm.period
+                && !self.is_steady(gap)
+                && self.earlier.into_iter().flatten().any(is_in_time);
+            return match (is_of_another, is_early) {
+                (true, _) => Points::Second(POSSIBLE),
+                // Nothing has changed, and it was not time yet.
+                (false, true) => Points::Triggered,
+                (false, false) => Points::None,
+            };
+        }
+        let Some(other) = self.other.filter(|other| other.is_same(message)) else { return Points::None };
         // A value that comes and goes by halves of it could be a single one.
         let is_half = gap.saturating_mul(2).abs_diff(rhythm.period) <= tolerance.saturating_mul(4);
-        if is_in_time && !is_half { LIKELY } else { 0 }
+        if is_in_time(other.at) && !is_half { Points::Second(LIKELY) } else { Points::None }
+    }
+
+    /// The distance from the last message is about that from the one before: so an application does it that triggers from a timer.
+    fn is_steady(&self, gap: Duration) -> bool {
+        let Some((last, before)) = self.last.zip(self.earlier[0]) else { return false };
+        let gap_before = last.at.saturating_since(before);
+        gap.min(gap_before).saturating_mul(3) >= gap.max(gap_before).saturating_mul(2)
     }
 }
 
@@ -102,10 +145,12 @@ impl Message {
 }
 
 /// What no single sender does.
-const CERTAIN: u8 = 2;
+const CERTAIN: u16 = 4;
 /// What it does now and then.
-const LIKELY: u8 = 1;
-const TOO_MANY: u8 = 6;
+const LIKELY: u16 = 2;
+/// What it does more often, if its application triggers what has not changed.
+const POSSIBLE: u16 = 1;
+const TOO_MANY: u16 = 12;
 /// Within which they count together.
 const SHORTEST_SPAN: Duration = Duration::from_secs(10);
 const PERIODS: u32 = 12;

@@ -193,6 +193,7 @@ const OTHERS: &[(&str, &[Found])] = &[
         "segments-joined",
         &[(Rule::ErrorFrames, None), (Rule::ErrorPassive, Some(10)), (Rule::DuplicateMacId, Some(10))],
     ),
+    ("triggered-producer", &[]),
     ("two-producers", &[(Rule::IdentifierCollision, Some(10))]),
     ("slave-lost", &[(Rule::NotAnswering, Some(10)), (Rule::Restarted, Some(10))]),
     (

@@ -275,19 +275,45 @@ fn a_single_producer_has_a_rhythm_of_its_own() {
 /// A message of two fragments changes in its first, in its second, or, from another sender, not at all.
 #[test]
 fn a_producer_of_long_messages_is_judged_by_all_of_its_data() {
+    // The second of two messages 30 ms after the first, each with an expected packet rate of 100 ms.
     let produce = |data: fn(u8) -> [u8; 2]| {
         let mut ward = Ward::with_slave_of(DoctorConfig::default(), 0x11);
         ward.group2(10, 4, &[1, 0x0E, 5, 4, 7]).group2(10, 3, &[1, 0x8E, 10, 0]);
-        for round in 0..20 {
+        for round in 0..40 {
             let [first, last] = data(round);
             ward.group1(0xD, 10, &[0, first, 2, 3, 4, 5, 6, 7]).group1(0xD, 10, &[0x81, 8, 9, last]);
-            ward.group2(10, 2, &[]).wait(20);
+            ward.group2(10, 2, &[]).wait(if round % 2 == 0 { 27 } else { 67 });
         }
         ward
     };
     produce(|round| [round, 0]).is_healthy();
     produce(|round| [0, round]).is_healthy();
     produce(|_| [0, 0]).only(Rule::IdentifierCollision);
+}
+
+/// An application that triggers production although nothing has changed, from a timer or whenever it likes.
+#[test]
+fn an_application_that_triggers_without_a_change_is_one_producer() {
+    let triggered = |gaps: &mut dyn FnMut() -> u64| {
+        let mut ward = Ward::with_slave_of(DoctorConfig::default(), 0x11);
+        for _ in 0..2_000 {
+            ward.group1(0xD, 10, &[7]).group2(10, 2, &[]).wait(gaps() - 2);
+        }
+        ward.is_healthy();
+    };
+    for period in [5, 10, 20, 25, 33, 40, 49] {
+        triggered(&mut || period);
+    }
+    for most in [30, 45, 60, 90] {
+        // xorshift32.
+        let mut state = 0x2545_F491_u32;
+        triggered(&mut || {
+            state ^= state << 13;
+            state ^= state >> 17;
+            state ^= state << 5;
+            3 + u64::from(state) % (most - 3)
+        });
+    }
 }
 
 /// Whatever has changed, it sends when its time has come.
