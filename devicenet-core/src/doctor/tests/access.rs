@@ -136,7 +136,7 @@ fn two_devices_that_check_at_once_silence_each_other() {
 #[test]
 fn an_owner_that_is_gone_does_not_have_the_mac_id() {
     const GOODBYE: [u8; 8] = [10, 0xCE, 1, 0, 1, 0, 0, 0];
-    let leave: [(&str, fn(&mut Ward)); 3] = [
+    let leave: [(&str, Deed); 3] = [
         ("without a word", |_| {}),
         ("to another MAC ID", |ward| {
             ward.check(11, 0, 1).wait(1_000).check(11, 0, 1);

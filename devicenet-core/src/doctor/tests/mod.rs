@@ -18,6 +18,9 @@ use super::*;
 use crate::id::{Identifier, MacId};
 use crate::monitor::{Monitor, MonitorConfig};
 
+/// What happens on a bus.
+type Deed = fn(&mut Ward);
+
 /// A bus that a doctor listens to.
 struct Ward {
     monitor: Box<Monitor>,

@@ -212,7 +212,7 @@ fn a_slave_that_belongs_to_another_master() {
 /// Who refuses belongs to somebody; who has let it go, or has lost it with its power, is not the one.
 #[test]
 fn a_master_that_has_let_a_slave_go_is_not_its_owner() {
-    let leave: [(&str, fn(&mut Ward)); 2] = [
+    let leave: [(&str, Deed); 2] = [
         ("release", |ward| {
             ward.group2(10, 6, &[1, 0x4C, 3, 1, 3]).group2(10, 3, &[1, 0xCC]);
         }),
