@@ -50,10 +50,6 @@ impl<O: Object> Object for CommonServices<O> {
     const CLASS: ClassId = O::CLASS;
     const REVISION: u16 = O::REVISION;
 
-    fn revision(&self) -> u16 {
-        self.0.revision()
-    }
-
     fn class_attributes(&self) -> &'static [AttributeRule] {
         self.0.class_attributes()
     }
@@ -95,7 +91,9 @@ impl<O: Object> Object for CommonServices<O> {
             ServiceCode::SET_ATTRIBUTE_LIST if self.0.has_set(call.instance) => {
                 set_attribute_list(&mut self.0, call, out)
             }
-            ServiceCode::FIND_NEXT_OBJECT_INSTANCE => find_next_instance(&self.0, call, out),
+            ServiceCode::FIND_NEXT_OBJECT_INSTANCE => {
+                find_next_instance(|instance| self.0.next_instance(instance), call, out)
+            }
             _ => own,
         }
     }
@@ -180,8 +178,8 @@ pub fn set_attribute_list<O: Object>(
 }
 
 /// Find_Next_Object_Instance: the instances after the one addressed, at most as many as the request allows.
-pub fn find_next_instance<O: Object>(
-    object: &O,
+pub fn find_next_instance(
+    next_instance: impl Fn(InstanceId) -> Option<InstanceId>,
     call: &Call<'_>,
     out: &mut Writer<'_>,
 ) -> Result<Effects, Failure> {
@@ -191,7 +189,7 @@ pub fn find_next_instance<O: Object>(
     let mut count: u8 = 0;
     let mut instance = call.instance;
     while count < max
-        && let Some(next) = object.next_instance(instance)
+        && let Some(next) = next_instance(instance)
     {
         out.u16(next.0)?;
         count = count.saturating_add(1);
@@ -217,7 +215,7 @@ pub fn class_attribute<O: Object>(
 ) -> Result<(), Failure> {
     let highest = |rules: &[AttributeRule]| rules.iter().map(|rule| rule.id().0).max().unwrap_or(0);
     let value = match attribute.0 {
-        1 => object.revision(),
+        1 => O::REVISION,
         2 => instances(object).last().map_or(0, |instance| instance.0),
         3 => u16::try_from(instances(object).count()).unwrap_or(u16::MAX),
         6 => highest(object.class_attributes()),

@@ -114,6 +114,7 @@ mod identity;
 pub mod laws;
 mod message_router;
 mod parameter;
+mod plain;
 mod rule;
 mod serve;
 mod set;
@@ -132,6 +133,7 @@ pub use parameter::{
     FullParameter, International, Parameter, ParameterClassDescriptor, ParameterDescriptor, ParameterObject,
     ParameterStorage, Parameters, Scaling, ScalingLinks,
 };
+pub use plain::{PlainObject, serve_plain};
 pub use rule::{AttributeRule, Size};
 pub use serve::serve;
 pub use set::{Chain, ObjectSet, respond, respond_with};
@@ -150,12 +152,7 @@ pub trait Object {
     /// Class attribute 1.
     const REVISION: u16 = 1;
 
-    /// The same of an object that is of one class or another, and knows only then which.
-    fn revision(&self) -> u16 {
-        Self::REVISION
-    }
-
-    /// The attributes of the class itself (instance 0). Attribute 1 is answered with the [revision](Self::revision), all
+    /// The attributes of the class itself (instance 0). Attribute 1 is answered with [`REVISION`](Self::REVISION), all
     /// others by [`get`](Self::get). By default the revision alone.
     fn class_attributes(&self) -> &'static [AttributeRule] {
         REVISION_ONLY
@@ -202,10 +199,6 @@ pub trait Object {
 impl<O: Object> Object for &mut O {
     const CLASS: ClassId = O::CLASS;
     const REVISION: u16 = O::REVISION;
-
-    fn revision(&self) -> u16 {
-        (**self).revision()
-    }
 
     fn class_attributes(&self) -> &'static [AttributeRule] {
         (**self).class_attributes()

@@ -137,7 +137,7 @@ pub(super) fn get<O: Object>(
     out: &mut Writer<'_>,
 ) -> Result<(), Failure> {
     if instance.is_class() && attribute == REVISION {
-        return Ok(out.u16(object.revision())?);
+        return Ok(out.u16(O::REVISION)?);
     }
     object.get(instance, attribute, out)
 }

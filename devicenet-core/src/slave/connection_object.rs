@@ -7,7 +7,7 @@ use cip_core::connection::{
     WatchdogAction,
 };
 use cip_core::epath::Epath;
-use cip_core::object::{AttributeRule, Call, Effects, Failure, Object, Size, exact};
+use cip_core::object::{Call, Effects, Failure, exact};
 
 use super::application::{Application, End, IoKind, Parts};
 use super::config::Options;
@@ -22,8 +22,6 @@ use crate::id::{Identifier, MessageGroup};
 /// The object, put together for one request.
 pub(super) struct ConnectionObject<'s, 'a, A: Application, const MESSAGE: usize, const DYNAMIC: usize> {
     pub(super) server: &'s mut Server<'a, A, MESSAGE, DYNAMIC>,
-    /// Attribute 8 of the instance that is asked, if it is for I/O.
-    pub(super) consumed_size: usize,
 }
 
 /// An instance that exists.
@@ -55,42 +53,38 @@ pub(super) enum Which {
 ///
 /// Of these, a slave without [`Parts::OPTIONAL_SERVICES`] has Get, Set and the Reset of an instance, if it has no dynamic
 /// connections either.
-impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
-    for ConnectionObject<'_, '_, A, MESSAGE, DYNAMIC>
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
+    ConnectionObject<'_, '_, A, MESSAGE, DYNAMIC>
 {
-    const CLASS: ClassId = ClassId::CONNECTION;
-
-    fn attributes(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
-        match self.which(instance) {
-            Some(_) if A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) || changes::<A>() => Some(&RULES),
-            Some(_) => RULES.get(..MANDATORY_ATTRIBUTES),
-            None if self.server.node.options.contains(Options::READ_NON_EXISTENT_STATE)
-                && (1..=5).contains(&instance.0) =>
-            {
-                Some(&NON_EXISTENT)
-            }
-            None => None,
-        }
-    }
-
     fn next_instance(&self, instance: InstanceId) -> Option<InstanceId> {
         let last = u16::from(FIRST_INSTANCE).saturating_add(u16::try_from(DYNAMIC).unwrap_or(u16::MAX));
-        (instance.0.saturating_add(1)..last).map(InstanceId).find(|&next| self.which(next).is_some())
+        (instance.0.saturating_add(1)..last).map(InstanceId).find(|&next| self.server.which(next).is_some())
     }
 
-    fn get(&self, instance: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
-        let Some(which) = self.which(instance) else { return Ok(out.u8(0)?) };
-        Ok(Instance { object: self, which }.get(attribute, out)?)
+    pub(super) fn get(
+        &mut self,
+        call: &Call<'_>,
+        attribute: AttributeId,
+        out: &mut Writer<'_>,
+    ) -> Result<(), Failure> {
+        let Some(which) = self.server.which(call.instance) else {
+            return if attribute.0 == 1 { Ok(out.u8(0)?) } else { Err(ABSENT) };
+        };
+        if matches!(attribute.0, 17 | 18) && !has_optional_attributes::<A>() {
+            return Err(ABSENT);
+        }
+        let consumed_size = self.server.consumed_size(call);
+        Ok(Instance { object: self, which, consumed_size }.get(attribute, out)?)
     }
 
-    fn set(
+    pub(super) fn set(
         &mut self,
         instance: InstanceId,
         attribute: AttributeId,
         value: &[u8],
         out: &mut Writer<'_>,
     ) -> Result<Effects, Failure> {
-        let which = self.which(instance).ok_or(GONE)?;
+        let which = self.server.which(instance).ok_or(GONE)?;
         match attribute.0 {
             5 => self.set_multicast_group(which, value)?,
             9 => {
@@ -113,9 +107,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
             }
             14 => self.select(which, End::Produced, value)?,
             16 => self.select(which, End::Consumed, value)?,
-            _ if !A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) && !changes::<A>() => {
-                return Err(NOT_SETTABLE);
-            }
+            _ if !has_optional_attributes::<A>() => return Err(NOT_SETTABLE),
             17 => {
                 let Which::Io(kind) = which else { return Err(NOT_SETTABLE) };
                 let millis = u16::from_le_bytes(exact(value)?);
@@ -138,11 +130,11 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
         Ok(Effects::NONE)
     }
 
-    fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+    pub(super) fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
         match call.service {
             ServiceCode::RESET if !call.instance.is_class() => {
                 call.no_data()?;
-                self.reset(self.which(call.instance).ok_or(GONE)?)?;
+                self.reset(self.server.which(call.instance).ok_or(GONE)?)?;
             }
             _ if !A::PARTS.contains(Parts::OPTIONAL_SERVICES) && DYNAMIC == 0 => return Err(NOT_SUPPORTED),
             ServiceCode::RESET | ServiceCode::DELETE if call.instance.is_class() => {
@@ -151,35 +143,25 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
             }
             ServiceCode::DELETE => {
                 call.no_data()?;
-                self.delete(self.which(call.instance).ok_or(GONE)?)?;
+                self.delete(self.server.which(call.instance).ok_or(GONE)?)?;
             }
             ServiceCode::APPLY_ATTRIBUTES => {
-                let Some(Which::Io(kind)) = self.which(call.instance) else { return Err(NOT_SUPPORTED) };
+                let Some(Which::Io(kind)) = self.server.which(call.instance) else {
+                    return Err(NOT_SUPPORTED);
+                };
                 call.no_data()?;
                 self.server.node.io_step(kind, IoCause::Applied)?;
             }
             ServiceCode::FIND_NEXT_OBJECT_INSTANCE => {
-                return cip_core::object::find_next_instance(self, call, out);
+                return cip_core::object::find_next_instance(
+                    |instance| self.next_instance(instance),
+                    call,
+                    out,
+                );
             }
             _ => return Err(NOT_SUPPORTED),
         }
         Ok(Effects::NONE)
-    }
-}
-
-impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
-    ConnectionObject<'_, '_, A, MESSAGE, DYNAMIC>
-{
-    fn which(&self, instance: InstanceId) -> Option<Which> {
-        if instance.0 == 1 {
-            return (self.server.node.explicit.state() != ExplicitState::NonExistent)
-                .then_some(Which::Explicit);
-        }
-        if let Some(kind) = IoKind::of_instance(instance).and_then(IoKind::offered::<A>) {
-            return (self.server.node.io(kind).state() != IoState::NonExistent).then_some(Which::Io(kind));
-        }
-        let index = u8::try_from(instance.0.checked_sub(FIRST_INSTANCE.into())?).ok()?;
-        self.server.node.is_open(index).then_some(Which::Dynamic(index))
     }
 
     fn dynamic(&mut self, index: u8) -> Result<&mut ExplicitConnection, Failure> {
@@ -262,7 +244,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
     fn each(&mut self, service: ServiceCode) {
         let mut instance = InstanceId::CLASS;
         while let Some(next) = self.next_instance(instance) {
-            if let Some(which) = self.which(next) {
+            if let Some(which) = self.server.which(next) {
                 let _ = if service == ServiceCode::RESET { self.reset(which) } else { self.delete(which) };
             }
             instance = next;
@@ -270,30 +252,31 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
     }
 }
 
-/// What an instance of its kind and in its state does not let be set is refused by [`set`](ConnectionObject::set), before
-/// it looks at the length.
-static RULES: [AttributeRule; 16] = [
-    AttributeRule::get(1, 1),
-    AttributeRule::get(2, 1),
-    AttributeRule::get(3, 1),
-    AttributeRule::get(4, 2),
-    AttributeRule::get_set(5, 2).sized(Size::Any),
-    AttributeRule::get(6, 1),
-    AttributeRule::get(7, 2),
-    AttributeRule::get(8, 2),
-    AttributeRule::get_set(9, 2),
-    AttributeRule::get_set(12, 1),
-    AttributeRule::get(13, 2),
-    AttributeRule::get_set(14, 0).sized(Size::Any),
-    AttributeRule::get(15, 2),
-    AttributeRule::get_set(16, 0).sized(Size::Any),
-    AttributeRule::get_set(17, 2).sized(Size::Any),
-    AttributeRule::get_set(18, 1),
-];
-/// The first ones of the table.
-const MANDATORY_ATTRIBUTES: usize = 14;
-static NON_EXISTENT: [AttributeRule; 1] = [AttributeRule::get(1, 1)];
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, MESSAGE, DYNAMIC> {
+    pub(super) fn which(&self, instance: InstanceId) -> Option<Which> {
+        if instance.0 == 1 {
+            return (self.node.explicit.state() != ExplicitState::NonExistent).then_some(Which::Explicit);
+        }
+        if let Some(kind) = IoKind::of_instance(instance).and_then(IoKind::offered::<A>) {
+            return (self.node.io(kind).state() != IoState::NonExistent).then_some(Which::Io(kind));
+        }
+        let index = u8::try_from(instance.0.checked_sub(FIRST_INSTANCE.into())?).ok()?;
+        self.node.is_open(index).then_some(Which::Dynamic(index))
+    }
+
+    /// Whether the instance exists, or can be asked for its state all the same.
+    pub(super) fn is_connection(&self, instance: InstanceId) -> bool {
+        self.which(instance).is_some()
+            || (self.node.options.contains(Options::READ_NON_EXISTENT_STATE) && (1..=5).contains(&instance.0))
+    }
+}
+
+/// Whether an instance has the attributes 17 and 18.
+const fn has_optional_attributes<A: Application>() -> bool {
+    A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) || changes::<A>()
+}
 
 const GONE: Failure = Failure::new(GeneralStatus::OBJECT_DOES_NOT_EXIST);
 const NOT_SETTABLE: Failure = Failure::new(GeneralStatus::ATTRIBUTE_NOT_SETTABLE);
 const NOT_SUPPORTED: Failure = Failure::new(GeneralStatus::SERVICE_NOT_SUPPORTED);
+const ABSENT: Failure = Failure::new(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED);

@@ -18,6 +18,8 @@ use crate::id::{Identifier, MacId};
 pub(super) struct Instance<'o, 's, 'a, A: Application, const MESSAGE: usize, const DYNAMIC: usize> {
     pub(super) object: &'o ConnectionObject<'s, 'a, A, MESSAGE, DYNAMIC>,
     pub(super) which: Which,
+    /// Attribute 8, if it is for I/O.
+    pub(super) consumed_size: usize,
 }
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Instance<'_, '_, '_, A, MESSAGE, DYNAMIC> {
@@ -140,7 +142,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> ConnectionView
     fn consumed_size(&self) -> u16 {
         short(match self.which {
             Which::Explicit | Which::Dynamic(_) => MESSAGE,
-            Which::Io(_) => self.object.consumed_size,
+            Which::Io(_) => self.consumed_size,
         })
     }
 

@@ -1,8 +1,8 @@
 //! The DeviceNet object (class 3).
 
-use cip_core::code::{AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode};
+use cip_core::code::{AttributeId, GeneralStatus, ServiceCode};
 use cip_core::codec::Writer;
-use cip_core::object::{AttributeRule, Call, Effects, Failure, Object, Size, exact};
+use cip_core::object::{Call, Effects, Failure, exact};
 use link_core::{BitRate, BusErrorKind, LinkEvent};
 
 use super::application::{Application, Parts};
@@ -73,35 +73,16 @@ pub(super) struct DeviceNetObject<'s, 'a, A: Application, const MESSAGE: usize, 
 /// | 12 | diagnostic counters | Get, Set clears them |
 ///
 /// The attributes from 6 on are there with [`Parts::OPTIONAL_ATTRIBUTES`].
-/// Services besides Get and Set: 0x4B Allocate, 0x4C Release. Class attribute 1 (revision) is 2.
-impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
-    for DeviceNetObject<'_, '_, A, MESSAGE, DYNAMIC>
+/// Services besides Get and Set: 0x4B Allocate, 0x4C Release. Class attribute 1 is [`REVISION`].
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
+    DeviceNetObject<'_, '_, A, MESSAGE, DYNAMIC>
 {
-    const CLASS: ClassId = ClassId::DEVICENET;
-    const REVISION: u16 = 2;
-
-    fn attributes(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
-        if instance.0 != 1 {
-            return None;
-        }
-        if !A::PARTS.intersects(Parts::OPTIONAL_ATTRIBUTES.union(Parts::SETTINGS)) {
-            return Some(&READ_ONLY);
-        }
-        let count = if !A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) {
-            MANDATORY_ATTRIBUTES
-        } else if self.0.port.switches.is_none() {
-            ATTRIBUTES_WITHOUT_SWITCHES
-        } else {
-            RULES.len()
-        };
-        RULES.get(..count)
-    }
-
-    fn get(&self, _: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
+    pub(super) fn get(&self, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
         let (access, node, port) = (&*self.0.access, &*self.0.node, &*self.0.port);
         let byte = match attribute.0 {
             ..=5 => return emit_mandatory(access, node, port, attribute, out),
             _ if !A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) => return Err(ABSENT),
+            6..=9 if port.switches.is_none() => return Err(ABSENT),
             6 => port.switches.is_some_and(|read| read.mac_id != access.mac_id().number()).into(),
             7 => port.switches.is_some_and(|read| read.bit_rate != bit_rate::number(port.active)).into(),
             8 => port.switches.map_or(0, |read| read.mac_id),
@@ -113,13 +94,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
         Ok(out.u8(byte)?)
     }
 
-    fn set(
-        &mut self,
-        _: InstanceId,
-        attribute: AttributeId,
-        value: &[u8],
-        _: &mut Writer<'_>,
-    ) -> Result<Effects, Failure> {
+    pub(super) fn set(&mut self, attribute: AttributeId, value: &[u8]) -> Result<Effects, Failure> {
         let invalid = Failure::new(GeneralStatus::INVALID_ATTRIBUTE_VALUE);
         match attribute.0 {
             ..=5 if !A::PARTS.contains(Parts::SETTINGS) => return Err(NOT_SETTABLE),
@@ -160,7 +135,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object
         Ok(Effects::NONE)
     }
 
-    fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+    pub(super) fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
         match call.service {
             ServiceCode::ALLOCATE if !call.instance.is_class() => {
                 self.0.node.allocate(self.0.offer(), self.0.requester, call.data, out)?;
@@ -246,34 +221,8 @@ fn boolean(value: &[u8]) -> Result<bool, Failure> {
     }
 }
 
-/// What switches set is refused by [`set`](DeviceNetObject::set), before it looks at the length.
-static RULES: [AttributeRule; 11] = [
-    AttributeRule::get_set(1, 1).sized(Size::Any),
-    AttributeRule::get_set(2, 1).sized(Size::Any),
-    AttributeRule::get_set(3, 1),
-    AttributeRule::get_set(4, 1),
-    AttributeRule::get(5, 2),
-    AttributeRule::get_set(10, 1),
-    AttributeRule::get_set(12, 34).sized(Size::Any),
-    AttributeRule::get(6, 1),
-    AttributeRule::get(7, 1),
-    AttributeRule::get(8, 1),
-    AttributeRule::get(9, 1),
-];
-
-/// Of a slave without the parts that let attributes be set.
-static READ_ONLY: [AttributeRule; 5] = [
-    AttributeRule::get(1, 1),
-    AttributeRule::get(2, 1),
-    AttributeRule::get(3, 1),
-    AttributeRule::get(4, 1),
-    AttributeRule::get(5, 2),
-];
-
-/// The first ones of the table.
-const MANDATORY_ATTRIBUTES: usize = 5;
-/// Those before 6 to 9.
-const ATTRIBUTES_WITHOUT_SWITCHES: usize = 7;
+/// Class attribute 1.
+pub(super) const REVISION: u16 = 2;
 const ABSENT: Failure = Failure::new(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED);
 const NOT_SETTABLE: Failure = Failure::new(GeneralStatus::ATTRIBUTE_NOT_SETTABLE);
 /// The MAC ID of the master while there is none.

@@ -1,91 +1,81 @@
 //! The objects that every slave has: Identity, DeviceNet, Connection.
 
-use cip_core::code::{AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode};
+use cip_core::code::{AttributeId, ClassId, GeneralStatus, ServiceCode};
 use cip_core::codec::Writer;
-use cip_core::object::{AttributeRule, Call, Effects, Failure, Identity, Object};
+use cip_core::object::{Call, Effects, Failure, PlainObject};
 
-use super::application::Application;
+use super::application::{Application, Parts};
 use super::connection_object::ConnectionObject;
-use super::devicenet_object::DeviceNetObject;
+use super::devicenet_object::{self, DeviceNetObject};
+use super::server::Server;
 
-/// One of them. A request is served by one object of several classes, so that a device without other objects has one copy of
-/// the checks, and no tables of functions by which they would find the object.
-pub(super) enum Own<'s, 'a, A: Application, const MESSAGE: usize, const DYNAMIC: usize> {
-    Identity(MandatoryIdentity<'s>),
-    DeviceNet(DeviceNetObject<'s, 'a, A, MESSAGE, DYNAMIC>),
-    Connection(ConnectionObject<'s, 'a, A, MESSAGE, DYNAMIC>),
-}
-
-impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Object for Own<'_, '_, A, MESSAGE, DYNAMIC> {
-    /// That of none: which it is was found out before.
-    const CLASS: ClassId = ClassId(0);
-
-    fn revision(&self) -> u16 {
-        match self {
-            Self::Identity(object) => object.revision(),
-            Self::DeviceNet(object) => object.revision(),
-            Self::Connection(object) => object.revision(),
+/// One of them, by the class of the request. Of Identity, what a device must have: one that has more of it is served by
+/// [`Identity`](cip_core::object::Identity) itself.
+impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> PlainObject
+    for Server<'_, A, MESSAGE, DYNAMIC>
+{
+    fn exists(&self, call: &Call<'_>) -> bool {
+        match call.class {
+            _ if call.instance.is_class() => true,
+            ClassId::CONNECTION => self.is_connection(call.instance),
+            _ => call.instance.0 == 1,
         }
     }
 
-    fn attributes(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
-        match self {
-            Self::Identity(object) => object.attributes(instance),
-            Self::DeviceNet(object) => object.attributes(instance),
-            Self::Connection(object) => object.attributes(instance),
+    fn has_set(&self, call: &Call<'_>) -> bool {
+        match call.class {
+            _ if call.instance.is_class() => false,
+            ClassId::CONNECTION => self.which(call.instance).is_some(),
+            ClassId::DEVICENET => A::PARTS.intersects(Parts::OPTIONAL_ATTRIBUTES.union(Parts::SETTINGS)),
+            _ => false,
         }
     }
 
-    fn get(&self, instance: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
-        match self {
-            Self::Identity(object) => object.get(instance, attribute, out),
-            Self::DeviceNet(object) => object.get(instance, attribute, out),
-            Self::Connection(object) => object.get(instance, attribute, out),
+    fn get(&mut self, call: &Call<'_>, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
+        match call.class {
+            _ if call.instance.is_class() => class_attribute(call.class, attribute, out),
+            ClassId::CONNECTION => ConnectionObject { server: self }.get(call, attribute, out),
+            ClassId::DEVICENET => DeviceNetObject(self).get(attribute, out),
+            _ => {
+                let identity = self.identity();
+                if identity.has(attribute) { identity.emit_attribute(attribute, out) } else { Err(ABSENT) }
+            }
         }
     }
 
     fn set(
         &mut self,
-        instance: InstanceId,
+        call: &Call<'_>,
         attribute: AttributeId,
         value: &[u8],
         out: &mut Writer<'_>,
     ) -> Result<Effects, Failure> {
-        match self {
-            Self::Identity(object) => object.set(instance, attribute, value, out),
-            Self::DeviceNet(object) => object.set(instance, attribute, value, out),
-            Self::Connection(object) => object.set(instance, attribute, value, out),
+        match call.class {
+            ClassId::CONNECTION => {
+                ConnectionObject { server: self }.set(call.instance, attribute, value, out)
+            }
+            _ => DeviceNetObject(self).set(attribute, value),
         }
     }
 
     fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
-        match self {
-            Self::Identity(object) => object.service(call, out),
-            Self::DeviceNet(object) => object.service(call, out),
-            Self::Connection(object) => object.service(call, out),
+        match call.class {
+            ClassId::CONNECTION => ConnectionObject { server: self }.service(call, out),
+            ClassId::DEVICENET => DeviceNetObject(self).service(call, out),
+            _ if call.service == ServiceCode::RESET && !call.instance.is_class() => {
+                self.identity().reset(call)
+            }
+            _ => Err(GeneralStatus::SERVICE_NOT_SUPPORTED.into()),
         }
     }
 }
 
-/// The Identity object without the services that it need not have.
-pub(super) struct MandatoryIdentity<'a>(pub(super) Identity<'a>);
-
-impl Object for MandatoryIdentity<'_> {
-    const CLASS: ClassId = ClassId::IDENTITY;
-
-    fn attributes(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
-        self.0.attributes(instance)
+/// The revision, which is all that these classes have.
+fn class_attribute(class: ClassId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
+    if attribute.0 != 1 {
+        return Err(ABSENT);
     }
-
-    fn get(&self, instance: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
-        self.0.get(instance, attribute, out)
-    }
-
-    fn service(&mut self, call: &Call<'_>, _: &mut Writer<'_>) -> Result<Effects, Failure> {
-        if call.service == ServiceCode::RESET && !call.instance.is_class() {
-            self.0.reset(call)
-        } else {
-            Err(GeneralStatus::SERVICE_NOT_SUPPORTED.into())
-        }
-    }
+    Ok(out.u16(if class == ClassId::DEVICENET { devicenet_object::REVISION } else { 1 })?)
 }
+
+const ABSENT: Failure = Failure::new(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED);

@@ -6,19 +6,17 @@ use cip_core::fragment::IO_UNFRAGMENTED_LEN;
 use cip_core::identity::IdentityStatus;
 use cip_core::message::{AllocationChoice, BodyFormat, Request};
 use cip_core::object::{
-    AcknowledgeHandler, Call, Effect, Effects, Failure, Identity, ObjectSet, respond_with, serve,
+    AcknowledgeHandler, Call, Effect, Effects, Failure, Identity, ObjectSet, respond_with, serve, serve_plain,
 };
 
 use super::allocation::{Door, Requester};
 use super::application::{Application, IoKind, Parts};
 use super::config::Options;
-use super::connection_object::ConnectionObject;
 use super::departure::Departure;
-use super::devicenet_object::{DeviceNetObject, Port};
+use super::devicenet_object::Port;
 use super::event::{Ignored, SlaveEvent, count};
 use super::machine::{DynamicTransfer, Slave};
 use super::node::{BOTH, Changed, Node};
-use super::own::{MandatoryIdentity, Own};
 use super::transfer::Transfer;
 use super::unconnected;
 use crate::access::Access;
@@ -87,11 +85,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
         }
         match call.class {
             ClassId::IDENTITY if !A::PARTS.intersects(Parts::OPTIONAL_SERVICES.union(Parts::HEARTBEAT)) => {
-                serve(
-                    &mut Own::<A, MESSAGE, DYNAMIC>::Identity(MandatoryIdentity(self.identity())),
-                    call,
-                    out,
-                )
+                serve_plain(self, call, out)
             }
             ClassId::IDENTITY => {
                 let mut identity = self.identity();
@@ -99,11 +93,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
                 self.node.heartbeat_interval = identity.heartbeat_interval;
                 Ok(effects)
             }
-            ClassId::DEVICENET => serve(&mut Own::DeviceNet(DeviceNetObject(self)), call, out),
-            ClassId::CONNECTION => {
-                let consumed_size = self.consumed_size(call);
-                serve(&mut Own::Connection(ConnectionObject { server: self, consumed_size }), call, out)
-            }
+            ClassId::DEVICENET | ClassId::CONNECTION => serve_plain(self, call, out),
             _ => self.serve_others(call, out),
         }
     }
@@ -154,12 +144,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
         }
     }
 
-    fn identity(&self) -> Identity<'_> {
+    pub(super) fn identity(&self) -> Identity<'_> {
         identity(self.application, self.node)
     }
 
     /// Attribute 8 of the instance of the Connection object that is asked, if it is for I/O.
-    fn consumed_size(&mut self, call: &Call<'_>) -> usize {
+    pub(super) fn consumed_size(&mut self, call: &Call<'_>) -> usize {
         match IoKind::of_instance(call.instance).and_then(IoKind::offered::<A>) {
             Some(kind @ (IoKind::Poll | IoKind::MulticastPoll)) => self.application.consumed(kind).len(),
             Some(IoKind::BitStrobe) => IO_UNFRAGMENTED_LEN,

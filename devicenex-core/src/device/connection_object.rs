@@ -129,7 +129,11 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Object
                 self.device.io_step(place, IoCause::Applied)?;
             }
             ServiceCode::FIND_NEXT_OBJECT_INSTANCE => {
-                return cip_core::object::find_next_instance(self, call, out);
+                return cip_core::object::find_next_instance(
+                    |instance| self.next_instance(instance),
+                    call,
+                    out,
+                );
             }
             _ => return Err(NOT_SUPPORTED),
         }
