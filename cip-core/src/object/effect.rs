@@ -1,5 +1,7 @@
 //! What a service asks of the owner of the objects, beyond the answer.
 
+use core::fmt;
+
 use crate::message::ResetType;
 
 bitflags::bitflags! {
@@ -48,39 +50,98 @@ impl defmt::Format for Effect {
 /// What is left to do when the response has been sent. Objects call nobody: they answer, and say this.
 ///
 /// A reset must wait until its response is on the network.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(from = "Fields", into = "Fields")
+)]
 #[must_use = "an effect is carried out by the owner of the objects, or not at all"]
 pub struct Effects {
-    /// Reset the device.
-    pub reset: Option<ResetType>,
-    /// Everything else.
-    pub of: Effect,
+    /// Bits 15-0 [`of`](Self::of); [`RESET`], if the device is to be reset, and in bits 31-24 how. One word, as a
+    /// [`Failure`](super::Failure) is: what an object returns is then two registers.
+    word: u32,
 }
 
 impl Effects {
     /// Nothing is left to do.
-    pub const NONE: Self = Self { reset: None, of: Effect::empty() };
+    pub const NONE: Self = Self { word: 0 };
 
     /// Reset the device.
     pub const fn reset(kind: ResetType) -> Self {
-        Self { reset: Some(kind), of: Effect::empty() }
+        Self { word: RESET | u32::from_be_bytes([kind.0, 0, 0, 0]) }
+    }
+
+    /// How to reset the device, if it is to be reset.
+    pub const fn reset_type(self) -> Option<ResetType> {
+        let [kind, ..] = self.word.to_be_bytes();
+        if self.word & RESET == 0 { None } else { Some(ResetType(kind)) }
+    }
+
+    /// Everything else.
+    pub const fn of(self) -> Effect {
+        let [low, high, ..] = self.word.to_le_bytes();
+        Effect::from_bits_retain(u16::from_le_bytes([low, high]))
     }
 
     /// True if nothing is left to do.
     pub const fn is_none(self) -> bool {
-        self.reset.is_none() && self.of.is_empty()
+        self.word == 0
+    }
+
+    /// The same, and this too.
+    pub const fn and(self, of: Effect) -> Self {
+        let [low, high] = of.bits().to_le_bytes();
+        Self { word: self.word | u32::from_le_bytes([low, high, 0, 0]) }
     }
 
     /// The effects of two services one after the other: of two resets, the second.
     pub fn then(self, next: Self) -> Self {
-        Self { reset: next.reset.or(self.reset), of: self.of.union(next.of) }
+        let reset = if next.reset_type().is_some() { next } else { self };
+        reset.and(self.of().union(next.of()))
     }
 }
 
 impl From<Effect> for Effects {
     fn from(of: Effect) -> Self {
-        Self { reset: None, of }
+        Self::NONE.and(of)
     }
 }
+
+impl fmt::Debug for Effects {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Effects").field("reset", &self.reset_type()).field("of", &self.of()).finish()
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl defmt::Format for Effects {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "Effects {} {}", self.reset_type(), self.of());
+    }
+}
+
+/// Effects as they are serialised.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(rename = "Effects")]
+struct Fields {
+    reset: Option<ResetType>,
+    of: Effect,
+}
+
+#[cfg(feature = "serde")]
+impl From<Effects> for Fields {
+    fn from(effects: Effects) -> Self {
+        Self { reset: effects.reset_type(), of: effects.of() }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<Fields> for Effects {
+    fn from(fields: Fields) -> Self {
+        Self::from(fields.of).then(fields.reset.map_or(Self::NONE, Self::reset))
+    }
+}
+
+const RESET: u32 = 1 << 16;

@@ -53,7 +53,7 @@ use crate::message::ResetType;
 /// let mut out = Writer::new(&mut buffer);
 /// let effects = respond(&mut (identity,), &call, FailureOptions::default(), &mut out).map_err(|_| "refused")?;
 /// assert_eq!(out.written(), [0x85]);
-/// assert_eq!(effects.reset, Some(ResetType::OUT_OF_BOX)); // once the response is on the network
+/// assert_eq!(effects.reset_type(), Some(ResetType::OUT_OF_BOX)); // once the response is on the network
 /// # Ok::<(), &str>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]

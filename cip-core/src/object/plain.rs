@@ -58,7 +58,7 @@ pub fn serve_plain<O: PlainObject>(
                 Err(NOT_SETTABLE) if object.get(call, attribute, out) == Err(NO_ATTRIBUTE) => {
                     Err(NO_ATTRIBUTE)
                 }
-                done => done.map(|effects| effects.then(Effect::ATTRIBUTE_SET.into())),
+                done => done.map(|effects| effects.and(Effect::ATTRIBUTE_SET)),
             }
         }
         _ => object.service(call, out),

@@ -88,7 +88,7 @@ fn serve_any(object: &mut dyn AnyObject, call: &Call<'_>, out: &mut Writer<'_>) 
     match settable(call, rules) {
         Ok((attribute, value)) => {
             let effects = object.set(call.instance, attribute, value, out)?;
-            Ok(effects.then(Effect::ATTRIBUTE_SET.into()))
+            Ok(effects.and(Effect::ATTRIBUTE_SET))
         }
         Err(failure) if object.has_set(call.instance) => Err(failure),
         Err(_) => object.service(call, out),

@@ -71,7 +71,10 @@ pub fn respond_with<T>(
         Ok(()) => serve(out),
         Err(full) => Err(full.into()),
     };
-    result.map_err(|failure| refuse(failure.under(options, call.is_by_path()), start, out))
+    match result {
+        Err(failure) => Err(refuse(failure.under(options, call.is_by_path()), start, out)),
+        done @ Ok(_) => done,
+    }
 }
 
 /// Writes an error response in the place of what was written from `start` on.

@@ -123,17 +123,17 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
 
     /// What the service leaves to be done, and to be told.
     fn carry_out(&mut self, call: &Call<'_>, effects: Effects) {
-        if let Some(kind) = effects.reset {
+        if let Some(kind) = effects.reset_type() {
             self.node.departure = Some(Departure::reset(kind, self.requester.door));
             return;
         }
         let own = Effect::ATTRIBUTE_SET | Effect::HEARTBEAT_INTERVAL | Effect::ACKNOWLEDGE;
-        if effects.of.contains(Effect::HEARTBEAT_INTERVAL) {
+        if effects.of().contains(Effect::HEARTBEAT_INTERVAL) {
             let seconds = self.node.heartbeat_interval.unwrap_or(0);
             self.node.changed.insert(Changed::HEARTBEAT);
             self.node.events.raise::<A>(SlaveEvent::StoreHeartbeatInterval(seconds));
         }
-        let for_application = effects.of.difference(own);
+        let for_application = effects.of().difference(own);
         if !for_application.is_empty() {
             self.node.events.raise::<A>(SlaveEvent::Effect(for_application));
         }

@@ -49,12 +49,12 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
 
     /// What the service leaves to be done, and to be told.
     pub(super) fn carry_out(&mut self, call: &Call<'_>, place: usize, effects: Effects) {
-        if let Some(kind) = effects.reset {
+        if let Some(kind) = effects.reset_type() {
             self.departure = Some(Departure { why: Why::Reset(kind), place });
             return;
         }
         let own = Effect::ATTRIBUTE_SET | Effect::ACKNOWLEDGE;
-        let for_application = effects.of.difference(own);
+        let for_application = effects.of().difference(own);
         if !for_application.is_empty() {
             self.raise(DeviceEvent::Effect(for_application));
         }

@@ -120,7 +120,7 @@ fn heartbeat_interval_is_set_and_told() {
     let mut set = (full(&device),);
     let (answer, effects) = ask_effects(&mut set, &[0x10, 1, 1, 10, 200]);
     assert_eq!((answer, set.0.heartbeat_interval), (std::vec![0x90], Some(200)));
-    assert!(effects.of.contains(Effect::HEARTBEAT_INTERVAL | Effect::ATTRIBUTE_SET));
+    assert!(effects.of().contains(Effect::HEARTBEAT_INTERVAL | Effect::ATTRIBUTE_SET));
     for (body, status) in [
         (&[0x10, 1, 1, 10][..], 0x13),
         (&[0x10, 1, 1, 10, 1, 1], 0x15),

@@ -150,7 +150,7 @@ fn effects_of_a_packet_add_up() {
     let (_, effects) =
         ask_effects(&mut router, &packet(&[&[0x05, 1, 1], &[0x10, 1, 1, 10, 5], &[0x05, 1, 1, 9]]));
     let of = Effect::HEARTBEAT_INTERVAL | Effect::ATTRIBUTE_SET;
-    assert_eq!(effects, Effects { reset: Some(ResetType::POWER_CYCLE), of });
+    assert_eq!(effects, Effects::reset(ResetType::POWER_CYCLE).then(of.into()));
 }
 
 proptest! {

@@ -69,8 +69,8 @@ fn a_set_is_told() {
 #[test]
 fn effects_add_up() {
     let both = Effects::reset(ResetType::POWER_CYCLE).then(Effect::HEARTBEAT_INTERVAL.into());
-    assert_eq!(both, Effects { reset: Some(ResetType::POWER_CYCLE), of: Effect::HEARTBEAT_INTERVAL });
-    assert_eq!(both.then(Effects::reset(ResetType::OUT_OF_BOX)).reset, Some(ResetType::OUT_OF_BOX));
+    assert_eq!(both, Effects::reset(ResetType::POWER_CYCLE).then(Effect::HEARTBEAT_INTERVAL.into()));
+    assert_eq!(both.then(Effects::reset(ResetType::OUT_OF_BOX)).reset_type(), Some(ResetType::OUT_OF_BOX));
     assert!(Effects::NONE.is_none() && !both.is_none());
 }
 
