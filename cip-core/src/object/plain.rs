@@ -66,3 +66,120 @@ pub fn serve_plain<O: PlainObject>(
 }
 
 const NOT_SETTABLE: Failure = Failure::new(GeneralStatus::ATTRIBUTE_NOT_SETTABLE);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::code::{ClassId, InstanceId};
+    use crate::object::{AttributeRule, FailureOptions, Object, exact, respond_with, serve};
+    use std::vec::Vec;
+
+    /// Instance 1 has attribute 1, and 2 which can be set; instance 2 has attribute 1 alone. As an object with tables, and
+    /// without.
+    struct Toy(u16);
+
+    impl Object for Toy {
+        const CLASS: ClassId = ClassId(0x64);
+
+        fn attributes(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
+            const RULES: &[AttributeRule] = &[AttributeRule::get(1, 1), AttributeRule::get_set(2, 2)];
+            match instance.0 {
+                1 => Some(RULES),
+                2 => RULES.get(..1),
+                _ => None,
+            }
+        }
+
+        fn get(&self, _: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
+            let written = if attribute.0 == 1 { out.u8(7) } else { out.u16(self.0) };
+            Ok(written?)
+        }
+
+        fn set(
+            &mut self,
+            _: InstanceId,
+            _: AttributeId,
+            value: &[u8],
+            _: &mut Writer<'_>,
+        ) -> Result<Effects, Failure> {
+            self.0 = u16::from_le_bytes(exact(value)?);
+            Ok(Effects::NONE)
+        }
+    }
+
+    impl PlainObject for Toy {
+        fn exists(&self, call: &Call<'_>) -> bool {
+            call.instance.0 <= 2
+        }
+
+        fn has_set(&self, call: &Call<'_>) -> bool {
+            call.instance.0 == 1
+        }
+
+        fn get(
+            &mut self,
+            call: &Call<'_>,
+            attribute: AttributeId,
+            out: &mut Writer<'_>,
+        ) -> Result<(), Failure> {
+            match (call.instance.0, attribute.0) {
+                (0, 1) => Ok(out.u16(1)?),
+                (1 | 2, 1) => Ok(out.u8(7)?),
+                (1, 2) => Ok(out.u16(self.0)?),
+                _ => Err(NO_ATTRIBUTE),
+            }
+        }
+
+        fn set(
+            &mut self,
+            _: &Call<'_>,
+            attribute: AttributeId,
+            value: &[u8],
+            _: &mut Writer<'_>,
+        ) -> Result<Effects, Failure> {
+            if attribute.0 != 2 {
+                return Err(NOT_SETTABLE);
+            }
+            self.0 = u16::from_le_bytes(exact(value)?);
+            Ok(Effects::NONE)
+        }
+
+        fn service(&mut self, _: &Call<'_>, _: &mut Writer<'_>) -> Result<Effects, Failure> {
+            Err(GeneralStatus::SERVICE_NOT_SUPPORTED.into())
+        }
+    }
+
+    /// What is answered by `serve`, and what is left in the object.
+    fn answered(
+        call: &Call<'_>,
+        room: usize,
+        serve: impl FnOnce(&mut Toy, &Call<'_>, &mut Writer<'_>) -> Result<Effects, Failure>,
+    ) -> (Vec<u8>, Result<Effects, Failure>, u16) {
+        let mut toy = Toy(0x1234);
+        let mut buffer = [0; 8];
+        let mut out = Writer::new(&mut buffer[..room]);
+        let done = respond_with(call, FailureOptions::default(), &mut out, |out| serve(&mut toy, call, out));
+        (out.written().to_vec(), done, toy.0)
+    }
+
+    #[test]
+    fn it_is_answered_as_with_tables() {
+        let data: Vec<Vec<u8>> = (0..4_u8)
+            .flat_map(|attribute| (0..4).map(move |n| [&[attribute][..], &[9; 3][..n]].concat()))
+            .collect();
+        let mut set = 0;
+        for (service, instance) in
+            [0x0E, 0x10, 0x05].into_iter().flat_map(|service| (0..4).map(move |n| (service, n)))
+        {
+            for data in data.iter().map(Vec::as_slice).chain([&[][..]]) {
+                for room in [3, 8] {
+                    let call = Call::new(ServiceCode(service), ClassId(0x64), InstanceId(instance), data);
+                    let plain = answered(&call, room, serve_plain);
+                    assert_eq!(plain, answered(&call, room, serve), "{call:?}");
+                    set += usize::from(plain.2 != 0x1234);
+                }
+            }
+        }
+        assert_eq!(set, 2);
+    }
+}
