@@ -192,7 +192,8 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
             | NodePhase::ReadyToOperate
             | NodePhase::Operational
             | NodePhase::Stopped => {
-                let moves = !is_polled && self.next_step(station).is_some();
+                // Where nothing else shows it: the next step, or a wrong state that is not to last.
+                let moves = !is_polled && (self.next_step(station).is_some() || station.wrong > 0);
                 moves || waits_for_sdo || has_error || station.status_in == 0
             }
         }
