@@ -114,8 +114,9 @@ pub(crate) fn parse_span(text: &str) -> Result<Time, String> {
 Listens, and sends nothing. The last seconds are kept in memory; when something happens they are written, and so is what follows. \
 TRIGGER is one of
 
-  timeout, timeout=MAC   a node leaves polls unanswered for four times its expected packet rate, or
-                         a connection times out
+  timeout, timeout=MAC   a node leaves polls unanswered until its peer gives up, which is after four times
+                         the expected packet rate or what attribute 18 makes of it, or a connection
+                         times out
   duplicate              a second device wants a MAC ID, or answers for it
   error, bus-off         an error on the bus; the interface is bus-off
   problem                a frame is wrong or suspicious, as `devicenet decode` says it

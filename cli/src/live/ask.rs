@@ -156,6 +156,10 @@ fn words(args: &AskArgs, report: &Report) -> AttributeWords {
             object["problem"] = failure.to_string().into();
             (format!("node {mac}, {path}: {failure}"), Exit::Findings)
         }
+        (Some(Answer::Unsent(why)), _) => {
+            object["problem"] = why.to_string().into();
+            (format!("node {mac} cannot be asked for {path}: {why}"), Exit::Findings)
+        }
         (None, Some(Cause::OwnedByAnother)) => {
             object["owned"] = true.into();
             object["problem"] = trouble(report.trouble).into();

@@ -52,6 +52,7 @@ impl FromStr for Endpoint {
         match text.split_once(':') {
             Some(("sim", file)) if !file.is_empty() => Ok(Self::Scenario(file.into())),
             Some(("log", file)) if !file.is_empty() => Ok(Self::Recording(file.into())),
+            None if text == "-" => Err("standard input is a recording: write log:-".into()),
             None if !text.is_empty() => Ok(Self::Interface(text.to_owned())),
             _ => Err("an interface such as can0, sim:FILE or log:FILE expected".into()),
         }
@@ -82,7 +83,7 @@ mod tests {
             assert_eq!(text.parse(), Ok(endpoint.clone()));
             assert_eq!(endpoint.to_string(), text);
         }
-        for text in ["", ":", "sim:", "log:", "LOG:a.log", "can0:1"] {
+        for text in ["", "-", ":", "sim:", "log:", "LOG:a.log", "can0:1"] {
             assert!(text.parse::<Endpoint>().is_err(), "{text}");
         }
     }

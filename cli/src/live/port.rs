@@ -289,7 +289,9 @@ impl LivePort {
 }
 
 fn no_scenario(path: &Path, error: &ScenarioError) -> Failure {
-    let is_recording = path.is_file() && Recording::open(path).is_ok();
+    // An empty file is anything.
+    let is_recording =
+        path.metadata().is_ok_and(|file| file.is_file() && file.len() > 0) && Recording::open(path).is_ok();
     Failure::Usage(match is_recording {
         true => format!("{} is a recording: write log:{0} to play it", path.display()),
         false => error.to_string(),

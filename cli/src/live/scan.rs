@@ -179,6 +179,7 @@ impl Row {
                     self.finding = Some(format!("{}: {}", question.path, refusal(status, additional)));
                 }
                 Answer::Silent(failure) => self.finding = Some(format!("{}: {failure}", question.path)),
+                Answer::Unsent(why) => self.finding = Some(format!("{}: {why}", question.path)),
             }
         }
     }

@@ -18,7 +18,7 @@ use crate::text::unsigned;
 ///
 /// | Text | When |
 /// |---|---|
-/// | `timeout`, `timeout=10` | a node (that node) leaves polls unanswered for four times its expected packet rate, or a connection of it times out |
+/// | `timeout`, `timeout=10` | a node (that node) leaves polls unanswered for four times its expected packet rate, or as attribute 18 says, or a connection of it times out |
 /// | `duplicate` | a second device wants a MAC ID, or answers for it |
 /// | `error` | an error on the bus |
 /// | `bus-off` | the interface is bus-off |

@@ -40,6 +40,8 @@ pub(super) enum Answer {
     Refused(GeneralStatus, AdditionalCode),
     /// The node did not answer it.
     Silent(NoResponse),
+    /// It could not be put to the node, in its message format.
+    Unsent(CommandError),
 }
 
 /// What came of a visit.
@@ -216,6 +218,11 @@ impl Visitor {
                     has_asked = true;
                 }
                 Err(CommandError::Busy) => {}
+                // The connection is released next, unless there is another question.
+                Err(error @ (CommandError::Request(_) | CommandError::NoObject)) if question.is_some() => {
+                    visit.answers.push(Answer::Unsent(error));
+                    has_asked = true;
+                }
                 Err(_) => ended.push(*mac),
             }
         }

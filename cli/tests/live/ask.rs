@@ -182,3 +182,15 @@ fn a_node_is_not_sent_onto_a_mac_id_that_is_in_use() {
     }
     assert_eq!(set("62", "3s").code(), 2, "that of the command itself");
 }
+
+/// A slave that speaks format 8/8 has one byte for a class; it is there all the same, and its connection is released.
+#[test]
+fn a_class_that_the_format_has_no_room_for() {
+    let get = devicenet(&["get", "sim:two.toml", "10", "0x3E7/1/1"]);
+    assert_eq!(get.code(), 1, "{}", get.err());
+    assert!(
+        get.error().starts_with("node 10 cannot be asked for class 0x03E7 1 attribute 1: "),
+        "{}",
+        get.err()
+    );
+}

@@ -237,3 +237,17 @@ fn a_bit_rate_that_cannot_be() {
         "sim:drop.toml: --bit-rate says 250 kbit/s, but it has 125 kbit/s: leave --bit-rate out"
     );
 }
+
+#[test]
+fn a_dash_is_no_interface_and_an_empty_file_no_recording() {
+    for command in ["monitor", "scan", "record"] {
+        let run = devicenet(&[command, "-"]);
+        assert_eq!((run.code(), run.out().as_str()), (2, ""), "{}", run.err());
+        assert!(run.error().ends_with("standard input is a recording: write log:-"), "{}", run.err());
+    }
+    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("empty.toml");
+    std::fs::write(&path, "").unwrap();
+    let run = devicenet(&["monitor", &format!("sim:{}", path.display())]);
+    assert_eq!(run.code(), 2);
+    assert!(run.error().contains("there is no table [bus]"), "{}", run.err());
+}
