@@ -26,6 +26,7 @@ mod run;
 mod scan;
 mod trigger;
 mod visit;
+mod watch;
 
 pub(crate) use args::parse_span;
 pub use args::{

@@ -8,7 +8,8 @@ use serde_json::{Value, json};
 
 use crate::exit::Failure;
 use crate::live::args::RecordArgs;
-use crate::live::trigger::{Cause, Trigger};
+use crate::live::trigger::Trigger;
+use crate::live::watch::Cause;
 use crate::output::{self, Output};
 use crate::scenario::Time;
 use crate::standard::shown;

@@ -20,10 +20,7 @@ use core::time::Duration;
 
 use devicenet_core::MacId;
 use devicenet_core::doctor::{Doctor, Severity};
-use devicenet_core::monitor::{
-    ConnectionName, ConnectionRecord, ConnectionState, Kind, Monitor, MonitorConfig, NodeRecord, Predefined,
-    Problem, Reading,
-};
+use devicenet_core::monitor::{Kind, Monitor, MonitorConfig, Problem, Reading};
 use link_core::{BitRate, Frame, Input, Instant, LinkEvent};
 
 use crate::bus_rate::{BusRate, LeastRate};
@@ -187,22 +184,6 @@ impl Model {
         Verdict::of(&self.doctor, verdict::Seen { frames, faulty_frames, unread })
     }
 
-    /// What there is to show, with the load of the last second.
-    pub(super) fn picture(&self) -> Picture {
-        let begin = self.begin.unwrap_or(self.now);
-        let load = self.window.load(begin, self.now);
-        self.picture_with(load, self.now.saturating_since(begin).min(Duration::from_secs(1)))
-    }
-
-    /// What there is to report, with the load since the last report.
-    pub(super) fn report(&mut self) -> Picture {
-        let span = self.now.saturating_since(self.interval_began);
-        let picture = self.picture_with(self.interval.load(span), span);
-        self.interval = Tally::default();
-        self.interval_began = self.now;
-        picture
-    }
-
     /// It is so late.
     fn pass(&mut self, at: Instant) {
         self.now = self.now.max(at);
@@ -310,49 +291,6 @@ impl Model {
             tell(Event { at, what: Happening::Link(state) });
         }
     }
-
-    fn picture_with(&self, load: Load, span: Duration) -> Picture {
-        let begin = self.begin.unwrap_or(self.now);
-        let elapsed = self.now.saturating_since(begin);
-        let total = self.total.load(elapsed);
-        let mut nodes: Vec<NodePicture> =
-            self.monitor.nodes_at(self.now).map(|record| self.node(record, &load, &total)).collect();
-        for connection in self.monitor.connections() {
-            if let Ok(at) = nodes.binary_search_by_key(&connection.server, NodePicture::mac) {
-                nodes[at].connections.push(connection);
-            }
-        }
-        nodes.iter_mut().for_each(|node| node.limit = limit(&node.connections));
-        Picture {
-            begin,
-            at: elapsed,
-            bit_rate: self.bit_rate,
-            link: self.link,
-            counters: self.counters,
-            verdict: self.verdict(),
-            problems: self.problems.clone(),
-            span,
-            load,
-            total,
-            history: self.history.shares(),
-            nodes,
-            findings: self.doctor.findings().map(|finding| FindingPicture::new(finding, begin)).collect(),
-        }
-    }
-
-    fn node(&self, record: NodeRecord, load: &Load, total: &Load) -> NodePicture {
-        let mac = index(record.mac);
-        NodePicture {
-            connections: Vec::new(),
-            load: load.by_node[mac],
-            total: total.by_node[mac],
-            io: Times::of(&self.responses[mac].io),
-            explicit: Times::of(&self.responses[mac].explicit),
-            limit: None,
-            silent: record.traffic.last_seen().map(|last| self.now.saturating_since(last)),
-            record,
-        }
-    }
 }
 
 /// What is counted of a frame.
@@ -383,21 +321,6 @@ impl Seen {
     }
 }
 
-/// See [`NodePicture::limit`].
-fn limit(connections: &[ConnectionRecord]) -> Option<Duration> {
-    let answers = |connection: &&ConnectionRecord| {
-        let is_answering = match connection.name {
-            ConnectionName::Predefined(
-                Predefined::Poll | Predefined::BitStrobe | Predefined::MulticastPoll,
-            ) => true,
-            ConnectionName::Predefined(Predefined::Explicit | Predefined::CosCyclic)
-            | ConnectionName::Dynamic { .. } => false,
-        };
-        is_answering && connection.state != ConnectionState::NonExistent
-    };
-    connections.iter().filter(answers).filter_map(|connection| connection.time_out).min()
-}
-
 fn index(mac: MacId) -> usize {
     usize::from(mac.number())
 }
@@ -414,31 +337,20 @@ mod tests {
     use super::*;
     use crate::health;
 
-    /// Polled and bit-strobed slave 10: what of its connections is set, and how long its responses may take after that.
+    /// An interface goes on: what was counted is told at the rate that the frames need at least.
     #[test]
-    fn the_limit_is_the_shortest_time_out_of_a_connection_that_answers() {
-        let mut model = Model::new(None, health::doctor(None, None, None));
-        let mut set = |instance: u8, attribute: u8, value: &[u8]| {
-            let request = [&[1, 0x10, 5, instance, attribute], value].concat();
-            let frames: [(u16, &[u8]); 2] = [(0x454, &request), (0x453, &[&[1, 0x90], value].concat())];
-            for (id, data) in frames {
-                model.see(
-                    Instant::ZERO,
-                    None,
-                    Input::Frame(Frame::new(standard_id(id), data).unwrap()),
-                    |_| {},
-                );
-            }
-            let limit = model.picture().nodes.iter().find(|node| node.mac().number() == 10)?.limit;
-            limit.map(|limit| limit.as_millis())
-        };
-        const RATE: u8 = 9;
-        const MULTIPLIER: u8 = 18;
-        assert_eq!(set(1, RATE, &[10, 0]), None, "the explicit connection has no part in it");
-        assert_eq!(set(2, RATE, &[100, 0]), Some(400));
-        assert_eq!(set(2, MULTIPLIER, &[2]), Some(1_600));
-        assert_eq!(set(3, RATE, &[200, 0]), Some(800));
-        assert_eq!(set(3, RATE, &[0, 0]), Some(1_600), "without a rate its peers wait for ever");
-        assert_eq!(set(2, RATE, &[0, 0]), None);
+    fn a_rate_that_cannot_be_is_not_known_any_more() {
+        let said = BitRate::K125;
+        let mut model = Model::new(Some(BusRate::Said(said)), health::doctor(Some(said), None, None));
+        let frame = Frame::new(standard_id(0x3C1), &[0x55; 8]).unwrap();
+        let length = u64::from(bus_time::bits(&frame)) * 4_000;
+        for n in 1..=1_000 {
+            model.see(Instant::from_nanos(n * length), None, Input::Frame(frame), |_| {});
+        }
+        assert_eq!(model.refuted, Some((said, BitRate::K250)));
+        assert_eq!(model.bit_rate, BusRate::AtLeast(BitRate::K250));
+        assert_eq!(model.doctor.config().bit_rate, None);
+        let load = model.picture().total.all;
+        assert!((0.99..1.01).contains(&load), "{load}");
     }
 }

@@ -4,14 +4,15 @@ use core::time::Duration;
 
 use devicenet_core::MacId;
 use devicenet_core::doctor::Finding;
-use devicenet_core::monitor::{ConnectionRecord, ConnectionState, NodeRecord};
+use devicenet_core::monitor::{ConnectionName, ConnectionRecord, ConnectionState, NodeRecord, Predefined};
 use link_core::Instant;
 
 use super::link::LinkState;
-use super::load::Load;
+use super::load::{Load, Tally};
 use super::problems::Problems;
 use super::purpose::Purpose;
 use super::times::Times;
+use super::{Model, index};
 use crate::bus_rate::BusRate;
 use crate::verdict::Verdict;
 
@@ -116,5 +117,118 @@ impl NodePicture {
     /// The part of the limit that its slowest I/O response took, 0 to 1 and more.
     pub(in crate::live::monitor) fn worst(&self) -> Option<f64> {
         Some(self.io?.max.as_secs_f64() / self.limit?.as_secs_f64())
+    }
+}
+
+impl Model {
+    /// What there is to show, with the load of the last second.
+    pub(in crate::live::monitor) fn picture(&self) -> Picture {
+        let begin = self.begin.unwrap_or(self.now);
+        let load = self.window.load(begin, self.now);
+        self.picture_with(load, self.now.saturating_since(begin).min(Duration::from_secs(1)))
+    }
+
+    /// What there is to report, with the load since the last report.
+    pub(in crate::live::monitor) fn report(&mut self) -> Picture {
+        let span = self.now.saturating_since(self.interval_began);
+        let picture = self.picture_with(self.interval.load(span), span);
+        self.interval = Tally::default();
+        self.interval_began = self.now;
+        picture
+    }
+
+    fn picture_with(&self, load: Load, span: Duration) -> Picture {
+        let begin = self.begin.unwrap_or(self.now);
+        let elapsed = self.now.saturating_since(begin);
+        let total = self.total.load(elapsed);
+        let mut nodes: Vec<NodePicture> =
+            self.monitor.nodes_at(self.now).map(|record| self.node(record, &load, &total)).collect();
+        for connection in self.monitor.connections() {
+            if let Ok(at) = nodes.binary_search_by_key(&connection.server, NodePicture::mac) {
+                nodes[at].connections.push(connection);
+            }
+        }
+        nodes.iter_mut().for_each(|node| node.limit = limit(&node.connections));
+        Picture {
+            begin,
+            at: elapsed,
+            bit_rate: self.bit_rate,
+            link: self.link,
+            counters: self.counters,
+            verdict: self.verdict(),
+            problems: self.problems.clone(),
+            span,
+            load,
+            total,
+            history: self.history.shares(),
+            nodes,
+            findings: self.doctor.findings().map(|finding| FindingPicture::new(finding, begin)).collect(),
+        }
+    }
+
+    fn node(&self, record: NodeRecord, load: &Load, total: &Load) -> NodePicture {
+        let mac = index(record.mac);
+        NodePicture {
+            connections: Vec::new(),
+            load: load.by_node[mac],
+            total: total.by_node[mac],
+            io: Times::of(&self.responses[mac].io),
+            explicit: Times::of(&self.responses[mac].explicit),
+            limit: None,
+            silent: record.traffic.last_seen().map(|last| self.now.saturating_since(last)),
+            record,
+        }
+    }
+}
+
+/// See [`NodePicture::limit`].
+fn limit(connections: &[ConnectionRecord]) -> Option<Duration> {
+    let answers = |connection: &&ConnectionRecord| {
+        let is_answering = match connection.name {
+            ConnectionName::Predefined(
+                Predefined::Poll | Predefined::BitStrobe | Predefined::MulticastPoll,
+            ) => true,
+            ConnectionName::Predefined(Predefined::Explicit | Predefined::CosCyclic)
+            | ConnectionName::Dynamic { .. } => false,
+        };
+        is_answering && connection.state != ConnectionState::NonExistent
+    };
+    connections.iter().filter(answers).filter_map(|connection| connection.time_out).min()
+}
+
+#[cfg(test)]
+mod tests {
+    use link_core::frame::standard_id;
+    use link_core::{Frame, Input};
+
+    use super::*;
+    use crate::health;
+
+    /// Polled and bit-strobed slave 10: what of its connections is set, and how long its responses may take after that.
+    #[test]
+    fn the_limit_is_the_shortest_time_out_of_a_connection_that_answers() {
+        let mut model = Model::new(None, health::doctor(None, None, None));
+        let mut set = |instance: u8, attribute: u8, value: &[u8]| {
+            let request = [&[1, 0x10, 5, instance, attribute], value].concat();
+            let frames: [(u16, &[u8]); 2] = [(0x454, &request), (0x453, &[&[1, 0x90], value].concat())];
+            for (id, data) in frames {
+                model.see(
+                    Instant::ZERO,
+                    None,
+                    Input::Frame(Frame::new(standard_id(id), data).unwrap()),
+                    |_| {},
+                );
+            }
+            let limit = model.picture().nodes.iter().find(|node| node.mac().number() == 10)?.limit;
+            limit.map(|limit| limit.as_millis())
+        };
+        const RATE: u8 = 9;
+        const MULTIPLIER: u8 = 18;
+        assert_eq!(set(1, RATE, &[10, 0]), None, "the explicit connection has no part in it");
+        assert_eq!(set(2, RATE, &[100, 0]), Some(400));
+        assert_eq!(set(2, MULTIPLIER, &[2]), Some(1_600));
+        assert_eq!(set(3, RATE, &[200, 0]), Some(800));
+        assert_eq!(set(3, RATE, &[0, 0]), Some(1_600), "without a rate its peers wait for ever");
+        assert_eq!(set(2, RATE, &[0, 0]), None);
     }
 }
