@@ -11,10 +11,11 @@
 //! A [`Transfer`] is told what arrives and hands out what is to be sent; the frames are its owner's business. So are the
 //! timers: they have the present moment, and it is told which of its [`Wait`]s has run out.
 
+mod message;
 #[cfg(test)]
 mod tests;
 
-use core::hash::{Hash, Hasher};
+pub use message::Message;
 
 use link_core::timers::TimerSet;
 
@@ -77,13 +78,6 @@ pub struct Transfer<H, const MESSAGE: usize, const PIECE: usize, const PREFIX: u
     header: H,
     stage: Stage,
     acknowledge: Option<(H, u8, AckStatus)>,
-}
-
-/// From the service byte on. What earlier ones have left behind its end is no part of it.
-#[derive(Clone, Debug)]
-struct Message<const N: usize> {
-    bytes: [u8; N],
-    len: u16,
 }
 
 /// How far the present frame of the response is.
@@ -155,7 +149,7 @@ impl<H: Copy, const MESSAGE: usize, const PIECE: usize, const PREFIX: usize>
     /// yet.
     pub const fn new(limit: usize, header: H) -> Self {
         Self {
-            message: Message { bytes: [0; MESSAGE], len: 0 },
+            message: Message::EMPTY,
             receive: ExplicitReceive::new(limit),
             transmit: ExplicitTransmit::new(),
             header,
@@ -194,7 +188,8 @@ impl<H: Copy, const MESSAGE: usize, const PIECE: usize, const PREFIX: usize>
         }
         match outcome {
             ExplicitOutcome::Complete(request) => {
-                self.message.len = short(request.len());
+                let len = request.len();
+                self.message.set_len(len);
                 if rules.reacknowledge_last {
                     timers.set_after_millis(Wait::Reassembly.into(), REACKNOWLEDGE_MILLIS);
                 } else {
@@ -203,7 +198,7 @@ impl<H: Copy, const MESSAGE: usize, const PIECE: usize, const PREFIX: usize>
                 return Ok(true);
             }
             ExplicitOutcome::Stored | ExplicitOutcome::Repeated => {
-                self.message.len = self.receive.received();
+                self.message.set_len(self.receive.received().into());
                 timers.set_after_millis(Wait::Reassembly.into(), rules.receive_time_out.into());
             }
             ExplicitOutcome::RepeatedLast => {}
@@ -229,8 +224,9 @@ impl<H: Copy, const MESSAGE: usize, const PIECE: usize, const PREFIX: usize>
     /// Answers a request. What has no room in the buffer is cut off: write it within [`MESSAGE`](Self) bytes.
     pub fn respond(&mut self, header: H, response: &[u8]) {
         let room = self.message.bytes.iter_mut();
-        self.message.len = short(response.len().min(room.len()));
+        let len = response.len().min(room.len());
         room.zip(response).for_each(|(byte, &written)| *byte = written);
+        self.message.set_len(len);
         self.header = header;
         self.stage = Stage::Due;
         self.transmit.start(self.message.body());
@@ -377,31 +373,6 @@ impl<H: Copy, const MESSAGE: usize, const PIECE: usize, const PREFIX: usize>
 
 fn acknowledge_part<'a, H>((header, count, status): (H, u8, AckStatus)) -> (H, Part<'a>) {
     (header, Part::Acknowledge(FragmentByte::new(FragmentKind::Acknowledge, count), status))
-}
-
-impl<const N: usize> Message<N> {
-    fn body(&self) -> &[u8] {
-        self.bytes.get(..usize::from(self.len)).unwrap_or_default()
-    }
-}
-
-impl<const N: usize> PartialEq for Message<N> {
-    fn eq(&self, other: &Self) -> bool {
-        self.body() == other.body()
-    }
-}
-
-impl<const N: usize> Eq for Message<N> {}
-
-impl<const N: usize> Hash for Message<N> {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        self.body().hash(state);
-    }
-}
-
-/// The length of a message, which has less than 64 KiB.
-fn short(len: usize) -> u16 {
-    u16::try_from(len).unwrap_or(u16::MAX)
 }
 
 /// How long a fragment of a response waits for its acknowledge.

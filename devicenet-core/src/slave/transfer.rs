@@ -10,13 +10,13 @@
 //! It is told what arrives and hands out what is to be sent; the identifiers and the timers are its owner's business. The
 //! timers have the present moment, and it is told which of them has run out.
 
-use core::hash::{Hash, Hasher};
-
 use cip_core::codec::Writer;
 use cip_core::fragment::{
     AckStatus, ExplicitOutcome, ExplicitReceive, ExplicitTransmit, FragmentByte, FragmentKind,
     TransmitOutcome,
 };
+pub(super) use cip_core::transfer::Rules;
+use cip_core::transfer::Message;
 use link_core::Frame;
 use link_core::timers::TimerSet;
 
@@ -36,13 +36,6 @@ pub(super) struct Transfer<const MESSAGE: usize> {
     header: u8,
     stage: Stage,
     acknowledge: Option<[u8; 3]>,
-}
-
-/// From the service byte on. What earlier ones have left behind its end is no part of it.
-#[derive(Clone, Debug)]
-struct Message<const N: usize> {
-    bytes: [u8; N],
-    len: u16,
 }
 
 /// How far the present frame of the response is.
@@ -69,19 +62,11 @@ pub(super) enum Piece {
     Response,
 }
 
-/// What the owner decides about fragments.
-#[derive(Clone, Copy)]
-pub(super) struct Rules {
-    /// In ms.
-    pub(super) receive_time_out: u16,
-    pub(super) reacknowledge_last: bool,
-}
-
 impl<const MESSAGE: usize> Transfer<MESSAGE> {
     /// `limit`: the longest request, from the service byte on.
     pub(super) const fn new(limit: usize) -> Self {
         Self {
-            message: Message { bytes: [0; MESSAGE], len: 0 },
+            message: Message::EMPTY,
             receive: ExplicitReceive::new(limit),
             transmit: ExplicitTransmit::new(),
             header: 0,
@@ -145,7 +130,7 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
     /// So many bytes were written while it was idle: they are a response in one frame.
     #[inline]
     pub(super) fn respond_whole(&mut self, header: u8, len: usize) {
-        self.message.len = short(len);
+        self.message.set_len(len);
         self.header = header & !FRAGMENT;
         self.stage = Stage::Due;
     }
@@ -182,7 +167,8 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
         }
         match outcome {
             ExplicitOutcome::Complete(request) => {
-                self.message.len = short(request.len());
+                let len = request.len();
+                self.message.set_len(len);
                 if rules.reacknowledge_last {
                     timers.set_after_millis(Timer::Reassembly, REACKNOWLEDGE_MILLIS);
                 } else {
@@ -191,7 +177,7 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
                 return Ok(true);
             }
             ExplicitOutcome::Stored | ExplicitOutcome::Repeated => {
-                self.message.len = self.receive.received();
+                self.message.set_len(self.receive.received().into());
                 timers.set_after_millis(Timer::Reassembly, rules.receive_time_out.into());
             }
             ExplicitOutcome::RepeatedLast => {}
@@ -232,7 +218,7 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
         }
         self.stage = Stage::Handed;
         let [a, b, c, d, e, f, g] = *self.message.bytes.first_chunk()?;
-        let len = usize::from(self.message.len).saturating_add(1);
+        let len = usize::from(self.message.len()).saturating_add(1);
         id.frame_of([self.header, a, b, c, d, e, f, g], len)
     }
 
@@ -365,32 +351,6 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
             timers.clear(Timer::Reassembly);
         }
     }
-}
-
-impl<const N: usize> Message<N> {
-    #[inline(never)]
-    fn body(&self) -> &[u8] {
-        self.bytes.get(..usize::from(self.len)).unwrap_or_default()
-    }
-}
-
-impl<const N: usize> PartialEq for Message<N> {
-    fn eq(&self, other: &Self) -> bool {
-        self.body() == other.body()
-    }
-}
-
-impl<const N: usize> Eq for Message<N> {}
-
-impl<const N: usize> Hash for Message<N> {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        self.body().hash(state);
-    }
-}
-
-/// The length of a message, which has less than 64 KiB.
-fn short(len: usize) -> u16 {
-    u16::try_from(len).unwrap_or(u16::MAX)
 }
 
 /// FRAG and XID, in the header.
