@@ -3,6 +3,7 @@
 use core::marker::PhantomData;
 
 use cip_core::message::{AllocationChoice, BodyFormat};
+use cip_core::transfer::Rules;
 use link_core::timers::TimerSet;
 use link_core::{Action, Deadline, Frame, Input, Instant, LinkEvent, Machine, Queue, TxOutcome, TxToken};
 
@@ -15,7 +16,7 @@ use super::indicator::ModuleStatus;
 use super::lines::{self, Line};
 use super::node::Node;
 use super::timer::Timer;
-use super::transfer::{Piece, Rules, Transfer};
+use super::transfer::{Piece, Transfer};
 use super::unconnected::Answer;
 use crate::access::{Access, Extent, NetworkStatus};
 use crate::id::Identifier;

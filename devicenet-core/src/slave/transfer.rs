@@ -15,8 +15,7 @@ use cip_core::fragment::{
     AckStatus, ExplicitOutcome, ExplicitReceive, ExplicitTransmit, FragmentByte, FragmentKind,
     TransmitOutcome,
 };
-pub(super) use cip_core::transfer::Rules;
-use cip_core::transfer::Message;
+use cip_core::transfer::{Message, Rules};
 use link_core::Frame;
 use link_core::timers::TimerSet;
 
