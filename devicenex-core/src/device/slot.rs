@@ -204,13 +204,14 @@ impl<L, const MESSAGE: usize> Slot<L, MESSAGE> {
         self.line.abandon(false);
     }
 
-    /// An explicit connection that has ended, and has nothing more to send.
+    /// An explicit connection that has ended, and has nothing more to send, nor with the controller.
     pub(super) fn is_done(&self) -> bool {
         match &self.body {
             Body::Explicit(explicit) => {
                 explicit.connection.state() == ExplicitState::NonExistent
                     && explicit.transfer.is_quiet()
                     && !explicit.transfer.must_acknowledge()
+                    && self.line.is_free()
             }
             Body::Io(io) => io.connection.state() == IoState::NonExistent,
             Body::Free => false,
