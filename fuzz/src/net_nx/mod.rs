@@ -111,7 +111,10 @@ impl Plant {
         let node = self.nodes[usize::from(argument & 7) % self.nodes.len()];
         let count = Which::Next(u32::from(argument >> 3));
         match op % 12 {
-            0..=2 => return self.run_for(crate::input::span(argument).min(LONGEST_RUN)),
+            0..=2 => {
+                let longest = if self.faults.contains(&NOISE) { LONGEST_NOISE } else { LONGEST_RUN };
+                return self.run_for(crate::input::span(argument).min(longest));
+            }
             3 => self.network.apply(match argument >> 6 {
                 0 | 1 => Change::PowerCycle(node),
                 2 => Change::PowerOff(node),
@@ -128,7 +131,7 @@ impl Plant {
             6 => {
                 let rate = [1e-4, 1e-3, 5e-3, 2e-2][usize::from(argument >> 6)];
                 let scope = if argument & 8 != 0 { Scope::Bus } else { Scope::Node(node) };
-                self.fault(Fault::BitFlips { rate, scope }, 16);
+                self.fault(Fault::BitFlips { rate, scope }, NOISE);
             }
             7 => self.end_faults(),
             8 => self.split(argument),
@@ -245,6 +248,10 @@ const SECOND: u8 = 2;
 const DEVICES: u8 = 5;
 const UNINVITED: u8 = 5;
 const LONGEST_RUN: Duration = Duration::from_secs(12);
+/// While bits are inverted, each of them is simulated.
+const LONGEST_NOISE: Duration = Duration::from_millis(500);
+/// The number of that fault.
+const NOISE: u32 = 16;
 /// Longer than from one announcement of an address to the next, with the wait for the answer.
 const QUIET: Duration = Duration::from_secs(15);
 /// Longer than any time-out and any pause of a manager, and than three of them in a row.

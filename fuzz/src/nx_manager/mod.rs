@@ -5,7 +5,8 @@
 //!
 //! - an address goes only to a device for which it is planned, or its spare, and which said Hello without one;
 //! - no Mini-who, no ROAM and no connection request of a manager that leaves the work to another; off line only Hellos;
-//! - connections are asked for only of devices that are on line with their address;
+//! - connections are asked for only of devices that are on line with their address, and one for explicit messages of whoever has
+//!   the address of another;
 //! - a consumer is told nothing but what the address of its producer sends with;
 //! - no token is used twice, and no more frames are in flight than was said;
 //! - nothing is pending after a drain, a second tick changes nothing, and a manager that works has something to wait for as
@@ -249,7 +250,11 @@ impl Network {
                     && NODES[..3].contains(&route.destination.number()) =>
             {
                 let state = self.manager.device(route.destination).expect("it is planned").state;
-                assert!(state.is_on_line() && self.manager.works(), "{frame}: {state:?}");
+                // Over an explicit connection whoever has the address of another is told its own.
+                let is_told = state == DeviceState::Conflict && self.manager.config().readdress;
+                let is_explicit = matches!(frame.data(), [0x4B, byte, ..] if byte >> 4 & 7 == 5);
+                let may_be_asked = state.is_on_line() || is_told && is_explicit;
+                assert!(may_be_asked && self.manager.works(), "{frame}: {state:?}");
             }
             Layout::Explicit { route, .. } => {
                 if let [0x10, 5, _, 5, id @ ..] = frame.data()
