@@ -15,6 +15,7 @@ use super::recorded::Recorded;
 #[cfg(target_os = "linux")]
 use crate::bus_rate;
 use crate::exit::Failure;
+use crate::output::note;
 use crate::recording::Recording;
 use crate::scenario::{Scenario, ScenarioError, Time};
 use crate::simulate::{self, NodeEvent};
@@ -90,6 +91,13 @@ impl LivePort {
             Endpoint::Interface(name) => interface(name, config.listen_only)?,
             Endpoint::Scenario(path) => {
                 let scenario = Scenario::load(path).map_err(|error| no_scenario(path, &error))?;
+                if scenario.nodes.iter().any(|node| node.role.nex().is_some()) {
+                    note(format_args!(
+                        "{} is a network of DeviceNeX, and this command reads DeviceNet: see `simulate`, and `decode \
+                         --protocol devicenex` for what it records",
+                        path.display()
+                    ));
+                }
                 let network = simulate::network(&scenario);
                 let end = Instant::ZERO + scenario.bus.duration;
                 bit_rate = Some(scenario.bus.bit_rate);

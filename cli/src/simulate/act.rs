@@ -28,6 +28,19 @@ pub(super) fn act(network: &mut Network<NodeEvent>, node: NodeId, what: &Do) {
             network.apply(Change::SetBitRate(node, *rate));
         }
         Do::SetMac(mac) => set_mac(network, node, what, MacId::new(*mac).unwrap_or(MacId::DEFAULT)),
+        Do::SetOa(oa) => {
+            tell(network, node, what, Effect::AtOnce);
+            network.command(node, |device: &mut DeviceMachine, now| device.set_address(now, *oa));
+        }
+        Do::Readdress(from, to) => {
+            let begun =
+                network.command(node, |manager: &mut ManagerMachine, _| manager.readdress(*from, *to));
+            let effect = match begun {
+                Some(Err(error)) => Effect::None(error.to_string()),
+                Some(Ok(())) | None => Effect::AtOnce,
+            };
+            tell(network, node, what, effect);
+        }
         Do::Reset => {
             tell(network, node, what, Effect::AtOnce);
             let has_own = network.command(node, Access::reset).is_some()
@@ -77,6 +90,8 @@ fn obstacle(network: &Network<NodeEvent>, node: NodeId, what: &Do) -> Option<&'s
         Do::Plug if plugged => Some("the cable is plugged already"),
         Do::PowerOn if powered => Some("it has power already"),
         Do::PowerOff
+        | Do::SetOa(_)
+        | Do::Readdress(..)
         | Do::Reset
         | Do::SetOutput(_)
         | Do::GoRun

@@ -315,6 +315,9 @@ fn words_of_action(action: &Do, effect: &Effect) -> String {
     let later = if matches!(effect, Effect::AtPowerUp) { ", which is read at power-up" } else { "" };
     match action {
         Do::SetMac(mac) => format!("MAC ID switch set to {mac}{later}"),
+        Do::SetOa(oa) if oa.is_none() => "gives up its OA".to_owned(),
+        Do::SetOa(oa) => format!("OA set to {oa}"),
+        Do::Readdress(from, to) => format!("readdress OA {from} as {to}"),
         Do::SetInput(data) => format!("input data {}{later}", hex(data)),
         Do::SetOutput(Output::Slave(mac, data)) => format!("output data for {mac}: {}", hex(data)),
         Do::SetOutput(Output::StrobeBit(mac, bit)) => format!("strobe bit for {mac}: {}", u8::from(*bit)),

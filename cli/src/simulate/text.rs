@@ -4,8 +4,9 @@ use core::fmt::Write as _;
 use std::collections::HashMap;
 
 use devicenet_core::master::{MasterEvent, SlaveEvent, SlaveState};
-use devicenet_core::monitor::Kind;
-use devicenex_core::id::Layout;
+use devicenet_core::monitor::{Kind, Reading};
+use devicenex_core::manager::{DeviceState, ManagerEvent, PlannedEvent};
+use devicenex_core::monitor as nex;
 use link_core::wire::Field;
 use link_core::{Frame, Instant};
 use transport_mock::Flag;
@@ -51,8 +52,8 @@ struct Known {
     frame: Frame,
     /// What was wrong with it.
     problem: Option<&'static str>,
-    /// The MAC ID of the slave.
-    slave: Option<u8>,
+    /// Whose data they are: the MAC ID of the slave, the operational address of the sender.
+    of: Option<u8>,
 }
 
 /// Attempts that fail one after the other. Each is told if it fails otherwise than the one before, up to a limit; the
@@ -193,10 +194,8 @@ impl View for TextView {
                 }
             }
             Sight::Event { at, node, event } => {
-                if let NodeEvent::Master(MasterEvent::Slave { mac_id, event }) = event
-                    && let SlaveEvent::StateChanged { to: SlaveState::Running, .. } = event
-                {
-                    self.exchange.forget(mac_id.number());
+                if let Some(whose) = begins_to_run(event) {
+                    self.exchange.forget(whose);
                 }
                 let is_asked_for = self.selection.names(kind_of_event(event));
                 if is_asked_for || event.is_news() {
@@ -239,61 +238,75 @@ impl View for TextView {
 impl Exchanged {
     /// Whether the frame says nothing that the last of its kind has not said.
     fn is_known(&mut self, record: &FrameRecord<'_>, said: &Said<'_>) -> bool {
-        let reading = match said {
-            Said::DeviceNet(reading) => reading,
-            Said::DeviceNex(reading) if reading.problem.is_some() => return false,
-            Said::DeviceNex(_) => return self.is_known_implicit(record),
+        let io = match said {
+            Said::DeviceNet(reading) => io_of_devicenet(reading),
+            Said::DeviceNex(reading) => io_of_devicenex(reading),
         };
-        let is_command = match reading.kind {
-            Kind::PollCommand | Kind::MulticastPollCommand | Kind::BitStrobeCommand => true,
-            Kind::PollResponse
-            | Kind::MulticastPollResponse
-            | Kind::BitStrobeResponse
-            | Kind::CosCyclic
-            | Kind::CosCyclicAck
-            | Kind::Io => false,
-            _ => return false,
-        };
-        if self.all {
-            return false;
-        }
-        let slave = if is_command { reading.dst } else { reading.src }.map(u8::from);
-        let fragment = reading.frag.and_then(|_| record.frame.data().first().copied());
+        let Some(Io { of, problem, is_fragment }) = io.filter(|_| !self.all) else { return false };
+        let fragment = if is_fragment { record.frame.data().first().copied() } else { None };
         let key = (record.segment, record.frame.raw_id(), fragment);
-        let problem = reading.problem.map(|problem| problem.code());
-        let known = Known { frame: *record.frame, problem, slave };
+        let known = Known { frame: *record.frame, problem, of };
         let last = self.told.insert(key, known);
         let is_known = last.is_some_and(|last| last.frame == *record.frame && last.problem == problem);
         self.silent += u64::from(is_known);
         is_known
     }
 
-    /// The same of DeviceNeX.
-    fn is_known_implicit(&mut self, record: &FrameRecord<'_>) -> bool {
-        let is_implicit = matches!(
-            devicenex_core::Identifier::of_frame(record.frame).layout(),
-            Layout::Implicit { .. } | Layout::Standard { .. }
-        );
-        if !is_implicit || self.all {
-            return false;
-        }
-        let known = Known { frame: *record.frame, problem: None, slave: None };
-        let last = self.told.insert((record.segment, record.frame.raw_id(), None), known);
-        let is_known = last.is_some_and(|last| last.frame == *record.frame);
-        self.silent += u64::from(is_known);
-        is_known
+    /// The data of a slave, or of a device, are new again.
+    fn forget(&mut self, whose: u8) {
+        self.told.retain(|_, known| known.of.is_some_and(|of| of != whose));
     }
+}
 
-    /// The data of a slave are new again.
-    fn forget(&mut self, slave: u8) {
-        self.told.retain(|_, known| known.slave.is_some_and(|own| own != slave));
-    }
+/// What there is to know of an I/O frame beside its data.
+struct Io {
+    of: Option<u8>,
+    problem: Option<&'static str>,
+    is_fragment: bool,
+}
+
+fn io_of_devicenet(reading: &Reading<'_>) -> Option<Io> {
+    let of = match reading.kind {
+        Kind::PollCommand | Kind::MulticastPollCommand | Kind::BitStrobeCommand => reading.dst,
+        Kind::PollResponse
+        | Kind::MulticastPollResponse
+        | Kind::BitStrobeResponse
+        | Kind::CosCyclic
+        | Kind::CosCyclicAck
+        | Kind::Io => reading.src,
+        _ => return None,
+    };
+    let problem = reading.problem.map(|problem| problem.code());
+    Some(Io { of: of.map(u8::from), problem, is_fragment: reading.frag.is_some() })
+}
+
+fn io_of_devicenex(reading: &nex::Reading<'_>) -> Option<Io> {
+    let of = reading.src.map(|source| source.number());
+    let problem = reading.problem.map(|problem| problem.code());
+    reading.kind.is_io().then_some(Io { of, problem, is_fragment: reading.frag.is_some() })
 }
 
 impl Drop for TextView {
     fn drop(&mut self) {
         self.flush();
         self.told_nothing(self.last);
+    }
+}
+
+/// The slave, or the planned device, whose I/O begins.
+fn begins_to_run(event: &NodeEvent) -> Option<u8> {
+    match event {
+        NodeEvent::Master(MasterEvent::Slave {
+            mac_id,
+            event: SlaveEvent::StateChanged { to: SlaveState::Running, .. },
+        }) => Some(mac_id.number()),
+        NodeEvent::Manager(event) => match **event {
+            ManagerEvent::Planned(oa, PlannedEvent::StateChanged { to: DeviceState::Running, .. }) => {
+                Some(oa.number())
+            }
+            _ => None,
+        },
+        _ => None,
     }
 }
 

@@ -160,6 +160,50 @@ fn of_a_summary() {
     });
 }
 
+/// Without what frames have beside it, and what is counted of slaves: these are fields of the library.
+#[test]
+fn of_simulate() {
+    let nex = "../../../tests/scenarios/devicenex/worked-example.toml";
+    let failing = file("field-failing.toml");
+    let alone = "[bus]\nbit_rate = 500000\nduration = \"10ms\"\n[[node]]\nname = \"ear\"\nrole = \"listener\"\n\
+                 [[expect]]\nnode = \"ear\"\nby = \"5ms\"\nevent = \"bus_off\"\n";
+    std::fs::write(&failing, alone).unwrap();
+    let runs: [&[&str]; 4] = [
+        &["simulate", "--json", "../../scenarios/plant.toml"],
+        &["simulate", "--json", "drop.toml"],
+        &["simulate", "--json", nex],
+        &["simulate", "--json", failing.to_str().unwrap()],
+    ];
+    let documented: BTreeSet<String> = documented("## simulate");
+    let mut printed_fields = BTreeSet::new();
+    for run in runs {
+        let objects = devicenet(run).json();
+        let of_frame = |object: &&Value| object["event"] == "frame";
+        printed_fields.extend(printed(&objects.iter().filter(|o| !of_frame(o)).cloned().collect::<Vec<_>>()));
+    }
+    let is_counted = |field: &str| {
+        field.starts_with("nodes.slave.")
+            || field
+                .strip_prefix("nodes.scan.slaves.")
+                .is_some_and(|rest| !["mac", "state", "status"].contains(&rest))
+    };
+    let undocumented: Vec<_> = printed_fields
+        .difference(&documented)
+        .filter(|field| !is_counted(field) && !["bus", "nodes"].contains(&field.as_str()))
+        .collect();
+    assert!(undocumented.is_empty(), "docs/json.md says nothing of {undocumented:?}");
+    for field in ["device", "nodes.oa", "nodes.received", "held", "found", "by"] {
+        assert!(documented.contains(field) && printed_fields.contains(field), "{field}");
+    }
+}
+
+#[test]
+fn of_compare() {
+    agree(&["## compare"], &[&["compare", "--devices", "3", "--json"]], &[], |field| {
+        (field != "measures").then_some(field)
+    });
+}
+
 #[test]
 fn of_monitor() {
     let errors = file("field-errors.log");

@@ -3,6 +3,7 @@
 use core::ops::Range;
 
 use devicenet_core::message::DeviceIdentity;
+use devicenex_core::OperationalAddress;
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -20,6 +21,14 @@ struct RawOutput {
     data: Option<String>,
     strobe_bit: Option<bool>,
     multicast: Option<String>,
+}
+
+/// The `value` of `readdress`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+struct RawReaddress {
+    device: SlaveName,
+    oa: i64,
 }
 
 /// The `value` of `recover` and `identify`: a device, by the name of its node or by what it is.
@@ -91,6 +100,11 @@ impl Checker<'_> {
             "release" => plain(Do::Release),
             "who" => plain(Do::Who),
             "set_mac" => Ok(Do::SetMac(self.mac_id("value", &self.integer(raw, table, "the MAC ID")?)?)),
+            "set_oa" => {
+                let value = self.integer(raw, table, "the operational address")?;
+                Ok(Do::SetOa(self.operational_address("value", &value, 127)?))
+            }
+            "readdress" => self.readdress(raw, table, target),
             "set_bit_rate" => Ok(Do::SetBitRate(self.bit_rate("value", &self.rate(raw, table)?)?)),
             "set_input" => self.input(raw, table, target),
             "set_output" => self.output(raw, table, target),
@@ -115,6 +129,46 @@ impl Checker<'_> {
                 self.fail(&action.span(), format!("there is no action `{other}`; expected {}", list(ACTIONS)))
             }
         }
+    }
+
+    /// A node, by its planned address or any, and its new address.
+    fn readdress(
+        &self,
+        raw: &RawAction,
+        table: &Range<usize>,
+        target: &Target<'_>,
+    ) -> Result<Do, ScenarioError> {
+        let value = self.required(raw.value.as_ref(), table, "`value`, the node and its new address,")?;
+        let span = value.span();
+        let Some(Role::Manager(manager)) = target.node.map(|node| &node.role) else {
+            return Ok(Do::Readdress(OperationalAddress::NONE, OperationalAddress::NONE));
+        };
+        let new: RawReaddress = match value.get_ref().clone().try_into() {
+            Ok(new) => new,
+            Err(error) => return self.fail(&span, format!("{}; expected {READDRESS}", error.message())),
+        };
+        let number = |number: i64| Spanned::new(span.clone(), number);
+        let from = match new.device {
+            SlaveName::Mac(oa) => self.operational_address("device", &number(oa), 126)?,
+            device => self.planned_oa(&Spanned::new(span.clone(), device), manager, target.nodes)?,
+        };
+        let to = self.operational_address("oa", &number(new.oa), 127)?;
+        if to == manager.node.oa {
+            return self.fail(&span, format!("OA {to} is the manager's own; expected another"));
+        }
+        Ok(Do::Readdress(from, to))
+    }
+
+    fn operational_address(
+        &self,
+        key: &str,
+        value: &Spanned<i64>,
+        last: u8,
+    ) -> Result<OperationalAddress, ScenarioError> {
+        let what = if last == 127 { "0 to 126, or 127 for none" } else { "an operational address, 0 to 126" };
+        let number: u8 = self.number(key, value, 0, last.into(), what)?;
+        // Not above 127.
+        Ok(OperationalAddress::new(number).unwrap_or(OperationalAddress::NONE))
     }
 
     /// The input data of a slave.
@@ -309,6 +363,8 @@ pub(in crate::scenario) const ACTIONS: &[&str] = &[
     "power_on",
     "power_cycle",
     "set_mac",
+    "set_oa",
+    "readdress",
     "set_bit_rate",
     "reset",
     "set_input",
@@ -323,4 +379,5 @@ pub(in crate::scenario) const ACTIONS: &[&str] = &[
 ];
 const OUTPUT: &str = "{ slave = \"valve\", data = \"01FF\" }, { slave = \"valve\", strobe_bit = true } or { multicast = \
                       \"01FF\" }";
+const READDRESS: &str = "{ device = \"valve\", oa = 12 }";
 const DEVICE: &str = "{ node = \"valve\", .. } or { vendor = 0x1234, serial = 0x00002345, .. }";

@@ -1,6 +1,7 @@
 //! `[[action]]`
 
 use devicenet_core::message::DeviceIdentity;
+use devicenex_core::OperationalAddress;
 use link_core::{BitRate, Instant};
 
 use super::{Kind, NodeIndex};
@@ -31,6 +32,10 @@ pub enum Do {
     PowerCycle,
     /// Turns the MAC ID switch.
     SetMac(u8),
+    /// A device takes another operational address, or none.
+    SetOa(OperationalAddress),
+    /// A manager gives a node on line another address: from which, to which.
+    Readdress(OperationalAddress, OperationalAddress),
     /// Turns the bit rate switch.
     SetBitRate(BitRate),
     /// Resets the device, as its Identity object's Reset service does.
@@ -77,6 +82,8 @@ impl Do {
             Self::PowerOn => "power_on",
             Self::PowerCycle => "power_cycle",
             Self::SetMac(_) => "set_mac",
+            Self::SetOa(_) => "set_oa",
+            Self::Readdress(..) => "readdress",
             Self::SetBitRate(_) => "set_bit_rate",
             Self::Reset => "reset",
             Self::SetInput(_) => "set_input",
@@ -102,6 +109,8 @@ impl Do {
             | Self::PowerCycle
             | Self::SetBitRate(_) => Kind::Any,
             Self::SetMac(_) => Kind::DeviceNet,
+            Self::SetOa(_) => Kind::Device,
+            Self::Readdress(..) => Kind::Manager,
             Self::Reset => Kind::Access,
             Self::SetInput(_) => Kind::Server,
             Self::SetOutput(_) | Self::GoRun | Self::GoIdle => Kind::Master,

@@ -2,8 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use cip_core::code::{AttributeId, ClassId, InstanceId};
+use cip_core::codec::Writer;
+use cip_core::connection::End;
 use cip_core::identity::DeviceIdentity;
-use cip_core::object::{Identity, Resets};
+use cip_core::object::{AttributeRule, Failure, Identity, Object, ObjectSet, Resets, Size};
 use devicenex_core::device::{Application, Fragmented, Offer};
 use devicenex_core::message::{ConnectionInstance, Predefined, Production};
 
@@ -51,6 +54,18 @@ impl Application for Block {
         Identity { resets: Resets::OUT_OF_BOX | Resets::KEEP_COMMUNICATION, ..Identity::new(&self.identity) }
     }
 
+    fn objects(&mut self) -> impl ObjectSet {
+        (Assemblies(self),)
+    }
+
+    fn assembly(&self, connection: ConnectionInstance, end: End) -> Option<InstanceId> {
+        match end {
+            End::Produced => (!self.produced(connection).is_empty()).then_some(InstanceId(INPUT)),
+            End::Consumed if consumes(connection) => output_assembly(connection.number()),
+            End::Consumed => None,
+        }
+    }
+
     fn produced(&self, connection: ConnectionInstance) -> &[u8] {
         if produces(connection) { &self.input } else { &[] }
     }
@@ -59,6 +74,56 @@ impl Application for Block {
         let size = if consumes(connection) { self.consume } else { 0 };
         self.outputs.entry(connection.number().0).or_insert_with(|| vec![0; size])
     }
+}
+
+/// The Assembly object of a device. What it has received is written by connections only.
+///
+/// | Instance | Data |
+/// |---|---|
+/// | 100 | the input data |
+/// | 152, 153 | the outputs of the polled connections, with 11 and 29 bits |
+/// | 162, 163 | those of the multicast connections that consume |
+struct Assemblies<'a>(&'a Block);
+
+impl Assemblies<'_> {
+    fn data(&self, instance: InstanceId) -> Option<&[u8]> {
+        if instance.0 == INPUT {
+            return (!self.0.input.is_empty()).then_some(&self.0.input);
+        }
+        self.0
+            .outputs
+            .get(&instance.0.checked_sub(OUTPUTS)?)
+            .map(Vec::as_slice)
+            .filter(|data| !data.is_empty())
+    }
+}
+
+impl Object for Assemblies<'_> {
+    const CLASS: ClassId = ClassId::ASSEMBLY;
+    const REVISION: u16 = 2;
+
+    fn attributes(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
+        const READ: &[AttributeRule] = &[AttributeRule::get(3, 0).sized(Size::Any), AttributeRule::get(4, 2)];
+        self.data(instance).map(|_| READ)
+    }
+
+    fn next_instance(&self, instance: InstanceId) -> Option<InstanceId> {
+        (instance.0 + 1..=OUTPUTS + LAST_PREDEFINED).map(InstanceId).find(|next| self.data(*next).is_some())
+    }
+
+    fn get(&self, instance: InstanceId, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
+        let data = self.data(instance).unwrap_or_default();
+        match attribute.0 {
+            3 => out.bytes(data)?,
+            _ => out.u16(data.len() as u16)?,
+        }
+        Ok(())
+    }
+}
+
+/// That of a connection of the predefined set; dynamic ones have none.
+fn output_assembly(connection: InstanceId) -> Option<InstanceId> {
+    (connection.0 <= LAST_PREDEFINED).then(|| InstanceId(OUTPUTS + connection.0))
 }
 
 const fn produces(connection: ConnectionInstance) -> bool {
@@ -77,3 +142,8 @@ const fn consumes(connection: ConnectionInstance) -> bool {
         ConnectionInstance::Predefined(Predefined::Explicit) | ConnectionInstance::Reserved(_) => false,
     }
 }
+
+const INPUT: u16 = 100;
+/// The instance of the outputs of a connection is its number and this.
+const OUTPUTS: u16 = 150;
+const LAST_PREDEFINED: u16 = 13;

@@ -71,6 +71,11 @@ impl DeviceMachine {
         self.device.reset(now);
     }
 
+    /// Takes another address, or none, as by a Set of its link object.
+    pub(in crate::simulate) fn set_address(&mut self, now: Instant, address: OperationalAddress) {
+        self.device.set_address(now, address);
+    }
+
     pub(crate) fn set_input(&mut self, now: Instant, data: &[u8]) {
         self.keep_input(data);
         if self.device.application().input != data {

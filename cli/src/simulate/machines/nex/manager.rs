@@ -6,7 +6,8 @@ use devicenex_core::access::{Access, Role};
 use devicenex_core::device::DeviceEvent;
 use devicenex_core::id::MessageId;
 use devicenex_core::manager::{
-    Attribute, Config, IdentityPattern, Manager, ManagerEvent, PlannedConnection, PlannedDevice, Source,
+    Attribute, Config, IdentityPattern, Manager, ManagerEvent, PlannedConnection, PlannedDevice,
+    RequestError, Source,
 };
 use link_core::{Action, BitRate, Deadline, Input, Instant, Machine};
 
@@ -52,6 +53,15 @@ impl ManagerMachine {
 
     pub(in crate::simulate) fn reset(&mut self, now: Instant) {
         self.manager.reset(now);
+    }
+
+    /// Gives a node on line another address, over its explicit connection.
+    pub(in crate::simulate) fn readdress(
+        &mut self,
+        from: OperationalAddress,
+        to: OperationalAddress,
+    ) -> Result<(), RequestError> {
+        self.manager.readdress(from, to)
     }
 }
 
