@@ -352,7 +352,9 @@ fn a_full_network_is_addressed_and_connected_in_little_more_than_its_frames_need
         .map(|(begin, end, _)| end.saturating_since(*begin))
         .sum();
     let needed = on_the_wire + Duration::from_secs(2);
-    println!("126 devices: {took:?}, of {needed:?} for the frames and two Hello waits");
+    println!(
+        "126 devices in Standby, from the Mini-who: {took:?}, of {needed:?} for the frames and two Hello waits"
+    );
     assert!(took <= needed.mul_f64(1.25), "{took:?} of {needed:?}");
     assert_eq!(works.spoilt.iter().filter(|&&at| at > asked).count(), 0);
 }
