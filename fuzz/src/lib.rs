@@ -17,6 +17,8 @@
 //! | [`nx_manager`] | a DeviceNeX network manager | who gets which address, whom it asks for connections, what consumers are told; nothing off line, nothing stuck |
 //! | [`nx_monitor`] | the passive decoder of DeviceNeX on a session | the same |
 //! | [`nx_node`] | a DeviceNeX device | who is answered, what is sent when, one history of events; connectionless requests change nothing |
+//! | [`pl_cn`] | a controlled node of POWERLINK | what is sent when, and what follows from what, held by a second, small program |
+//! | [`pl_wire`] | the frames of POWERLINK | the laws of the byte layouts |
 //! | [`text`] | readers of recordings and scenarios | an error has its place; what was written is read back |
 //! | [`wire`] | every wire type, paths, fragments, the bits of a frame | the laws of the byte layouts |
 //!
@@ -55,6 +57,8 @@ pub mod nx_manager;
 pub mod nx_monitor;
 pub mod nx_node;
 mod plant;
+pub mod pl_cn;
+pub mod pl_wire;
 mod readings;
 pub mod text;
 pub mod wire;
@@ -85,6 +89,8 @@ pub const TARGETS: &[Target] = &[
     Target { name: "nx_manager", run: nx_manager::run },
     Target { name: "nx_monitor", run: nx_monitor::run },
     Target { name: "nx_node", run: nx_node::run },
+    Target { name: "pl_cn", run: pl_cn::run },
+    Target { name: "pl_wire", run: pl_wire::run },
     Target { name: "text", run: text::run },
     Target { name: "wire", run: wire::run },
 ];

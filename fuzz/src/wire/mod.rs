@@ -63,5 +63,6 @@ mod tests {
         assert_eq!(cip_core::for_each_wire_type!(names), implementors("cip-core"));
         assert_eq!(devicenet_core::for_each_wire_type!(names), implementors("devicenet-core"));
         assert_eq!(devicenex_core::for_each_wire_type!(names), implementors("devicenex-core"));
+        assert_eq!(powerlink_core::for_each_wire_type!(names), implementors("powerlink-core"));
     }
 }

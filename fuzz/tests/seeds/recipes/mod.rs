@@ -1,6 +1,7 @@
 //! What the seeds are made of: vectors from manuals, captures, and scripts by hand.
 
 mod buses;
+mod controlled_node;
 mod device;
 mod files;
 mod frames;
@@ -33,6 +34,8 @@ pub(crate) fn of(target: &str) -> Seeds {
         "nx_manager" => machines::nx_manager(),
         "nx_monitor" => frames::nx_monitor(),
         "nx_node" => device::nx_node(),
+        "pl_cn" => controlled_node::pl_cn(),
+        "pl_wire" => controlled_node::pl_wire(),
         "text" => files::text(),
         "wire" => frames::wire(),
         other => panic!("no recipes for {other}"),

@@ -1,0 +1,451 @@
+//! What must hold after each input.
+
+use std::collections::{BTreeSet, VecDeque};
+
+use core::time::Duration;
+
+use link_core::Instant;
+use link_core::ethernet::{LinkEvent, Machine};
+use powerlink_core::dictionary::Values;
+use powerlink_core::error::Symptom;
+use powerlink_core::indicator::StatusLed;
+use powerlink_core::nmt::{Cause, NmtState};
+use powerlink_core::node::{NodeCounters, NodeEvent, Options, Readiness};
+use powerlink_core::wire::{Body, ErrorCode, Frame, NmtCommandId, Sdo};
+
+use super::device::{MAC, NODE, Node};
+use super::heard::Heard;
+use super::signalling::Signalling;
+use super::states::{States, Step};
+
+/// What was done to the node.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Why {
+    /// With what PR and RS would have been, where they matter.
+    Heard(Heard, Option<u8>),
+    Link(LinkEvent),
+    Tick,
+    PowerOn,
+    Reset,
+    SwitchOff,
+    Ready,
+    Other,
+}
+
+/// What is compared with afterwards.
+pub(super) struct Before {
+    counters: [u32; 12],
+    cumulative: Vec<u32>,
+    outputs: (u8, u32),
+    mapped: usize,
+}
+
+impl Before {
+    pub(super) fn of(node: &Node) -> Self {
+        Self {
+            counters: fields(node.counters()),
+            cumulative: cumulative(node),
+            outputs: node.objects().outputs,
+            mapped: node.dictionary().mappings.transmit.len(),
+        }
+    }
+}
+
+/// The second program.
+pub(super) struct Model {
+    options: Options,
+    states: States,
+    /// When `NotActive` ends.
+    silence_ends: Option<Instant>,
+    /// The values of the last `ResetConfiguration`.
+    active: Values,
+    requests: VecDeque<NmtCommandId>,
+    pub(super) signalling: Signalling,
+    pub(super) are_inputs_valid: bool,
+    /// Every transaction of every client.
+    pub(super) transactions: BTreeSet<(u8, u8)>,
+    status_led: StatusLed,
+    error_led: bool,
+}
+
+impl Model {
+    pub(super) fn new(node: &Node) -> Self {
+        let options = node.config().options;
+        Self {
+            options,
+            states: States::new(options.readiness == Readiness::Automatic),
+            silence_ends: None,
+            active: node.config().values,
+            requests: VecDeque::new(),
+            signalling: Signalling::new(options.clears_before_answer),
+            are_inputs_valid: true,
+            transactions: BTreeSet::new(),
+            status_led: StatusLed::Off,
+            error_led: false,
+        }
+    }
+
+    /// The application asked for a command.
+    pub(super) fn asked(&mut self, command: NmtCommandId, is_taken: bool) {
+        let is_extended = matches!(command.0, 0x41..=0x44 | 0x48..=0x4B);
+        let has_room = self.states.state.is_powerlink_mode() && self.requests.len() < 4;
+        assert_eq!(is_taken, has_room && !is_extended);
+        if is_taken {
+            self.requests.push_back(command);
+        }
+    }
+
+    pub(super) fn judge(
+        &mut self,
+        why: Why,
+        before: &Before,
+        sent: &[Vec<u8>],
+        events: &[NodeEvent],
+        node: &Node,
+        now: Instant,
+    ) {
+        let changes: Vec<_> = events
+            .iter()
+            .filter_map(|event| match *event {
+                NodeEvent::StateChanged { from, to, cause } => Some((from, to, cause)),
+                _ => None,
+            })
+            .collect();
+        let has_failed = changes.iter().any(|&(_, _, cause)| cause == Cause::CycleError);
+        let takes_time = matches!(why, Why::Heard(..) | Why::Link(_) | Why::Tick);
+        let mut expected = Vec::new();
+        if takes_time && self.silence_ends.is_some_and(|end| end < now) {
+            expected.extend(self.follow(Cause::BasicEthernetTimeout));
+        }
+        let heard_in = self.states.state;
+        self.answers(why, heard_in, has_failed, before, sent);
+        let cause = self.cause(why, heard_in, now);
+        expected.extend(cause.map(|cause| self.follow(cause)).unwrap_or_default());
+        if takes_time && self.silence_ends.is_some_and(|end| end <= now) {
+            expected.extend(self.follow(Cause::BasicEthernetTimeout));
+        }
+        self.states(&changes, &expected, has_failed, why, events);
+        assert_eq!(node.state(), self.states.state, "after {why:?}");
+        self.follow_resets(&changes, node, now);
+        self.indicators(events, node);
+        self.counters(why, before, node);
+        self.outputs(why, before, &changes, node);
+        let deadline = node.deadline().map(|deadline| deadline.at);
+        assert!(!takes_time || deadline.is_none_or(|at| at > now), "{deadline:?} at {now:?}");
+    }
+
+    fn follow(&mut self, cause: Cause) -> Vec<Step> {
+        let steps = self.states.follow(cause);
+        if !steps.is_empty() {
+            self.silence_ends = None;
+        }
+        steps
+    }
+
+    /// What an input means to the state.
+    fn cause(&mut self, why: Why, state: NmtState, now: Instant) -> Option<Cause> {
+        let heard = match why {
+            Why::PowerOn => return Some(Cause::PowerOn),
+            Why::Reset => return Some(Cause::LocalReset),
+            Why::SwitchOff => return Some(Cause::SwitchOff),
+            Why::Ready => return Some(Cause::ApplicationReady),
+            Why::Link(_) | Why::Tick | Why::Other => return None,
+            Why::Heard(heard, _) => heard,
+        };
+        match heard {
+            Heard::Soc => Some(Cause::Soc),
+            Heard::Soa { .. } => Some(Cause::Soa),
+            Heard::Command(cause) => Some(cause),
+            Heard::Preq { .. } | Heard::Pres if state == NmtState::NotActive => {
+                if self.options.poll_ends_not_active {
+                    return Some(Cause::Soa);
+                }
+                if self.options.poll_restarts_basic_ethernet {
+                    self.silence_begins(now);
+                }
+                None
+            }
+            Heard::Preq { size, room, .. } => match state {
+                NmtState::ReadyToOperate | NmtState::Operational => {
+                    let is_invalid = size > usize::from(self.active.preq_limit) || size > room;
+                    is_invalid.then_some(Cause::InternalError)
+                }
+                _ => Some(Cause::Preq),
+            },
+            Heard::Pres => self.options.pres_ends_basic_ethernet.then_some(Cause::Pres),
+            Heard::Sdo { .. } | Heard::Nothing => None,
+        }
+    }
+
+    fn silence_begins(&mut self, now: Instant) {
+        let wait = Duration::from_micros(self.active.basic_ethernet_timeout.into());
+        self.silence_ends = (!wait.is_zero()).then(|| now + wait);
+    }
+
+    /// One state after the other, as expected; a cycle error comes when it comes, and says why.
+    fn states(
+        &mut self,
+        changes: &[(NmtState, NmtState, Cause)],
+        expected: &[Step],
+        has_failed: bool,
+        why: Why,
+        events: &[NodeEvent],
+    ) {
+        let mut last = None;
+        for &(from, to, cause) in changes {
+            assert!(last.is_none_or(|last| last == from), "a gap in {changes:?}");
+            last = Some(to);
+            if cause == Cause::CycleError {
+                assert!(from.is_cyclic() && to == NmtState::PreOperational1, "{changes:?}");
+            }
+        }
+        let reset_by_client = matches!(why, Why::Heard(..) | Why::Tick)
+            && changes.first().is_some_and(|&(_, to, cause)| {
+                expected.first() != Some(&(to, cause))
+                    && matches!(
+                        cause,
+                        Cause::ResetNode
+                            | Cause::ResetCommunication
+                            | Cause::ResetConfiguration
+                            | Cause::SwReset
+                    )
+            });
+        if has_failed {
+            let codes = [0x8163, 0x8164, 0x8235, 0x8242, 0x8244, 0x8245].map(ErrorCode);
+            let tells = |event: &NodeEvent| matches!(event, NodeEvent::Error(code) if codes.contains(code));
+            assert!(events.iter().any(tells), "a cycle error without an error: {events:?}");
+        } else if reset_by_client {
+            // 0x1F9E, once its answer is sent or its client is gone.
+            assert!(self.transactions.iter().next().is_some(), "nobody wrote 0x1F9E");
+        } else {
+            let steps: Vec<Step> = changes.iter().map(|&(_, to, cause)| (to, cause)).collect();
+            assert_eq!(steps, expected, "after {why:?}");
+            return;
+        }
+        if let Some(last) = last {
+            self.states.settle(last);
+            self.silence_ends = None;
+        }
+    }
+
+    fn follow_resets(&mut self, changes: &[(NmtState, NmtState, Cause)], node: &Node, now: Instant) {
+        for &(_, to, _) in changes {
+            match to {
+                NmtState::Initialising => {
+                    self.signalling = Signalling::new(self.options.clears_before_answer);
+                    self.requests.clear();
+                }
+                NmtState::NotActive => {
+                    self.active = node.dictionary().values;
+                    self.silence_begins(now);
+                }
+                _ if to.is_initialisation() || to == NmtState::Off => self.requests.clear(),
+                _ => {}
+            }
+        }
+        if self.states.state != NmtState::NotActive {
+            self.silence_ends = None;
+        }
+    }
+
+    /// What was sent, against what was asked.
+    fn answers(&mut self, why: Why, state: NmtState, has_failed: bool, before: &Before, sent: &[Vec<u8>]) {
+        sent.iter().for_each(|bytes| own_frame(bytes));
+        let heard = match why {
+            Why::Heard(heard, _) => heard,
+            _ => Heard::Nothing,
+        };
+        match heard {
+            Heard::Preq { flags, .. } if state.answers_poll() => {
+                self.signalling.acknowledge(flags & 0x04 != 0);
+                match sent {
+                    [pres] => self.pres(pres, flags, state, has_failed, before),
+                    _ => assert!(has_failed && sent.is_empty(), "a poll in {state}: {sent:02X?}"),
+                }
+            }
+            Heard::Soa { service, is_own: true, flags } if state.is_powerlink_mode() => {
+                self.invited(service, flags, why, sent);
+            }
+            _ if state == NmtState::BasicEthernet => sent.iter().for_each(|bytes| self.sdo(bytes)),
+            _ => assert!(sent.is_empty(), "sent in {state} after {why:?}: {sent:02X?}"),
+        }
+    }
+
+    fn invited(&mut self, service: u8, flags: u8, why: Why, sent: &[Vec<u8>]) {
+        assert!(sent.len() <= 1, "one frame for each invitation");
+        let answer = sent.first();
+        match service {
+            0x01 => {
+                let bytes = answer.expect("an IdentResponse");
+                assert_eq!((bytes.len(), bytes[17]), (176, 0x01));
+                self.waiting(bytes[19]);
+            }
+            0x02 => {
+                let bytes = answer.expect("a StatusResponse");
+                let reset = flags & 0x02 != 0;
+                self.signalling.acknowledge(flags & 0x04 != 0);
+                self.signalling.reset(reset, false);
+                assert_eq!(bytes[17], 0x02);
+                assert!(bytes.len() >= 72 && (bytes.len() - 32) % 20 == 0, "{} bytes", bytes.len());
+                assert!(bytes.len() <= 32 + 20 * self.options.status_entries);
+                self.signalling.saw_status(bytes[18] & 0x08 != 0, bytes[18] & 0x10 != 0, &bytes[32..]);
+                self.signalling.reset(reset, true);
+                self.waiting(bytes[19]);
+            }
+            0x03 => match (self.requests.pop_front(), answer) {
+                (Some(command), Some(bytes)) => {
+                    assert_eq!(bytes[15..20], [240, NODE.0, 0x03, command.0, NODE.0]);
+                }
+                (None, None) => {}
+                (request, answer) => panic!("{answer:02X?} for {request:?}"),
+            },
+            0xFF => {
+                answer.iter().for_each(|bytes| self.sdo(bytes));
+                if let Why::Heard(_, Some(waiting)) = why
+                    && self.requests.is_empty()
+                {
+                    assert_eq!(answer.is_some(), waiting & 0x07 > 0, "PR and RS were {waiting:02X}");
+                }
+            }
+            _ => assert_eq!(answer, None),
+        }
+    }
+
+    /// PR and RS.
+    fn waiting(&self, byte: u8) {
+        let (priority, count) = (byte >> 3 & 7, byte & 7);
+        assert_eq!(byte & 0xC0, 0);
+        if self.requests.is_empty() {
+            assert!(byte == 0 || (priority == 3 && count > 0), "{byte:02X}");
+        } else {
+            assert_eq!((priority, usize::from(count)), (7, self.requests.len().min(7)));
+        }
+    }
+
+    fn pres(&mut self, bytes: &[u8], asked: u8, state: NmtState, has_failed: bool, before: &Before) {
+        assert_eq!(bytes[..6], [0x01, 0x11, 0x1E, 0, 0, 2]);
+        assert_eq!(bytes[14..17], [0x04, 255, NODE.0]);
+        assert!(has_failed || bytes[17] == state.code().0, "state {:02X} in {state}", bytes[17]);
+        let limit = usize::from(self.active.pres_limit);
+        assert_eq!(bytes.len(), 24 + limit, "of constant length");
+        let size = usize::from(u16::from_le_bytes([bytes[22], bytes[23]]));
+        let fits = before.mapped <= limit;
+        assert_eq!(size, if fits { before.mapped } else { 0 });
+        let is_valid = state == NmtState::Operational && self.are_inputs_valid && fits;
+        assert!(has_failed || (bytes[18] & 0x01 != 0) == is_valid, "RD in {state}");
+        let is_multiplexed = asked & 0x20 != 0 && self.active.multiplexed_cycles > 0;
+        assert_eq!(bytes[18] & 0x20 != 0, is_multiplexed, "MS");
+        assert_eq!(bytes[18] & !0x31, 0);
+        self.signalling.saw_new(bytes[18] & 0x10 != 0);
+        self.waiting(bytes[19]);
+    }
+
+    /// An SDO frame, to a client that asked.
+    fn sdo(&self, bytes: &[u8]) {
+        assert_eq!((bytes[14], bytes[17]), (0x06, 0x05), "only SDO: {bytes:02X?}");
+        assert!(bytes.len() <= 14 + usize::from(self.active.async_mtu).max(46), "0x1F98/8");
+        let mut reader = link_core::codec::Reader::new(&bytes[18..]);
+        let sdo = Sdo::read_as(&mut reader, self.options.initiate_size).expect("its own frames are valid");
+        if let Some(command) = sdo.command {
+            assert!(command.is_response);
+            assert!(self.transactions.contains(&(bytes[15], command.transaction)), "{command:?}");
+            assert!(!command.is_abort || command.data.len() == 4);
+        }
+    }
+
+    fn indicators(&mut self, events: &[NodeEvent], node: &Node) {
+        for event in events {
+            match *event {
+                NodeEvent::StatusLed(led) => self.status_led = led,
+                NodeEvent::ErrorLed(is_on) => {
+                    assert_ne!(is_on, self.error_led, "it was so before");
+                    self.error_led = is_on;
+                }
+                NodeEvent::BufferTooShort => panic!("there was room"),
+                _ => {}
+            }
+        }
+        let expected = match node.state() {
+            NmtState::PreOperational1 => StatusLed::SingleFlash,
+            NmtState::PreOperational2 => StatusLed::DoubleFlash,
+            NmtState::ReadyToOperate => StatusLed::TripleFlash,
+            NmtState::Operational => StatusLed::On,
+            NmtState::Stopped => StatusLed::Blinking,
+            NmtState::BasicEthernet => StatusLed::Flickering,
+            _ => StatusLed::Off,
+        };
+        assert_eq!(self.status_led, expected, "in {}", node.state());
+        assert_eq!(self.error_led, node.error_led());
+    }
+
+    fn counters(&self, why: Why, before: &Before, node: &Node) {
+        let after = fields(node.counters());
+        for (at, (old, new)) in before.counters.into_iter().zip(after).enumerate() {
+            assert!(new >= old, "counter {at} shrank after {why:?}");
+        }
+        // A client may set them.
+        if !matches!(why, Why::Heard(Heard::Sdo { .. }, _)) {
+            for (old, new) in before.cumulative.iter().zip(cumulative(node)) {
+                assert!((0..=2).contains(&new.wrapping_sub(*old)), "{old} to {new} after {why:?}");
+            }
+        }
+        assert_eq!(node.counters().events_lost, 0, "there is room for all that one input leads to");
+    }
+
+    fn outputs(&self, why: Why, before: &Before, changes: &[(NmtState, NmtState, Cause)], node: &Node) {
+        let may_change = match why {
+            Why::Heard(Heard::Preq { .. } | Heard::Pres | Heard::Sdo { .. }, _) => true,
+            _ => changes.iter().any(|&(_, to, _)| to == NmtState::ResetApplication),
+        };
+        assert!(may_change || node.objects().outputs == before.outputs, "outputs change by {why:?}");
+        if let Why::Heard(Heard::Preq { .. } | Heard::Pres, _) = why {
+            let from = changes.first().map_or(node.state(), |&(from, ..)| from);
+            let is_exchanging = matches!(from, NmtState::ReadyToOperate | NmtState::Operational);
+            assert!(is_exchanging || node.objects().outputs == before.outputs, "outputs change in {from}");
+        }
+    }
+}
+
+/// What every frame of the node has.
+fn own_frame(bytes: &[u8]) {
+    assert!((60..=1514).contains(&bytes.len()), "{} bytes", bytes.len());
+    assert_eq!((&bytes[6..12], &bytes[12..14]), (&MAC.0[..], &[0x88, 0xAB][..]));
+    assert_eq!(bytes[16], NODE.0);
+    let frame = Frame::parse(bytes).expect("its own frames are valid");
+    assert!(!matches!(frame.body, Body::Other(..) | Body::OtherAsnd(..)), "{frame}");
+}
+
+fn fields(counters: &NodeCounters) -> [u32; 12] {
+    let NodeCounters {
+        bad_frames,
+        other_destinations,
+        echoes,
+        unknown,
+        commands_ignored,
+        sdo_ignored,
+        sdo_refused,
+        pdo_errors,
+        errors_untold,
+        frames_lost,
+        not_sent,
+        events_lost,
+    } = *counters;
+    [
+        bad_frames,
+        other_destinations,
+        echoes,
+        unknown,
+        commands_ignored,
+        sdo_ignored,
+        sdo_refused,
+        pdo_errors,
+        errors_untold,
+        frames_lost,
+        not_sent,
+        events_lost,
+    ]
+}
+
+fn cumulative(node: &Node) -> Vec<u32> {
+    Symptom::ALL.map(|symptom| node.dictionary().counters.of(symptom).cumulative).to_vec()
+}
