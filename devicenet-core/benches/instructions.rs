@@ -12,8 +12,10 @@
 //!
 //! `instructions CASE COUNT` is one such run, for `callgrind_annotate`.
 
-use std::process::{Command, ExitCode};
-use std::str::FromStr;
+#[path = "../../link-core/benches/callgrind/mod.rs"]
+mod callgrind;
+
+use std::process::ExitCode;
 
 use cip_core::code::{DeviceType, VendorId};
 use cip_core::identity::{DeviceIdentity, ProductName, Revision};
@@ -25,10 +27,9 @@ use link_core::frame::standard_id;
 use link_core::{Action, Frame, Input, Instant, LinkEvent, Machine, TxOutcome, TxToken};
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
-    if let [name, count] = &arguments[..] {
+    if let Some((name, count)) = callgrind::asked() {
         let case = CASES.iter().find(|case| case.name == name).expect("a case");
-        repeat(case, u64::from_str(count).expect("a number"));
+        repeat(case, count);
         return ExitCode::SUCCESS;
     }
     println!("| Exchange | Frames out | Frame in to frame out | Budget | With events, TxDone and deadline |");
@@ -36,8 +37,8 @@ fn main() -> ExitCode {
     let mut exceeded = false;
     for case in CASES {
         let frames = case.frames_out();
-        let answer = collected(case, "*frame_in_to_frame_out*") / frames;
-        let whole = collected(case, "*whole_exchange*") / frames;
+        let answer = callgrind::collected(case.name, "*frame_in_to_frame_out*") / frames;
+        let whole = callgrind::collected(case.name, "*whole_exchange*") / frames;
         exceeded |= case.budget.is_some_and(|budget| answer > budget);
         let budget = case.budget.map_or_else(|| "-".into(), |budget| budget.to_string());
         println!("| {} | {frames} | {answer} | {budget} | {whole} |", case.words);
@@ -110,25 +111,6 @@ impl Case {
     fn frames_out(&self) -> u64 {
         u64::try_from(self.requests.len()).expect("few")
     }
-}
-
-/// Instructions in functions of that name, for one repetition.
-fn collected(case: &Case, function: &str) -> u64 {
-    let run = |count: u64| {
-        let this = std::env::current_exe().expect("this program");
-        let run = Command::new("valgrind")
-            .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
-            .arg(format!("--toggle-collect={function}"))
-            .arg(this)
-            .args([case.name, &count.to_string()])
-            .output()
-            .expect("valgrind: install Debian's package of that name");
-        let text = String::from_utf8_lossy(&run.stderr);
-        assert!(run.status.success(), "{text}");
-        let line = text.lines().find_map(|line| line.split_once("Collected : ")).map(|(_, number)| number);
-        line.and_then(|number| u64::from_str(number.trim()).ok()).unwrap_or_else(|| panic!("{text}"))
-    };
-    (run(2 * COUNT) - run(COUNT)) / COUNT
 }
 
 fn repeat(case: &Case, count: u64) {
@@ -246,6 +228,3 @@ impl Application for Block {
         &mut self.outputs
     }
 }
-
-/// Repetitions of the shorter run.
-const COUNT: u64 = 1000;

@@ -1,7 +1,5 @@
 //! PDO: objects in the process data of PReq and PRes.
 
-use heapless::Vec;
-
 use crate::NodeId;
 use crate::dictionary::{Entry, ObjectAddress, ObjectSet};
 use crate::ethernet::MAX_PROCESS_DATA;
@@ -178,6 +176,12 @@ impl Mapping {
         Ok(())
     }
 
+    /// Whether something is mapped of the process data that a node sends; `NONE` is the PReq.
+    #[must_use]
+    pub const fn is_of(&self, node: NodeId) -> bool {
+        self.count != 0 && self.node.0 == node.0
+    }
+
     /// Whether process data of this version fit: the main version counts, the sub version may differ.
     #[must_use]
     pub const fn fits(&self, version: PdoVersion) -> bool {
@@ -215,7 +219,7 @@ impl Default for Mapping {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Mappings {
     /// 0x1600 and up. One of node 0 is for PReq.
-    pub receive: Vec<Mapping, RECEIVE_CHANNELS>,
+    pub receive: [Mapping; RECEIVE_CHANNELS],
     /// 0x1A00.
     pub transmit: Mapping,
 }
@@ -223,11 +227,8 @@ pub struct Mappings {
 impl Mappings {
     /// Nothing is mapped.
     #[must_use]
-    pub fn new() -> Self {
-        Self {
-            receive: core::iter::repeat_n(Mapping::new(), RECEIVE_CHANNELS).collect(),
-            transmit: Mapping::new(),
-        }
+    pub const fn new() -> Self {
+        Self { receive: [const { Mapping::new() }; RECEIVE_CHANNELS], transmit: Mapping::new() }
     }
 }
 

@@ -20,11 +20,12 @@ impl Signalling {
         Self { ec: true, er: false, en: false, ea: false, told: None, may_toggle: false, is_early }
     }
 
-    /// EA of a PReq or StatusRequest.
+    /// EA of a PReq or StatusRequest. Once EA was EN, the node may have changed EN and what it tells before it is asked.
     pub(super) fn acknowledge(&mut self, ea: bool) {
-        self.may_toggle = !self.ec && (self.ea == self.en || ea == self.en);
+        let is_acknowledged = self.ea == self.en || ea == self.en;
+        self.may_toggle = !self.ec && is_acknowledged;
         self.ea = ea;
-        if ea == self.en {
+        if is_acknowledged {
             self.told = None;
         }
     }

@@ -91,6 +91,9 @@ impl Signalling {
     /// EA of a PReq or SoA for this node.
     pub fn exception_acknowledge(&mut self, acknowledged: bool) {
         self.acknowledged = acknowledged;
+        if self.told.is_empty() && self.queue.is_empty() {
+            return;
+        }
         if self.is_acknowledged() {
             self.told.clear();
             self.tell();

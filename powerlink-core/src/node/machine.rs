@@ -118,18 +118,10 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> Machine for ControlledNo
 
     fn input(&mut self, now: Instant, input: Input<'_>) {
         let now = self.timers.advance_inline(now);
-        if self.timers.is_due(now.preceding()) {
-            // A wait that ended before this moment ended before this input; one that ends now ends after it.
-            self.expire(now.preceding());
-        }
-        match input {
-            Input::Frame(bytes) => self.frame(bytes),
-            Input::Link(event) => self.link(event),
-            Input::Tick => {}
-        }
         if self.timers.is_due(now) {
-            self.expire(now);
+            return self.input_when_due(now, input);
         }
+        self.take(input);
     }
 
     fn poll<'b>(&mut self, now: Instant, buffer: &'b mut [u8]) -> Option<Action<'b, NodeEvent>> {
@@ -183,6 +175,23 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
             events: Queue::new(),
             config,
         })
+    }
+
+    #[inline]
+    fn take(&mut self, input: Input<'_>) {
+        match input {
+            Input::Frame(bytes) => self.frame(bytes),
+            Input::Link(event) => self.link(event),
+            Input::Tick => {}
+        }
+    }
+
+    /// A wait that ended before this moment ended before this input; one that ends now ends after it.
+    #[cold]
+    fn input_when_due(&mut self, now: Instant, input: Input<'_>) {
+        self.expire(now.preceding());
+        self.take(input);
+        self.expire(now);
     }
 
     /// Follows a cause. Returns whether the state changed by it.

@@ -6,7 +6,7 @@ use link_core::ethernet::Action;
 use super::event::{NodeEvent, count};
 use super::machine::{ControlledNode, Reply, Request};
 use crate::dictionary::{FEATURES, ObjectSet};
-use crate::ethernet::{self, MIN_FRAME, POLL_HEADER, group};
+use crate::ethernet::{MIN_FRAME, group};
 use crate::nmt::{Cause, NmtState};
 use crate::wire::{
     AsyncRequest, Flags, Header, IdentResponse, IpParameters, MessageType, NmtRequest, POWERLINK_V2, Pres,
@@ -105,7 +105,8 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         self.header(group::PRES, MessageType::PRES, NodeId::BROADCAST).emit(out)?;
         let request = self.async_request();
         Pres { state: state.code(), flags, request, pdo_version: mapping.version, data }.emit(out)?;
-        pad(out, limit.saturating_add(ethernet::ETHERNET_HEADER.saturating_add(POLL_HEADER)).max(MIN_FRAME))
+        // Behind what is mapped there are zeros.
+        out.bytes(self.inputs.get(data.len()..limit).unwrap_or_default())
     }
 
     fn ident_frame(&mut self, out: &mut Writer<'_>) -> Result<(), Full> {

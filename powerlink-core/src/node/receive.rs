@@ -13,7 +13,7 @@ use crate::dictionary::ObjectSet;
 use crate::error::Symptom;
 use crate::ethernet::group;
 use crate::nmt::{Cause, NmtState};
-use crate::pdo::{Mapping, RECEIVE_CHANNELS};
+use crate::pdo::Mapping;
 use crate::wire::{
     ErrorCode, Flags, FrameError, Header, MessageType, ParseError, PdoVersion, Pres, RequestedService, Soa,
     Soc,
@@ -25,7 +25,9 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         if !self.nmt.state().is_communicating() {
             return self.frame_while_silent(bytes);
         }
-        self.answers_are_late();
+        if self.poll.is_due || self.reply.is_some() {
+            self.forget_answers();
+        }
         let mut reader = Reader::new(bytes);
         let header = match Header::read(&mut reader) {
             Ok(header) => header,
@@ -73,11 +75,10 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     }
 
     /// An answer that nobody fetched before the next frame came would come too late. What it was to lead to still counts.
-    fn answers_are_late(&mut self) {
-        if self.poll.is_due || self.reply.is_some() {
-            count(&mut self.counters.not_sent);
-            (self.poll.is_due, self.reply) = (false, None);
-        }
+    #[cold]
+    fn forget_answers(&mut self) {
+        count(&mut self.counters.not_sent);
+        (self.poll.is_due, self.reply) = (false, None);
         self.after_poll();
     }
 
@@ -112,7 +113,9 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
             self.cause(cause);
         }
         // The process data of this cycle; the PRes is ready before the PReq.
-        self.dictionary.mappings.transmit.pack(&self.objects, &mut self.inputs);
+        let mapping = &self.dictionary.mappings.transmit;
+        mapping.pack(&self.objects, &mut self.inputs);
+        self.inputs.get_mut(mapping.len()..).unwrap_or_default().fill(0);
     }
 
     /// MC toggles when a multiplexed cycle is over: a node that is polled in one cycle of many was to be polled in it.
@@ -173,12 +176,13 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         }
     }
 
+    #[inline]
     fn preq(&mut self, header: &Header, reader: &mut Reader<'_>) -> Result<(), ParseError> {
         if header.to != self.config.node {
             return Ok(());
         }
-        let [_, flags, _, version, _] = reader.array("PReq header")?;
-        let size = usize::from(reader.u16("Size")?);
+        let [_, flags, _, version, _, low, high] = reader.array("PReq header")?;
+        let size = usize::from(u16::from_le_bytes([low, high]));
         let state = self.nmt.state();
         if !state.answers_poll() {
             self.poll_without_answer(state);
@@ -197,8 +201,8 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
             self.dictionary.counters.preq();
             return Ok(());
         }
-        let data = reader.bytes(size, "process data").ok();
-        let Some(data) = data.filter(|data| data.len() <= usize::from(self.active.preq_limit)) else {
+        let data = reader.peek().get(..size).filter(|_| size <= usize::from(self.active.preq_limit));
+        let Some(data) = data else {
             self.error(ErrorCode::INVALID_FORMAT);
             self.poll.then = Some(Cause::InternalError);
             return Ok(());
@@ -248,6 +252,7 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     }
 
     /// Gives the objects what a node sent: `NONE` for the PReq of the managing node.
+    #[inline]
     fn process_data(&mut self, from: NodeId, flags: Flags, version: PdoVersion, data: &[u8]) {
         let is_operational = self.nmt.state() == NmtState::Operational;
         let says_valid = flags.contains(Flags::DATA_VALID);
@@ -255,28 +260,38 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         if is_operational && !says_valid {
             return;
         }
-        let check = self.config.options.version_check;
-        for channel in 0..RECEIVE_CHANNELS {
-            let Some(mapping) = self.dictionary.mappings.receive.get(channel) else { return };
-            if mapping.is_empty() || mapping.node != from {
-                continue;
-            }
-            let error = if !fits(mapping, version, check) {
-                ErrorCode::PDO_MAP_VERSION
-            } else if data.len() < mapping.len() {
-                ErrorCode::PDO_SHORT
-            } else {
-                mapping.unpack(data, &mut self.objects);
-                let channel = u8::try_from(channel).unwrap_or(u8::MAX);
-                self.raise(NodeEvent::ProcessData { channel, is_valid: is_operational });
-                continue;
-            };
-            // Who says that its data are not valid promises nothing about their form.
-            if says_valid {
-                count(&mut self.counters.pdo_errors);
-                self.error(error);
+        let is_of = self.dictionary.mappings.receive.each_ref().map(|mapping| mapping.is_of(from));
+        for (channel, is_of) in is_of.into_iter().enumerate() {
+            if is_of && let Err(code) = self.channel(channel, version, data) {
+                // Who says that its data are not valid promises nothing about their form.
+                if says_valid {
+                    self.pdo_error(code);
+                }
             }
         }
+    }
+
+    /// Gives the objects of one channel their values.
+    #[inline(never)]
+    fn channel(&mut self, channel: usize, version: PdoVersion, data: &[u8]) -> Result<(), ErrorCode> {
+        let Some(mapping) = self.dictionary.mappings.receive.get(channel) else { return Ok(()) };
+        if !fits(mapping, version, self.config.options.version_check) {
+            return Err(ErrorCode::PDO_MAP_VERSION);
+        }
+        if data.len() < mapping.len() {
+            return Err(ErrorCode::PDO_SHORT);
+        }
+        mapping.unpack(data, &mut self.objects);
+        let channel = u8::try_from(channel).unwrap_or(u8::MAX);
+        let is_valid = self.nmt.state() == NmtState::Operational;
+        self.raise(NodeEvent::ProcessData { channel, is_valid });
+        Ok(())
+    }
+
+    #[cold]
+    fn pdo_error(&mut self, code: ErrorCode) {
+        count(&mut self.counters.pdo_errors);
+        self.error(code);
     }
 
     fn soa(&mut self, soa: &Soa) {

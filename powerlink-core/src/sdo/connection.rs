@@ -191,7 +191,16 @@ impl<const SDO: usize> Connection<SDO> {
     }
 
     /// How many frames can be sent.
+    #[inline]
     pub(super) fn ready(&self) -> usize {
+        if self.due.is_none() && !matches!(self.transfer, Transfer::Sending(_)) {
+            return 0;
+        }
+        self.ready_after_all()
+    }
+
+    #[inline(never)]
+    fn ready_after_all(&self) -> usize {
         let data = match &self.transfer {
             Transfer::Sending(outgoing) => outgoing.ready(),
             Transfer::Idle | Transfer::Receiving(_) => 0,

@@ -200,8 +200,8 @@ impl<'a> Wire<'a> for Pres<'a> {
     }
 
     fn emit(&self, out: &mut Writer<'_>) -> Result<(), Full> {
-        out.bytes(&[self.state.0, self.flags.bits(), self.request.0, self.pdo_version.0, 0])?;
-        out.u16(u16::try_from(self.data.len()).map_err(|_| Full)?)?;
+        let [low, high] = u16::try_from(self.data.len()).map_err(|_| Full)?.to_le_bytes();
+        out.bytes(&[self.state.0, self.flags.bits(), self.request.0, self.pdo_version.0, 0, low, high])?;
         out.bytes(self.data)
     }
 

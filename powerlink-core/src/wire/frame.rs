@@ -7,7 +7,7 @@ use link_core::codec::{Full, ParseError, Reader, Wire, Writer};
 use super::{
     IdentResponse, MessageType, NmtCommand, NmtRequest, Preq, Pres, Sdo, ServiceId, Soa, Soc, StatusResponse,
 };
-use crate::ethernet::{ETHERTYPE, MIN_FRAME};
+use crate::ethernet::{ETHERNET_HEADER, ETHERTYPE, MIN_FRAME, POWERLINK_HEADER};
 use crate::{MacAddress, NodeId};
 
 /// The headers of every frame.
@@ -120,20 +120,38 @@ impl Header {
     /// # Errors
     /// [`FrameError`] if the frame ends in them, or is of another protocol.
     pub fn read(reader: &mut Reader<'_>) -> Result<Self, FrameError> {
-        let destination = MacAddress(reader.array("destination MAC")?);
-        let source = MacAddress(reader.array("source MAC")?);
-        let ethertype = u16::from_be_bytes(reader.array("EtherType")?);
+        let Some((destination, source, [e0, e1, message_type, to, from])) =
+            reader.peek().first_chunk().and_then(parts)
+        else {
+            return Err(Self::cut(reader));
+        };
+        let ethertype = u16::from_be_bytes([e0, e1]);
         if ethertype != ETHERTYPE {
             return Err(FrameError::OtherProtocol(ethertype));
         }
-        let [message_type, to, from] = reader.array("POWERLINK header")?;
+        reader.bytes(HEADERS, "headers")?;
         Ok(Self {
-            destination,
-            source,
+            destination: MacAddress(destination),
+            source: MacAddress(source),
             message_type: MessageType(message_type & MESSAGE_TYPE),
             to: NodeId(to),
             from: NodeId(from),
         })
+    }
+
+    /// In which part a frame ends that is shorter than its headers.
+    #[cold]
+    fn cut(reader: &mut Reader<'_>) -> FrameError {
+        let mut end = || -> Result<FrameError, ParseError> {
+            reader.array::<6>("destination MAC")?;
+            reader.array::<6>("source MAC")?;
+            let ethertype = u16::from_be_bytes(reader.array("EtherType")?);
+            if ethertype == ETHERTYPE {
+                reader.array::<3>("POWERLINK header")?;
+            }
+            Ok(FrameError::OtherProtocol(ethertype))
+        };
+        end().unwrap_or_else(FrameError::Malformed)
     }
 
     /// Writes the headers.
@@ -141,10 +159,9 @@ impl Header {
     /// # Errors
     /// [`Full`] if there is no room.
     pub fn emit(&self, out: &mut Writer<'_>) -> Result<(), Full> {
-        out.bytes(&self.destination.0)?;
-        out.bytes(&self.source.0)?;
-        out.bytes(&ETHERTYPE.to_be_bytes())?;
-        out.bytes(&[self.message_type.0, self.to.0, self.from.0])
+        let [e0, e1] = ETHERTYPE.to_be_bytes();
+        out.bytes([self.destination.0, self.source.0].as_flattened())?;
+        out.bytes(&[e0, e1, self.message_type.0, self.to.0, self.from.0])
     }
 }
 
@@ -274,5 +291,14 @@ impl fmt::Display for Body<'_> {
     }
 }
 
+/// Destination, source, and the rest of the headers.
+fn parts(headers: &[u8; HEADERS]) -> Option<([u8; 6], [u8; 6], [u8; 5])> {
+    let (destination, rest) = headers.split_first_chunk()?;
+    let (source, rest) = rest.split_first_chunk()?;
+    Some((*destination, *source, *rest.first_chunk()?))
+}
+
 const MESSAGE_TYPE: u8 = 0x7F;
+/// Those of Ethernet and of POWERLINK.
+const HEADERS: usize = ETHERNET_HEADER + POWERLINK_HEADER;
 const ZEROS: [u8; 64] = [0; 64];
