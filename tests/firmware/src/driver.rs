@@ -3,6 +3,7 @@
 
 use core::hint::black_box;
 
+use link_core::ethernet::{self, MAX_FRAME};
 use link_core::{
     Action, ExtendedId, Frame, Id, Input, Instant, LinkEvent, Machine, StandardId, TxOutcome, TxToken,
 };
@@ -22,6 +23,32 @@ pub fn drive_extended<M: Machine>(machine: &mut M) -> ! {
             _ => standard(data),
         }
     })
+}
+
+/// The same for an Ethernet controller.
+pub fn drive_ethernet<M: ethernet::Machine>(machine: &mut M) -> ! {
+    let (mut received, mut buffer) = ([0; MAX_FRAME], [0; MAX_FRAME]);
+    loop {
+        let now = Instant::from_nanos(black_box(0));
+        let frame = black_box(&mut received).get(..black_box(60)).unwrap_or_default();
+        let input = match black_box(0) {
+            0 => ethernet::Input::Tick,
+            1 => ethernet::Input::Link(black_box(ethernet::LinkEvent::Up)),
+            _ => ethernet::Input::Frame(frame),
+        };
+        machine.input(now, input);
+        while let Some(action) = machine.poll(now, &mut buffer) {
+            match &action {
+                ethernet::Action::Transmit(frame) => {
+                    black_box(frame);
+                }
+                ethernet::Action::Event(event) => {
+                    black_box(event);
+                }
+            }
+        }
+        black_box(machine.deadline().map(|deadline| deadline.at));
+    }
 }
 
 fn run<M: Machine>(machine: &mut M, frame: impl Fn(&[u8]) -> Option<Frame>) -> ! {

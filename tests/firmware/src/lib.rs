@@ -6,4 +6,4 @@ mod driver;
 mod routines;
 
 pub use block::{Block, Server, run};
-pub use driver::{drive, drive_extended};
+pub use driver::{drive, drive_ethernet, drive_extended};
