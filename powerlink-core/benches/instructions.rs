@@ -61,13 +61,13 @@ const CASES: &[Case] = &[
         name: "poll",
         words: "8 bytes in each direction: four objects of 16 bits",
         mapping: DefaultMapping { receive: &OUTPUTS, transmit: &INPUTS },
-        budget: Some(400),
+        budget: Some(650),
     },
     Case {
         name: "poll-1",
         words: "8 bytes in each direction: one object of 64 bits",
         mapping: DefaultMapping { receive: &[LONG_OUTPUT], transmit: &[LONG_INPUT] },
-        budget: Some(400),
+        budget: Some(650),
     },
     Case {
         name: "poll-empty",

@@ -41,7 +41,8 @@ pub fn run(data: &[u8]) {
     let mut input = Unstructured::new(data);
     let Ok(config) = device::config(&mut input) else { return };
     let node = Node::new(config, Device::default()).expect("a valid configuration");
-    let mut bench = Bench { model: Model::new(&node), node, now: Instant::ZERO, clients: [Client::NEW; 2] };
+    let (model, now) = (Model::new(&node), Instant::ZERO);
+    let mut bench = Bench { model, node, now, told: now, clients: [Client::NEW; 2] };
     bench.application(Application::PowerOn);
     while !input.is_empty() {
         let Ok(op) = ops::op(&mut input) else { return };
@@ -54,6 +55,8 @@ struct Bench {
     node: Node,
     model: Model,
     now: Instant,
+    /// The latest time that the node was told.
+    told: Instant,
     /// The managing node, and a diagnostic device.
     clients: [Client; 2],
 }
@@ -80,7 +83,7 @@ impl Bench {
             Op::Elapse(span) => self.now += span,
             Op::Past(span) => {
                 let past = self.now.saturating_sub(span);
-                self.step(Why::Tick, |node| node.input(past, Input::Tick));
+                self.step_at(past, Why::Tick, |node| node.input(past, Input::Tick));
             }
             Op::Deadline { early } => {
                 let Some(deadline) = self.node.deadline() else { return };
@@ -290,13 +293,18 @@ impl Bench {
         None
     }
 
-    /// Does something to the machine, fetches what follows, and has it judged.
     fn step(&mut self, why: Why, what: impl FnOnce(&mut Node)) {
+        self.step_at(self.now, why, what);
+    }
+
+    /// Does something to the machine, fetches what follows, and has it judged. Time does not run backwards for it.
+    fn step_at(&mut self, now: Instant, why: Why, what: impl FnOnce(&mut Node)) {
+        self.told = self.told.max(now);
         let before = model::Before::of(&self.node);
         what(&mut self.node);
         let (mut sent, mut events) = (Vec::new(), Vec::<NodeEvent>::new());
         let mut buffer = [0xA5; MAX_FRAME];
-        while let Some(action) = self.node.poll(self.now, &mut buffer) {
+        while let Some(action) = self.node.poll(now, &mut buffer) {
             match action {
                 Action::Transmit(bytes) => sent.push(bytes.to_vec()),
                 Action::Event(event) => events.push(event),
@@ -306,7 +314,7 @@ impl Bench {
         for bytes in &sent {
             self.follow(bytes);
         }
-        self.model.judge(why, &before, &sent, &events, &self.node, self.now);
+        self.model.judge(why, &before, &sent, &events, &self.node, self.told);
     }
 
     /// A client takes note of the number of an answer.

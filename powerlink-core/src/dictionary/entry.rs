@@ -259,6 +259,6 @@ impl Entry {
 /// A little-endian number of up to four bytes.
 pub(crate) fn unsigned(data: &[u8]) -> Option<u32> {
     let mut bytes = [0; 4];
-    bytes.get_mut(..data.len())?.copy_from_slice(data);
+    bytes.get_mut(..data.len())?.iter_mut().zip(data).for_each(|(to, &from)| *to = from);
     Some(u32::from_le_bytes(bytes))
 }

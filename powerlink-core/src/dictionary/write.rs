@@ -130,6 +130,7 @@ pub(super) fn host_name(data: &[u8]) -> Result<[u8; 32], AbortCode> {
         return Err(AbortCode::VALUE);
     }
     let mut padded = [0; 32];
-    padded.get_mut(..name.len()).ok_or(AbortCode::TOO_LONG)?.copy_from_slice(name);
+    let room = padded.get_mut(..name.len()).ok_or(AbortCode::TOO_LONG)?;
+    room.iter_mut().zip(name).for_each(|(to, &from)| *to = from);
     Ok(padded)
 }

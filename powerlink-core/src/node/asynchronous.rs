@@ -1,7 +1,5 @@
 //! ASnd: NMT commands and SDO.
 
-use core::time::Duration;
-
 use link_core::codec::{Reader, Wire};
 
 use super::event::{NodeEvent, count};
@@ -101,9 +99,8 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
 
     pub(super) fn wait_for_client(&mut self, index: usize) {
         let timer = if index == 0 { Timer::Sdo0 } else { Timer::Sdo1 };
-        let timeout = Duration::from_millis(self.dictionary.values.sequence_timeout.into());
-        match self.server.patience(index, timeout) {
-            Some(wait) => self.timers.set_after(timer, wait),
+        match self.server.patience(index, self.dictionary.values.sequence_timeout) {
+            Some(wait) => self.timers.set_after_millis(timer, wait),
             None => self.timers.clear(timer),
         }
     }

@@ -143,7 +143,7 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
             request: self.async_request(),
             state: self.nmt.state().code(),
             static_errors,
-            entries: self.signalling.entries().iter().copied().collect(),
+            entries: heapless::Vec::from_slice(self.signalling.entries()).unwrap_or_default(),
         };
         self.asnd_header(NodeId::BROADCAST, ServiceId::STATUS_RESPONSE, out)?;
         status.emit(out)

@@ -154,9 +154,8 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         if length == 0 || tolerance == 0 || !self.nmt.state().is_cyclic() {
             return self.timers.clear(Timer::Soc);
         }
-        let wait =
-            Duration::from_micros(length.into()).saturating_add(Duration::from_nanos(tolerance.into()));
-        self.timers.set_after(Timer::Soc, wait);
+        let nanos = u64::from(length).saturating_mul(NANOS_PER_MICRO).saturating_add(tolerance.into());
+        self.timers.set_after(Timer::Soc, Duration::from_nanos(nanos));
     }
 
     /// The SoC is overdue. The next one is expected a cycle later.
@@ -418,3 +417,5 @@ const fn fits(mapping: &Mapping, version: PdoVersion, check: VersionCheck) -> bo
         VersionCheck::None => true,
     }
 }
+
+const NANOS_PER_MICRO: u64 = 1000;

@@ -1,7 +1,5 @@
 //! The sequence layer: one client's connection.
 
-use core::time::Duration;
-
 use link_core::codec::{Full, Wire, Writer};
 
 use super::outgoing::Outgoing;
@@ -257,14 +255,12 @@ impl<const SDO: usize> Connection<SDO> {
     }
 
     /// How long the connection waits for its client: for an acknowledge a third of the time, because it asks two times again.
-    /// With a time of 0 it waits for ever.
-    pub(super) fn patience(&self, timeout: Duration) -> Option<Duration> {
+    /// In ms; with a time of 0 it waits for ever.
+    pub(super) const fn patience(&self, timeout: u32) -> Option<u32> {
         match (self.phase, &self.transfer) {
             (Phase::Closed, _) => None,
-            _ if timeout.is_zero() => None,
-            (_, Transfer::Sending(outgoing)) if outgoing.is_unacknowledged() => {
-                timeout.checked_div(u32::from(MAX_RETRIES).saturating_add(1))
-            }
+            _ if timeout == 0 => None,
+            (_, Transfer::Sending(outgoing)) if outgoing.is_unacknowledged() => timeout.checked_div(ATTEMPTS),
             (Phase::Opening | Phase::Open, _) => Some(timeout),
         }
     }
@@ -289,3 +285,5 @@ const NUMBER: u8 = 0x3F;
 /// From here on a number is an old one, not one ahead.
 const HALF: u8 = 0x20;
 const MAX_RETRIES: u8 = 2;
+/// The first one, and the retries.
+const ATTEMPTS: u32 = 3;

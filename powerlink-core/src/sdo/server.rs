@@ -1,7 +1,5 @@
 //! The command layer: objects are read and written.
 
-use core::time::Duration;
-
 use link_core::codec::{Full, Writer};
 
 use super::connection::{Connection, Incoming, Phase, Sequence, Transfer};
@@ -121,9 +119,9 @@ impl<const SDO: usize> Server<SDO> {
         self.connections.get_mut(index).map_or(Ok(false), |connection| connection.emit(initiate, out))
     }
 
-    /// How long a connection waits for its client.
+    /// How long a connection waits for its client, in ms, with the time of 0x1300.
     #[must_use]
-    pub fn patience(&self, index: usize, timeout: Duration) -> Option<Duration> {
+    pub fn patience(&self, index: usize, timeout: u32) -> Option<u32> {
         self.connections.get(index)?.patience(timeout)
     }
 
@@ -242,7 +240,8 @@ impl<const SDO: usize> Connection<SDO> {
 
     fn append(&mut self, mut incoming: Incoming, data: &[u8]) -> Result<Incoming, AbortCode> {
         let end = incoming.len.saturating_add(data.len());
-        self.buffer.get_mut(incoming.len..end).ok_or(AbortCode::OUT_OF_MEMORY)?.copy_from_slice(data);
+        let room = self.buffer.get_mut(incoming.len..end).ok_or(AbortCode::OUT_OF_MEMORY)?;
+        room.iter_mut().zip(data).for_each(|(to, &from)| *to = from);
         incoming.len = end;
         self.transfer = Transfer::Receiving(incoming);
         Ok(incoming)
