@@ -1,5 +1,6 @@
 #![allow(
     clippy::arithmetic_side_effects,
+    clippy::as_conversions,
     clippy::expect_used,
     clippy::panic,
     missing_docs,
