@@ -286,7 +286,7 @@ impl Model {
                 self.signalling.acknowledge(flags & 0x04 != 0);
                 self.signalling.reset(reset, false);
                 assert_eq!(bytes[17], 0x02);
-                assert!(bytes.len() >= 72 && (bytes.len() - 32) % 20 == 0, "{} bytes", bytes.len());
+                assert!(bytes.len() >= 72 && (bytes.len() - 32).is_multiple_of(20), "{} bytes", bytes.len());
                 assert!(bytes.len() <= 32 + 20 * self.options.status_entries);
                 self.signalling.saw_status(bytes[18] & 0x08 != 0, bytes[18] & 0x10 != 0, &bytes[32..]);
                 self.signalling.reset(reset, true);
