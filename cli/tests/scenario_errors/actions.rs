@@ -26,7 +26,7 @@ do = "cut""#,
 at = "1s"
 node = "valve"
 do = "cutt""#,
-        "11:6: there is no action `cutt`; expected `cut`, `plug`, `power_off`, `power_on`, `power_cycle`, `set_mac`, `set_bit_rate`, `reset`, `set_input`, `set_output`, `go_run`, `go_idle`, `claim`, `release`, `who`, `identify` or `recover`",
+        "11:6: there is no action `cutt`; expected `cut`, `plug`, `power_off`, `power_on`, `power_cycle`, `set_mac`, `set_oa`, `readdress`, `set_bit_rate`, `reset`, `set_input`, `set_output`, `go_run`, `go_idle`, `claim`, `release`, `who`, `identify` or `recover`",
     );
     refused(
         VALVE,
