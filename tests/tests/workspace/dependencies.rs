@@ -48,6 +48,7 @@ const MAY_SEE: [(&str, &[&str]); 11] = [
             "cip-core",
             "devicenet-core",
             "devicenex-core",
+            "powerlink-core",
             "transport-mock",
             "devicenet-cli",
             "devicenet-tests",
