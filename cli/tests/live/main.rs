@@ -11,6 +11,7 @@ mod ask;
 mod fields;
 #[cfg(target_os = "linux")]
 mod kernel;
+mod load;
 mod monitor;
 mod record;
 mod recover;

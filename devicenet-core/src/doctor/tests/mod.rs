@@ -5,6 +5,7 @@ mod bus;
 mod io;
 mod ledger;
 mod ownership;
+mod producers;
 
 use std::boxed::Box;
 use std::string::{String, ToString};
