@@ -41,7 +41,8 @@ impl<T, const N: usize> Queue<T, N> {
         let place = self.place(self.len);
         let Some(slot) = self.slots.get_mut(place) else { return Err(element) };
         *slot = Some(element);
-        self.len = self.len.saturating_add(1);
+        // There was room, so that it is at most `N`.
+        self.len = self.len.wrapping_add(1);
         Ok(())
     }
 
@@ -98,7 +99,7 @@ impl<T, const N: usize> Queue<T, N> {
 
     /// Where the element `index` after the first is. By comparison: a small processor has no division.
     fn place(&self, index: u8) -> usize {
-        let place = usize::from(self.first.saturating_add(index));
+        let place = usize::from(self.first).saturating_add(usize::from(index));
         place.checked_sub(N).unwrap_or(place)
     }
 }

@@ -62,13 +62,13 @@ const CASES: &[Case] = &[
         name: "poll",
         words: "8 bytes in each direction: four objects of 16 bits",
         mapping: DefaultMapping { receive: &OUTPUTS, transmit: &INPUTS },
-        budget: Some(650),
+        budget: Some(450),
     },
     Case {
         name: "poll-1",
         words: "8 bytes in each direction: one object of 64 bits",
         mapping: DefaultMapping { receive: &[LONG_OUTPUT], transmit: &[LONG_INPUT] },
-        budget: Some(650),
+        budget: Some(400),
     },
     Case {
         name: "poll-empty",

@@ -118,6 +118,11 @@ impl Mapping {
         self.len.into()
     }
 
+    /// The same, as Size has it.
+    pub(crate) const fn size(&self) -> u16 {
+        self.len
+    }
+
     /// Whether nothing is mapped.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
@@ -126,7 +131,11 @@ impl Mapping {
 
     /// The entries that count.
     pub fn entries(&self) -> impl Iterator<Item = MappingEntry> {
-        self.entries.iter().take(self.count.into()).map(|&number| MappingEntry::of(number))
+        self.entries
+            .get(..self.count.into())
+            .unwrap_or_default()
+            .iter()
+            .map(|&number| MappingEntry::of(number))
     }
 
     /// One entry, whether it counts or not: sub-indices 1 and up.

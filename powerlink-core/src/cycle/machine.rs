@@ -83,8 +83,25 @@ impl Cycle {
     }
 
     /// Follows what happened, and says what is missing.
+    #[inline]
     pub fn apply(&mut self, mode: CycleMode, event: CycleEvent, supervision: Supervision) -> Losses {
+        // A managing node waits for what follows the PReq that is due: it goes without the search for its edge.
+        if (self.state, event) == (CycleState::WaitPreq, CycleEvent::Preq) {
+            self.enter(mode, event, Losses::empty(), CycleState::WaitSoa);
+            return Losses::empty();
+        }
+        self.follow(mode, event, supervision)
+    }
+
+    #[inline(never)]
+    fn follow(&mut self, mode: CycleMode, event: CycleEvent, supervision: Supervision) -> Losses {
         let Some((to, losses)) = self.next(mode, event, supervision) else { return Losses::empty() };
+        self.enter(mode, event, losses, to);
+        self.once(event, losses, supervision)
+    }
+
+    #[inline]
+    fn enter(&mut self, mode: CycleMode, event: CycleEvent, losses: Losses, to: CycleState) {
         debug_assert!(
             CYCLE_EDGES.iter().any(|edge| {
                 (edge.mode, edge.from, edge.event, edge.losses, edge.to)
@@ -96,7 +113,6 @@ impl Cycle {
         #[cfg(test)]
         super::tests::record((mode, self.state, event, losses, to));
         self.state = to;
-        self.once(event, losses, supervision)
     }
 
     fn next(

@@ -89,11 +89,17 @@ impl Signalling {
     }
 
     /// EA of a PReq or SoA for this node.
+    #[inline]
     pub fn exception_acknowledge(&mut self, acknowledged: bool) {
         self.acknowledged = acknowledged;
-        if self.told.is_empty() && self.queue.is_empty() {
-            return;
+        if !self.told.is_empty() || !self.queue.is_empty() {
+            self.tell_next();
         }
+    }
+
+    /// What was told may have been acknowledged.
+    #[cold]
+    fn tell_next(&mut self) {
         if self.is_acknowledged() {
             self.told.clear();
             self.tell();

@@ -121,7 +121,10 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> Machine for ControlledNo
         if self.timers.is_due(now) {
             return self.input_when_due(now, input);
         }
-        self.take(input);
+        match input {
+            Input::Frame(bytes) => self.frame(bytes),
+            Input::Link(_) | Input::Tick => self.take(input),
+        }
     }
 
     fn poll<'b>(&mut self, now: Instant, buffer: &'b mut [u8]) -> Option<Action<'b, NodeEvent>> {
@@ -177,7 +180,6 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         })
     }
 
-    #[inline]
     fn take(&mut self, input: Input<'_>) {
         match input {
             Input::Frame(bytes) => self.frame(bytes),

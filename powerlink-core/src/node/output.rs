@@ -6,7 +6,7 @@ use link_core::ethernet::Action;
 use super::event::{NodeEvent, count};
 use super::machine::{ControlledNode, Reply, Request};
 use crate::dictionary::{FEATURES, ObjectSet};
-use crate::ethernet::{MIN_FRAME, group};
+use crate::ethernet::{ETHERNET_HEADER, MIN_FRAME, POLL_HEADER, group};
 use crate::nmt::{Cause, NmtState};
 use crate::wire::{
     AsyncRequest, Flags, Header, IdentResponse, IpParameters, MessageType, NmtRequest, POWERLINK_V2, Pres,
@@ -26,15 +26,24 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     }
 
     /// The next thing to do: answers first, because the managing node waits.
+    #[inline]
     pub(super) fn output<'b>(&mut self, buffer: &'b mut [u8]) -> Option<Action<'b, NodeEvent>> {
+        if core::mem::take(&mut self.poll.is_due) {
+            let sent = self.pres_frame(buffer);
+            self.after_poll();
+            return Some(sent.map_or_else(|| self.not_sent(), Action::Transmit));
+        }
+        self.other_output(buffer)
+    }
+
+    /// The next thing to do but the PRes.
+    #[inline(never)]
+    fn other_output<'b>(&mut self, buffer: &'b mut [u8]) -> Option<Action<'b, NodeEvent>> {
         let mut out = Writer::new(buffer);
         match self.answer(&mut out) {
             Ok(true) => return Some(Action::Transmit(out.into_written())),
             Ok(false) => {}
-            Err(Full) => {
-                count(&mut self.counters.not_sent);
-                return Some(Action::Event(NodeEvent::BufferTooShort));
-            }
+            Err(Full) => return Some(self.not_sent()),
         }
         if self.events.is_empty() && self.nmt.state().is_initialisation() {
             self.cause(Cause::Done);
@@ -42,13 +51,14 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         self.events.pop().map(Action::Event)
     }
 
-    /// Writes the frame that is to be sent now. Returns whether there is one.
+    #[cold]
+    fn not_sent<'b>(&mut self) -> Action<'b, NodeEvent> {
+        count(&mut self.counters.not_sent);
+        Action::Event(NodeEvent::BufferTooShort)
+    }
+
+    /// Writes the frame that is to be sent in the asynchronous phase. Returns whether there is one.
     fn answer(&mut self, out: &mut Writer<'_>) -> Result<bool, Full> {
-        if core::mem::take(&mut self.poll.is_due) {
-            let sent = self.pres_frame(out);
-            self.after_poll();
-            return sent.map(|()| true);
-        }
         let reply = match self.reply.take() {
             None if self.may_answer_client() => Reply::Generic,
             None => return Ok(false),
@@ -90,23 +100,29 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         self.nmt.state() == NmtState::BasicEthernet && self.server.ready() > 0
     }
 
-    /// The PRes: of constant length, whatever is mapped.
-    fn pres_frame(&mut self, out: &mut Writer<'_>) -> Result<(), Full> {
-        let state = self.nmt.state();
+    /// The PRes: of constant length, whatever is mapped. `None` if the buffer is too short.
+    #[inline]
+    fn pres_frame<'b>(&self, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
+        let (state, request) = (self.nmt.state(), self.async_request());
         let mapping = &self.dictionary.mappings.transmit;
-        let limit = usize::from(self.active.pres_limit);
+        let limit = self.active.pres_limit;
         // A mapping for a limit that is not in use yet has no place in this PRes.
-        let data = self.inputs.get(..mapping.len()).filter(|data| data.len() <= limit);
-        let is_valid = state == NmtState::Operational && self.are_inputs_valid && data.is_some();
-        let data = data.unwrap_or_default();
+        let size = Some(mapping.size()).filter(|&size| size <= limit);
+        let is_valid = state == NmtState::Operational && self.are_inputs_valid && size.is_some();
         let mut flags = self.signalling.exception_new();
         flags.set(Flags::DATA_VALID, is_valid);
         flags.set(Flags::MULTIPLEXED, self.poll.is_multiplexed);
-        self.header(group::PRES, MessageType::PRES, NodeId::BROADCAST).emit(out)?;
-        let request = self.async_request();
-        Pres { state: state.code(), flags, request, pdo_version: mapping.version, data }.emit(out)?;
-        // Behind what is mapped there are zeros.
-        out.bytes(self.inputs.get(data.len()..limit).unwrap_or_default())
+        let size = size.unwrap_or(0);
+        let pres = Pres { state: state.code(), flags, request, pdo_version: mapping.version, data: &[] };
+        // Behind what is mapped the inputs are zeros.
+        let inputs = self.inputs.get(..limit.into()).unwrap_or_default();
+        let frame = buffer.get_mut(..inputs.len().saturating_add(POLL_HEADERS))?;
+        let (header, rest) = frame.split_first_chunk_mut()?;
+        *header = self.header(group::PRES, MessageType::PRES, NodeId::BROADCAST).bytes();
+        let (fields, data) = rest.split_first_chunk_mut()?;
+        *fields = pres.fields(size);
+        data.copy_from_slice(inputs);
+        Some(frame)
     }
 
     fn ident_frame(&mut self, out: &mut Writer<'_>) -> Result<(), Full> {
@@ -173,3 +189,6 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         }
     }
 }
+
+/// The headers of a PReq and PRes, with those of Ethernet.
+pub(super) const POLL_HEADERS: usize = ETHERNET_HEADER + POLL_HEADER;

@@ -8,19 +8,21 @@ use link_core::ethernet::LinkEvent;
 use super::config::VersionCheck;
 use super::event::{NodeEvent, count};
 use super::machine::{ControlledNode, Reply, Timer};
+use super::output::POLL_HEADERS;
 use crate::cycle::{CycleEvent, CycleMode, Losses, Supervision};
 use crate::dictionary::ObjectSet;
 use crate::error::Symptom;
-use crate::ethernet::group;
+use crate::ethernet::{ETHERTYPE, group};
 use crate::nmt::{Cause, NmtState};
-use crate::pdo::Mapping;
+use crate::pdo::{Mapping, RECEIVE_CHANNELS};
 use crate::wire::{
-    ErrorCode, Flags, FrameError, Header, MessageType, ParseError, PdoVersion, Pres, RequestedService, Soa,
-    Soc,
+    ErrorCode, Flags, FrameError, Header, MESSAGE_TYPE, MessageType, POLL_FIELDS, ParseError, PdoVersion,
+    Pres, RequestedService, Soa, Soc,
 };
 use crate::{MacAddress, NodeId};
 
 impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, SDO> {
+    #[inline(never)]
     pub(super) fn frame(&mut self, bytes: &[u8]) {
         if !self.nmt.state().is_communicating() {
             return self.frame_while_silent(bytes);
@@ -28,23 +30,49 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         if self.poll.is_due || self.reply.is_some() {
             self.forget_answers();
         }
+        let data = if let Some((headers, data)) = bytes.split_first_chunk()
+            && let Some(poll) = self.own_poll(headers)
+        {
+            self.polled(poll, data)
+        } else {
+            self.other_than_poll(bytes)
+        };
+        if let Some(data) = data {
+            self.process_data(&data);
+        }
+    }
+
+    /// Every frame but the PReq that is to be answered. Returns the process data of other nodes.
+    #[inline(never)]
+    fn other_than_poll<'a>(&mut self, bytes: &'a [u8]) -> Option<ProcessData<'a>> {
         let mut reader = Reader::new(bytes);
         let header = match Header::read(&mut reader) {
             Ok(header) => header,
-            Err(FrameError::OtherProtocol(_)) => return self.other_frame(),
-            Err(FrameError::Malformed(error)) => return self.bad_frame(error),
+            Err(FrameError::OtherProtocol(_)) => {
+                self.other_frame();
+                return None;
+            }
+            Err(FrameError::Malformed(error)) => {
+                self.bad_frame(error);
+                return None;
+            }
         };
         if header.source == self.config.mac {
-            return count(&mut self.counters.echoes);
+            count(&mut self.counters.echoes);
+            return None;
         }
         if !self.is_for_this_adapter(&header) {
-            return count(&mut self.counters.other_destinations);
+            count(&mut self.counters.other_destinations);
+            return None;
         }
         let result = match header.message_type {
             MessageType::PREQ => self.preq(&header, &mut reader),
             MessageType::SOC => Soc::read(&mut reader).map(|soc| self.soc(&soc)),
             MessageType::SOA => Soa::read(&mut reader).map(|soa| self.soa(&soa)),
-            MessageType::PRES => Pres::read(&mut reader).map(|pres| self.pres(&header, &pres)),
+            MessageType::PRES => match Pres::read(&mut reader) {
+                Ok(pres) => return self.pres(&header, &pres),
+                Err(error) => Err(error),
+            },
             MessageType::ASND => {
                 self.other_frame();
                 self.asnd(&header, &mut reader)
@@ -57,6 +85,7 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         if let Err(error) = result {
             self.bad_frame(error);
         }
+        None
     }
 
     /// In the initialisation the node only hears that it is to be reset once more.
@@ -175,55 +204,75 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         }
     }
 
-    #[inline]
+    /// A PReq that is not to be answered: that of another node, or in a state without polls.
     fn preq(&mut self, header: &Header, reader: &mut Reader<'_>) -> Result<(), ParseError> {
-        if header.to != self.config.node {
-            return Ok(());
+        if header.to == self.config.node {
+            reader.array::<POLL_FIELDS>("PReq header")?;
+            self.poll_without_answer(self.nmt.state());
         }
-        let [_, flags, _, version, _, low, high] = reader.array("PReq header")?;
-        let size = usize::from(u16::from_le_bytes([low, high]));
-        let state = self.nmt.state();
-        if !state.answers_poll() {
-            self.poll_without_answer(state);
-            return Ok(());
-        }
-        let flags = Flags::from_bits_retain(flags);
+        Ok(())
+    }
+
+    /// What a PReq for this node says in front of its process data, in a state in which it is answered. The managing node waits:
+    /// it is known by one look at its headers, before any other frame.
+    #[inline]
+    fn own_poll(&self, headers: &[u8; POLL_HEADERS]) -> Option<PollFields> {
+        let (addresses, fields) = headers.split_first_chunk::<MAC_ADDRESSES>()?;
+        let &[e0, e1, kind, to, _, _, flags, _, version, _, low, high] = fields.first_chunk()?;
+        let [p0, p1] = ETHERTYPE.to_be_bytes();
+        let is_own = [e0, e1] == [p0, p1]
+            && kind & MESSAGE_TYPE == MessageType::PREQ.0
+            && to == self.config.node.0
+            && addresses.first_chunk() == Some(&self.config.mac.0)
+            && addresses.last_chunk() != Some(&self.config.mac.0)
+            && self.nmt.state().answers_poll();
+        is_own.then_some(PollFields {
+            flags: Flags::from_bits_retain(flags),
+            version: PdoVersion(version),
+            size: u16::from_le_bytes([low, high]),
+        })
+    }
+
+    #[inline]
+    fn polled<'a>(&mut self, poll: PollFields, data: &'a [u8]) -> Option<ProcessData<'a>> {
+        let PollFields { flags, version, size } = poll;
         self.poll.is_due = true;
         self.poll.is_multiplexed = flags.contains(Flags::MULTIPLEXED) && self.active.multiplexed_cycles > 0;
         self.poll.in_multiplexed_cycle = true;
         self.poll.had_valid_data = flags.contains(Flags::DATA_VALID);
         // What the answer shows stays as it is until it is sent.
-        let cycle_error = self.cycle_event(CycleEvent::Preq);
-        self.poll.then = cycle_error;
+        self.poll.then = self.cycle_event(CycleEvent::Preq);
         self.signalling.exception_acknowledge(flags.contains(Flags::EXCEPTION_ACKNOWLEDGE));
-        if state == NmtState::PreOperational2 {
+        if self.nmt.state() == NmtState::PreOperational2 {
             self.dictionary.counters.preq();
-            return Ok(());
+            return None;
         }
-        let data = reader.peek().get(..size).filter(|_| size <= usize::from(self.active.preq_limit));
+        let data = data.get(..size.into()).filter(|_| size <= self.active.preq_limit);
         let Some(data) = data else {
-            self.error(ErrorCode::INVALID_FORMAT);
-            self.poll.then = Some(Cause::InternalError);
-            return Ok(());
+            self.wrong_size();
+            return None;
         };
         self.dictionary.counters.preq();
-        self.process_data(NodeId::NONE, flags, PdoVersion(version), data);
-        Ok(())
+        Some(ProcessData { from: NodeId::NONE, flags, version, data })
     }
 
-    fn pres(&mut self, header: &Header, pres: &Pres<'_>) {
-        let state = self.nmt.state();
-        if !state.is_cyclic() {
-            return self.poll_outside_of_the_cycle(Cause::Pres);
+    #[cold]
+    fn wrong_size(&mut self) {
+        self.error(ErrorCode::INVALID_FORMAT);
+        self.poll.then = Some(Cause::InternalError);
+    }
+
+    fn pres<'a>(&mut self, header: &Header, pres: &Pres<'a>) -> Option<ProcessData<'a>> {
+        if !self.nmt.state().is_cyclic() {
+            self.poll_outside_of_the_cycle(Cause::Pres);
+            return None;
         }
         if let Some(cause) = self.cycle_event(CycleEvent::Pres) {
             self.cause(cause);
         }
-        if matches!(self.nmt.state(), NmtState::ReadyToOperate | NmtState::Operational)
-            && header.from != NodeId::NONE
-        {
-            self.process_data(header.from, pres.flags, pres.pdo_version, pres.data);
-        }
+        let Pres { flags, pdo_version: version, data, .. } = *pres;
+        let data = ProcessData { from: header.from, flags, version, data };
+        (self.is_started() && header.from != NodeId::NONE).then_some(data)
     }
 
     /// A stopped node is not polled, but sees where in the cycle a PReq comes.
@@ -250,41 +299,35 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         }
     }
 
-    /// Gives the objects what a node sent: `NONE` for the PReq of the managing node.
+    /// Gives the objects what a node sent.
     #[inline]
-    fn process_data(&mut self, from: NodeId, flags: Flags, version: PdoVersion, data: &[u8]) {
-        let is_operational = self.nmt.state() == NmtState::Operational;
+    fn process_data(&mut self, &ProcessData { from, flags, version, data }: &ProcessData<'_>) {
+        let is_valid = self.nmt.state() == NmtState::Operational;
         let says_valid = flags.contains(Flags::DATA_VALID);
         // Data that do not count are not used in operation; before, they are taken, and told as what they are.
-        if is_operational && !says_valid {
+        if is_valid && !says_valid {
             return;
         }
-        let is_of = self.dictionary.mappings.receive.each_ref().map(|mapping| mapping.is_of(from));
-        for (channel, is_of) in is_of.into_iter().enumerate() {
-            if is_of && let Err(code) = self.channel(channel, version, data) {
-                // Who says that its data are not valid promises nothing about their form.
-                if says_valid {
-                    self.pdo_error(code);
-                }
+        for channel in 0..RECEIVE_CHANNELS {
+            let Some(mapping) = self.dictionary.mappings.receive.get(channel) else { return };
+            if !mapping.is_of(from) {
+                continue;
+            }
+            let error = if !fits(mapping, version, self.config.options.version_check) {
+                ErrorCode::PDO_MAP_VERSION
+            } else if data.len() < mapping.len() {
+                ErrorCode::PDO_SHORT
+            } else {
+                mapping.unpack(data, &mut self.objects);
+                let channel = u8::try_from(channel).unwrap_or(u8::MAX);
+                self.raise(NodeEvent::ProcessData { channel, is_valid });
+                continue;
+            };
+            // Who says that its data are not valid promises nothing about their form.
+            if says_valid {
+                self.pdo_error(error);
             }
         }
-    }
-
-    /// Gives the objects of one channel their values.
-    #[inline(never)]
-    fn channel(&mut self, channel: usize, version: PdoVersion, data: &[u8]) -> Result<(), ErrorCode> {
-        let Some(mapping) = self.dictionary.mappings.receive.get(channel) else { return Ok(()) };
-        if !fits(mapping, version, self.config.options.version_check) {
-            return Err(ErrorCode::PDO_MAP_VERSION);
-        }
-        if data.len() < mapping.len() {
-            return Err(ErrorCode::PDO_SHORT);
-        }
-        mapping.unpack(data, &mut self.objects);
-        let channel = u8::try_from(channel).unwrap_or(u8::MAX);
-        let is_valid = self.nmt.state() == NmtState::Operational;
-        self.raise(NodeEvent::ProcessData { channel, is_valid });
-        Ok(())
     }
 
     #[cold]
@@ -418,4 +461,22 @@ const fn fits(mapping: &Mapping, version: PdoVersion, check: VersionCheck) -> bo
     }
 }
 
+/// What a PReq says of itself.
+struct PollFields {
+    flags: Flags,
+    version: PdoVersion,
+    size: u16,
+}
+
+/// What a node sent to be taken into the objects.
+struct ProcessData<'a> {
+    /// `NONE` for the PReq of the managing node.
+    from: NodeId,
+    flags: Flags,
+    version: PdoVersion,
+    data: &'a [u8],
+}
+
+/// Destination and source.
+const MAC_ADDRESSES: usize = 12;
 const NANOS_PER_MICRO: u64 = 1000;

@@ -137,6 +137,15 @@ impl PdoVersion {
 /// The version byte of POWERLINK V2.
 pub const POWERLINK_V2: u8 = 0x20;
 
+impl Pres<'_> {
+    /// The fields in front of `size` bytes of process data.
+    #[inline]
+    pub(crate) const fn fields(&self, size: u16) -> [u8; POLL_FIELDS] {
+        let [low, high] = size.to_le_bytes();
+        [self.state.0, self.flags.bits(), self.request.0, self.pdo_version.0, 0, low, high]
+    }
+}
+
 impl Wire<'_> for Soc {
     const NAME: &'static str = "SoC";
 
@@ -200,8 +209,7 @@ impl<'a> Wire<'a> for Pres<'a> {
     }
 
     fn emit(&self, out: &mut Writer<'_>) -> Result<(), Full> {
-        let [low, high] = u16::try_from(self.data.len()).map_err(|_| Full)?.to_le_bytes();
-        out.bytes(&[self.state.0, self.flags.bits(), self.request.0, self.pdo_version.0, 0, low, high])?;
+        out.bytes(&self.fields(u16::try_from(self.data.len()).map_err(|_| Full)?))?;
         out.bytes(self.data)
     }
 
@@ -279,4 +287,4 @@ impl fmt::Display for Soa {
 }
 
 /// The fields of PReq and PRes behind the POWERLINK header.
-const POLL_FIELDS: usize = crate::ethernet::POLL_HEADER - crate::ethernet::POWERLINK_HEADER;
+pub(crate) const POLL_FIELDS: usize = crate::ethernet::POLL_HEADER - crate::ethernet::POWERLINK_HEADER;

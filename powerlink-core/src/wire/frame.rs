@@ -159,9 +159,15 @@ impl Header {
     /// # Errors
     /// [`Full`] if there is no room.
     pub fn emit(&self, out: &mut Writer<'_>) -> Result<(), Full> {
-        let [e0, e1] = ETHERTYPE.to_be_bytes();
-        out.bytes([self.destination.0, self.source.0].as_flattened())?;
-        out.bytes(&[e0, e1, self.message_type.0, self.to.0, self.from.0])
+        out.bytes(&self.bytes())
+    }
+
+    /// The headers as they are sent.
+    #[inline]
+    pub(crate) const fn bytes(&self) -> [u8; HEADERS] {
+        let ([d0, d1, d2, d3, d4, d5], [s0, s1, s2, s3, s4, s5]) = (self.destination.0, self.source.0);
+        let ([e0, e1], kind) = (ETHERTYPE.to_be_bytes(), self.message_type.0);
+        [d0, d1, d2, d3, d4, d5, s0, s1, s2, s3, s4, s5, e0, e1, kind, self.to.0, self.from.0]
     }
 }
 
@@ -298,7 +304,8 @@ fn parts(headers: &[u8; HEADERS]) -> Option<([u8; 6], [u8; 6], [u8; 5])> {
     Some((*destination, *source, *rest.first_chunk()?))
 }
 
-const MESSAGE_TYPE: u8 = 0x7F;
+/// The bits of the message type in its byte.
+pub(crate) const MESSAGE_TYPE: u8 = 0x7F;
 /// Those of Ethernet and of POWERLINK.
 const HEADERS: usize = ETHERNET_HEADER + POWERLINK_HEADER;
 const ZEROS: [u8; 64] = [0; 64];

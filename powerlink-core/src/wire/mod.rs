@@ -43,5 +43,6 @@ pub use nmt::{MAX_COMMAND_DATA, NmtCommand, NmtRequest, NodeList};
 pub use sdo::{Con, InitiateSize, Sdo, SdoCommand, SdoSequence, Segmentation, SequenceHalf};
 pub use status::{EntryType, ErrorEntry, MAX_ENTRIES, MIN_ENTRIES, StatusResponse};
 
-pub(crate) use frame::pad;
+pub(crate) use cycle::POLL_FIELDS;
+pub(crate) use frame::{MESSAGE_TYPE, pad};
 pub(crate) use sdo::{COMMAND_HEADER, TOTAL_SIZE};
