@@ -40,6 +40,12 @@ impl Stamps {
         self.last
     }
 
+    /// The present moment, without holding what waits with an earlier stamp to it.
+    #[must_use]
+    pub fn present(&self) -> Instant {
+        self.last.max(self.clock.now())
+    }
+
     /// The moment of a stamp, since 1970.
     pub fn moment(&mut self, stamp: Duration) -> Instant {
         if let Some(at) = self.on_our_clock(stamp).filter(|at| self.is_trusted(*at)) {
@@ -89,6 +95,20 @@ mod tests {
         let at = stamps.moment(wall());
         let after = stamps.now();
         assert!(before <= at && at <= after, "{before} {at} {after}");
+    }
+
+    #[test]
+    fn a_frame_that_waits_keeps_its_stamp_while_another_is_sent() {
+        let mut stamps = Stamps::start();
+        while stamps.present() < Instant::from_millis(1) {
+            std::hint::spin_loop();
+        }
+        let (begin, waiting) = (stamps.present(), wall());
+        while stamps.present() < begin + Duration::from_millis(1) {
+            std::hint::spin_loop();
+        }
+        let sent = stamps.present();
+        assert!(stamps.moment(waiting) < sent);
     }
 
     #[test]

@@ -215,9 +215,8 @@ impl Link {
             match self.socket.send(&frame) {
                 Ok(true) if self.has_echo => {
                     self.outbox.hand_over();
-                    // The last known moment may be long ago.
-                    let now = self.now();
-                    self.echo.begin(now);
+                    // The last known moment may be long ago, and frames that wait to be read are earlier than now.
+                    self.echo.begin(self.stamps.present());
                 }
                 Ok(true) => {
                     self.outbox.sent();
