@@ -19,7 +19,7 @@ use pcap_file::{Endianness, TsResolution};
 use super::error::{Fault, RecordingError};
 use super::fields::Fields;
 use super::network::Network;
-use super::window::Window;
+use super::window::{WINDOW, Window};
 use super::{Parsed, Source};
 
 /// Reads record after record.
@@ -63,12 +63,12 @@ impl Pcap {
             return Ok(None);
         }
         let field = |at| header.u32_at(at).ok_or_else(truncated);
-        let (seconds, fraction, length) = (field(0)?, field(4)?, field(8)?);
+        let (seconds, fraction, length) = (field(0)?, field(4)?, field(8)? as usize);
         let original = field(12)? as usize;
         if length > MAX_PACKET {
             return Err(RecordingError::damaged(frames, format!("a record says that it has {length} bytes")));
         }
-        let size = RECORD_HEADER + length as usize;
+        let size = RECORD_HEADER + length;
         let packet = match self.window.up_to(size)? {
             seen if seen.len() < size => return Err(truncated()),
             seen => &seen[RECORD_HEADER..],
@@ -92,6 +92,6 @@ fn link_type(header: &PcapHeader) -> u32 {
 
 const FILE_HEADER: usize = 24;
 const RECORD_HEADER: usize = 16;
-/// The longest CAN frame has 72 bytes, one of CAN XL 2 KiB, and Ethernet frames that an adapter puts together 64 KiB: more is
-/// no length.
-const MAX_PACKET: u32 = 64 * 1024;
+/// The longest CAN frame has 72 bytes, one of CAN XL 2 KiB, and Ethernet frames that an adapter puts together 64 KiB and a header: what
+/// the window has no room for is no length.
+const MAX_PACKET: usize = WINDOW - RECORD_HEADER;
