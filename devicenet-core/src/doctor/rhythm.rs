@@ -33,7 +33,10 @@ struct Message {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 struct Doubt {
     first: Seen,
+    /// Of messages that are certainly or likely of a second producer.
     points: u16,
+    /// Of those that the application explains as well.
+    possible: u16,
     /// Messages that nothing but the application explains.
     triggered: u16,
 }
@@ -83,13 +86,13 @@ impl Rhythm {
                 return None;
             }
             Points::Second(points) => {
-                let doubt = self.doubt.get_or_insert(Doubt { first: seen, points: 0, triggered: 0 });
-                doubt.points = doubt.points.saturating_add(points);
+                let doubt =
+                    self.doubt.get_or_insert(Doubt { first: seen, points: 0, possible: 0, triggered: 0 });
+                let kind = if points == POSSIBLE { &mut doubt.possible } else { &mut doubt.points };
+                *kind = kind.saturating_add(points);
             }
         }
-        // An application that triggers without a change does so at any time, now and then at that of a second producer.
-        let doubt = self.doubt.filter(|doubt| doubt.points >= TOO_MANY && doubt.points >= doubt.triggered)?;
-        Some(doubt.first)
+        self.doubt.filter(|doubt| doubt.is_enough()).map(|doubt| doubt.first)
     }
 
     fn points(&self, message: &Message, rhythm: &monitor::Rhythm) -> Points {
@@ -127,6 +130,14 @@ impl Rhythm {
         let Some((last, before)) = self.last.zip(self.earlier[0]) else { return false };
         let gap_before = last.at.saturating_since(before);
         gap.min(gap_before).saturating_mul(3) >= gap.max(gap_before).saturating_mul(2)
+    }
+}
+
+impl Doubt {
+    fn is_enough(&self) -> bool {
+        // An application that triggers without a change does so at any time, now and then at that of a second producer.
+        let possible = if self.possible >= self.triggered { self.possible } else { 0 };
+        self.points.saturating_add(possible) >= TOO_MANY
     }
 }
 

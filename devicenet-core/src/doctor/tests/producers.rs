@@ -91,6 +91,13 @@ fn an_application_that_triggers_without_a_change_is_one_producer() {
     }
 }
 
+/// What such an application sends does not hide a second producer of other data.
+#[test]
+fn a_second_producer_beside_an_application_that_triggers() {
+    let ward = producers(0x11, 100, &[(0, 7), (20, 7), (40, 7), (50, 9), (60, 7), (80, 7)]);
+    assert_eq!(ward.only(Rule::IdentifierCollision).node, Some(mac(10)));
+}
+
 /// Whatever has changed, it sends when its time has come.
 #[test]
 fn two_producers_on_the_identifier_of_cyclic() {
