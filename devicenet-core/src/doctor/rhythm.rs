@@ -35,7 +35,7 @@ struct Doubt {
     first: Seen,
     /// Of messages that are certainly or likely of a second producer.
     points: u16,
-    /// Of those that the application explains as well.
+    /// Messages that the application explains as well, a point each.
     possible: u16,
     /// Messages that nothing but the application explains.
     triggered: u16,
@@ -47,6 +47,8 @@ enum Points {
     None,
     /// That it came early, without a change, and not as if it were of a second producer.
     Triggered,
+    /// That it is of a second producer, or of an application that triggers what has not changed.
+    Possible,
     /// So much that there are two producers.
     Second(u16),
 }
@@ -85,11 +87,13 @@ impl Rhythm {
                 }
                 return None;
             }
+            Points::Possible => {
+                let doubt = self.doubt.get_or_insert(Doubt::of(seen));
+                doubt.possible = doubt.possible.saturating_add(1);
+            }
             Points::Second(points) => {
-                let doubt =
-                    self.doubt.get_or_insert(Doubt { first: seen, points: 0, possible: 0, triggered: 0 });
-                let kind = if points == POSSIBLE { &mut doubt.possible } else { &mut doubt.points };
-                *kind = kind.saturating_add(points);
+                let doubt = self.doubt.get_or_insert(Doubt::of(seen));
+                doubt.points = doubt.points.saturating_add(points);
             }
         }
         self.doubt.filter(|doubt| doubt.is_enough()).map(|doubt| doubt.first)
@@ -113,7 +117,7 @@ impl Rhythm {
                 && !self.is_steady(gap)
                 && self.earlier.into_iter().flatten().any(is_in_time);
             return match (is_of_another, is_early) {
-                (true, _) => Points::Second(POSSIBLE),
+                (true, _) => Points::Possible,
                 // Nothing has changed, and it was not time yet.
                 (false, true) => Points::Triggered,
                 (false, false) => Points::None,
@@ -134,6 +138,10 @@ impl Rhythm {
 }
 
 impl Doubt {
+    const fn of(first: Seen) -> Self {
+        Self { first, points: 0, possible: 0, triggered: 0 }
+    }
+
     fn is_enough(&self) -> bool {
         // An application that triggers without a change does so at any time, now and then at that of a second producer.
         let possible = if self.possible >= self.triggered { self.possible } else { 0 };
@@ -159,8 +167,6 @@ impl Message {
 const CERTAIN: u16 = 4;
 /// What it does now and then.
 const LIKELY: u16 = 2;
-/// What it does more often, if its application triggers what has not changed.
-const POSSIBLE: u16 = 1;
 const TOO_MANY: u16 = 12;
 /// Within which they count together.
 const SHORTEST_SPAN: Duration = Duration::from_secs(10);
