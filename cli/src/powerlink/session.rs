@@ -6,7 +6,7 @@ use core::time::Duration;
 use std::io;
 
 use link_core::ethernet::drive::drain;
-use link_core::ethernet::{Input, LinkEvent, Machine, Port};
+use link_core::ethernet::{Input, LinkEvent, MAX_FRAME, Machine, Port};
 use link_core::{Deadline, Instant};
 use powerlink_core::ethernet::{ETHERTYPE, group};
 use transport_ethernet::{EthernetPort, Options, sharpen_timers};
@@ -86,12 +86,13 @@ impl Session {
         is_done: impl Fn(&M) -> bool,
     ) -> Result<(), Failure> {
         let mut now = self.now();
+        let mut buffer = [0; MAX_FRAME];
         loop {
             let mut on_event = |machine: &mut M, now, event| match tell(machine, now, News::Event(event)) {
                 Ok(()) => ControlFlow::Continue(()),
                 Err(error) => ControlFlow::Break(error),
             };
-            match drain(machine, self, now, &mut on_event) {
+            match drain(machine, self, now, &mut buffer, &mut on_event) {
                 Ok(ControlFlow::Continue(())) => {}
                 Ok(ControlFlow::Break(error)) => return Err(error.into()),
                 Err(Ended::Over) => return Ok(()),

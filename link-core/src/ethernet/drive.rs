@@ -53,8 +53,9 @@ where
     // Only here is the present asked for. Later actions are of the moment of an input: by the present, a deadline would
     // overtake frames that came before it and still wait in the port.
     let mut now = port.now();
+    let mut buffer = [0; MAX_FRAME];
     loop {
-        if let ControlFlow::Break(value) = drain(machine, port, now, &mut on_event)? {
+        if let ControlFlow::Break(value) = drain(machine, port, now, &mut buffer, &mut on_event)? {
             return Ok(value);
         }
         let input;
@@ -64,7 +65,7 @@ where
 }
 
 /// Carries out everything that is pending in `machine`: what [`drive`](drive()) does between two waits, for a loop that
-/// has other things to wait for too.
+/// has other things to wait for too. Frames are written to the buffer, whatever stands there.
 ///
 /// # Errors
 /// The first error of the port.
@@ -72,14 +73,14 @@ pub fn drain<M, P, B>(
     machine: &mut M,
     port: &mut P,
     now: Instant,
+    buffer: &mut [u8; MAX_FRAME],
     on_event: &mut impl FnMut(&mut M, Instant, M::Event) -> ControlFlow<B>,
 ) -> Result<ControlFlow<B>, P::Error>
 where
     M: Machine,
     P: Port,
 {
-    let mut buffer = [0; MAX_FRAME];
-    while let Some(action) = machine.poll(now, &mut buffer) {
+    while let Some(action) = machine.poll(now, buffer) {
         match action {
             Action::Transmit(frame) => port.transmit(frame)?,
             Action::Event(event) => {
