@@ -8,7 +8,7 @@ use super::notes::Notes;
 use super::pcap::Pcap;
 use super::pcapng::PcapNg;
 use super::window::Window;
-use super::{Parsed, Source};
+use super::{Numbers, Source};
 
 /// A capture of an Ethernet interface being read, as a stream: memory does not grow with the file.
 pub struct Capture {
@@ -16,9 +16,7 @@ pub struct Capture {
     channels: Channels,
     notes: Notes,
     format: Format,
-    frames: u64,
-    /// A fatal error was given out.
-    ended: bool,
+    numbers: Numbers,
 }
 
 enum Reader {
@@ -45,7 +43,7 @@ impl Capture {
             }
         };
         let (channels, notes) = (Channels::default(), Notes::default());
-        Ok(Self { reader, channels, notes, format, frames: 0, ended: false })
+        Ok(Self { reader, channels, notes, format, numbers: Numbers::default() })
     }
 
     /// Its format.
@@ -74,26 +72,17 @@ impl Iterator for Capture {
     /// nothing more.
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
-        if self.ended {
+        if self.numbers.ended {
             return None;
         }
-        let Self { reader, channels, notes, .. } = self;
+        let Self { reader, channels, notes, numbers, .. } = self;
         let keep = |packet: &[u8], original: usize| {
             Ok(EthernetFrame { bytes: packet.into(), length: original.max(packet.len()) })
         };
         let read = match reader {
-            Reader::Pcap(pcap) => pcap.next(self.frames, keep),
-            Reader::PcapNg(pcapng) => pcapng.next(self.frames, channels, notes, keep),
+            Reader::Pcap(pcap) => pcap.next(numbers.frames, keep),
+            Reader::PcapNg(pcapng) => pcapng.next(numbers.frames, channels, notes, keep),
         };
-        match read.transpose()? {
-            Ok(Parsed { at, digits, channel, content }) => {
-                self.frames += 1;
-                Some(Ok(RecordedFrame { n: self.frames, at, digits, channel, content }))
-            }
-            Err(error) => {
-                self.ended = error.is_fatal();
-                Some(Err(error))
-            }
-        }
+        numbers.number(read)
     }
 }

@@ -72,9 +72,7 @@ pub struct Recording {
     channels: Channels,
     notes: Notes,
     format: Format,
-    frames: u64,
-    /// A fatal error was given out.
-    ended: bool,
+    numbers: Numbers,
 }
 
 enum Reader {
@@ -96,6 +94,34 @@ struct Parsed<C = Content> {
     content: C,
 }
 
+/// How far a recording has been read.
+#[derive(Default)]
+struct Numbers {
+    frames: u64,
+    /// A fatal error was given out: nothing more comes.
+    ended: bool,
+}
+
+impl Numbers {
+    /// Gives a frame its number.
+    #[inline]
+    fn number<C>(
+        &mut self,
+        read: Result<Option<Parsed<C>>, RecordingError>,
+    ) -> Option<Result<RecordedFrame<C>, RecordingError>> {
+        match read.transpose()? {
+            Ok(Parsed { at, digits, channel, content }) => {
+                self.frames += 1;
+                Some(Ok(RecordedFrame { n: self.frames, at, digits, channel, content }))
+            }
+            Err(error) => {
+                self.ended = error.is_fatal();
+                Some(Err(error))
+            }
+        }
+    }
+}
+
 /// A recording of either network.
 pub enum Opened {
     /// Of a CAN bus.
@@ -110,12 +136,7 @@ impl Opened {
     /// # Errors
     /// [`RecordingError`] when it cannot be opened, or is not a recording of that network.
     pub fn open(path: &Path, network: Option<Network>) -> Result<Self, RecordingError> {
-        match is_standard(path) {
-            true => Self::from_reader(io::stdin().lock(), network),
-            // Not every operating system says so itself.
-            false if path.is_dir() => Err(RecordingError::Directory),
-            false => Self::from_reader(File::open(path)?, network),
-        }
+        Self::from_reader(source(path)?, network)
     }
 
     /// Reads from any source, which need not be buffered.
@@ -137,6 +158,16 @@ impl Opened {
             Network::Can => Recording::new(window, format).map(Self::Can),
             Network::Ethernet => Capture::new(window, format).map(Self::Ethernet),
         }
+    }
+}
+
+/// A file, or standard input.
+fn source(path: &Path) -> Result<Source, RecordingError> {
+    match is_standard(path) {
+        true => Ok(Box::new(io::stdin().lock())),
+        // Not every operating system says so itself.
+        false if path.is_dir() => Err(RecordingError::Directory),
+        false => Ok(Box::new(File::open(path)?)),
     }
 }
 
@@ -166,12 +197,7 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`] when it cannot be opened, or is not a recording.
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
-        match is_standard(path) {
-            true => Self::from_reader(io::stdin().lock()),
-            // Not every operating system says so itself.
-            false if path.is_dir() => Err(RecordingError::Directory),
-            false => Self::from_reader(File::open(path)?),
-        }
+        Self::from_reader(source(path)?)
     }
 
     /// Reads from any source, which need not be buffered.
@@ -192,7 +218,7 @@ impl Recording {
             Format::PcapNg => Reader::PcapNg(PcapNg::new(window, Network::Can)),
         };
         let (channels, notes) = (Channels::default(), Notes::default());
-        Ok(Self { reader, channels, notes, format, frames: 0, ended: false })
+        Ok(Self { reader, channels, notes, format, numbers: Numbers::default() })
     }
 
     /// Its format.
@@ -215,7 +241,7 @@ impl Recording {
 
     #[inline]
     fn read(&mut self) -> Result<Option<Parsed>, RecordingError> {
-        let Self { channels, notes, .. } = self;
+        let Self { channels, notes, numbers, .. } = self;
         match &mut self.reader {
             Reader::Candump(lines) => next_in_lines(lines, |line| match candump::parse(line, channels) {
                 Err(_) if line.trim_ascii().is_empty() || notes.take_drop_count(line) => Ok(None),
@@ -229,9 +255,9 @@ impl Recording {
                 })
             }
             Reader::Asc(lines, asc) => next_in_lines(lines, |line| asc.parse(line, channels)),
-            Reader::Pcap(pcap) => pcap.next(self.frames, |packet, _| socketcan::parse(packet)),
+            Reader::Pcap(pcap) => pcap.next(numbers.frames, |packet, _| socketcan::parse(packet)),
             Reader::PcapNg(pcapng) => {
-                pcapng.next(self.frames, channels, notes, |packet, _| socketcan::parse(packet))
+                pcapng.next(numbers.frames, channels, notes, |packet, _| socketcan::parse(packet))
             }
         }
     }
@@ -265,18 +291,10 @@ impl Iterator for Recording {
     /// [is fatal](RecordingError::is_fatal) comes nothing more.
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
-        if self.ended {
+        if self.numbers.ended {
             return None;
         }
-        match self.read().transpose()? {
-            Ok(Parsed { at, digits, channel, content }) => {
-                self.frames += 1;
-                Some(Ok(RecordedFrame { n: self.frames, at, digits, channel, content }))
-            }
-            Err(error) => {
-                self.ended = error.is_fatal();
-                Some(Err(error))
-            }
-        }
+        let read = self.read();
+        self.numbers.number(read)
     }
 }
