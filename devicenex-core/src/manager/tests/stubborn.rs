@@ -24,6 +24,14 @@ fn answers(bus: &mut Bus, sent: &[String], class: &str, node: u8, data: &str) {
     bus.hears(&std::format!("{class}03{:02X}{}: {data}", node << 1, &request[6..8]));
 }
 
+/// Answers the request that it sends next to the node, and returns what it sent.
+#[track_caller]
+fn answers_next(bus: &mut Bus, class: &str, node: u8, data: &str) -> Vec<String> {
+    let sent = bus.acknowledges();
+    answers(bus, &sent, class, node, data);
+    sent
+}
+
 fn asked(sent: &[String], start: &str) -> usize {
     sent.iter().filter(|frame| frame.starts_with(start)).count()
 }
@@ -33,8 +41,7 @@ fn asked(sent: &[String], start: &str) -> usize {
 #[test]
 fn an_answer_that_cannot_be_read_is_no_reason_to_ask_at_once() {
     let mut bus = Bus::retrying();
-    let sent = bus.acknowledges();
-    answers(&mut bus, &sent, "1D", 67, "4B 40 00 64 00");
+    answers_next(&mut bus, "1D", 67, "4B 40 00 64 00");
     bus.is(67, DeviceState::Connecting);
     assert_eq!(asked(&bus.acknowledges(), "1D8602"), 0);
     assert_eq!(bus.manager.counters().refused, 1);
@@ -73,13 +80,10 @@ fn a_dynamic_producer_is_watched_at_the_rate_that_it_keeps() {
     let mut bus = Bus::on_line(config(), [plan]);
     bus.identifies(PLANNED);
     bus.answers_get(&[0]);
-    let sent = bus.acknowledges();
-    answers(&mut bus, &sent, "1D", 67, "4B D6 00 C4 09");
-    let sent = bus.acknowledges();
-    answers(&mut bus, &sent, "1D", 67, "4B 40 00 80 00");
+    answers_next(&mut bus, "1D", 67, "4B D6 00 C4 09");
+    answers_next(&mut bus, "1D", 67, "4B 40 00 80 00");
     // Watchdog action, then expected packet rate.
-    let sent = bus.acknowledges();
-    answers(&mut bus, &sent, "16", 67, "90");
+    answers_next(&mut bus, "16", 67, "90");
     let sent = bus.acknowledges();
     assert!(sent[0].ends_with("10 05 80 09 64 00"), "{sent:?}");
     answers(&mut bus, &sent, "16", 67, "90 E8 03");
@@ -109,12 +113,9 @@ fn consumer_is_being_told() -> (Bus, Vec<String>) {
     grants_dynamic(&mut bus, "80");
     bus.is(67, DeviceState::Running);
     bus.hello(5, Direction::Response, CONSUMER);
-    let sent = bus.acknowledges();
-    answers(&mut bus, &sent, "1C", 5, "94 05 FF");
-    let sent = bus.acknowledges();
-    answers(&mut bus, &sent, "1D", 5, "4B D6 00 C4 09");
-    let sent = bus.acknowledges();
-    answers(&mut bus, &sent, "1D", 5, "4B C0 00 00 00");
+    answers_next(&mut bus, "1C", 5, "94 05 FF");
+    answers_next(&mut bus, "1D", 5, "4B D6 00 C4 09");
+    answers_next(&mut bus, "1D", 5, "4B C0 00 00 00");
     let sent = bus.acknowledges();
     assert!(sent[0].ends_with("10 05 0D 05 80 00 86 80"), "{sent:?}");
     (bus, sent)
@@ -123,13 +124,10 @@ fn consumer_is_being_told() -> (Bus, Vec<String>) {
 /// 67 gets its connection, of that instance.
 #[track_caller]
 fn grants_dynamic(bus: &mut Bus, instance: &str) {
-    let sent = bus.acknowledges();
-    answers(bus, &sent, "1D", 67, "4B D6 00 C4 09");
-    let sent = bus.acknowledges();
-    answers(bus, &sent, "1D", 67, &std::format!("4B 40 00 {instance} 00"));
+    answers_next(bus, "1D", 67, "4B D6 00 C4 09");
+    answers_next(bus, "1D", 67, &std::format!("4B 40 00 {instance} 00"));
     for response in ["90", "90 00 00"] {
-        let sent = bus.acknowledges();
-        answers(bus, &sent, "16", 67, response);
+        answers_next(bus, "16", 67, response);
     }
 }
 
@@ -138,8 +136,7 @@ fn a_consumer_whose_producer_changes_while_it_is_told_is_told_again() {
     let (mut bus, told) = consumer_is_being_told();
     // The spare of 67 is on line, and produces on another instance, before 5 has answered.
     bus.hello(67, Direction::Response, SPARE);
-    let sent = bus.acknowledges();
-    answers(&mut bus, &sent, "1C", 67, "94 05 FF");
+    answers_next(&mut bus, "1C", 67, "94 05 FF");
     grants_dynamic(&mut bus, "81");
     bus.is(67, DeviceState::Running);
     answers(&mut bus, &told, "16", 5, "90");
@@ -155,14 +152,11 @@ fn a_consumer_that_waits_for_its_producer_is_watched() {
     let mut bus = Bus::on_line(config(), [producer(), consumer(0)]);
     bus.acknowledges();
     bus.hello(67, Direction::Response, PLANNED);
-    let sent = bus.acknowledges();
-    answers(&mut bus, &sent, "1C", 67, "94 05 FF");
+    answers_next(&mut bus, "1C", 67, "94 05 FF");
     bus.answers_connection();
     bus.hello(5, Direction::Response, CONSUMER);
-    let sent = bus.acknowledges();
-    answers(&mut bus, &sent, "1C", 5, "94 05 FF");
-    let sent = bus.acknowledges();
-    answers(&mut bus, &sent, "1D", 5, "4B D6 00 C4 09");
+    answers_next(&mut bus, "1C", 5, "94 05 FF");
+    answers_next(&mut bus, "1D", 5, "4B D6 00 C4 09");
     let sent = bus.acknowledges();
     assert!(sent[0].ends_with("4B C0 0D 00 00 00 00"), "{sent:?}");
     bus.hello(67, Direction::Response, STRANGER);
