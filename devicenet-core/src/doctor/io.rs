@@ -9,6 +9,7 @@ use super::Clinic;
 use super::finding::{Exchange, Facts};
 use super::ledger::Sign;
 use super::patient::Seen;
+use super::rhythm::Before;
 use super::rule::{Rule, Severity};
 use crate::id::{Identifier, MacId, Purpose};
 use crate::monitor::{Kind, Predefined, Problem, Reading};
@@ -55,12 +56,14 @@ impl<const N: usize> Clinic<'_, N> {
     fn produced(&mut self, mac: MacId, reading: &Reading<'_>, doubt: Doubt) {
         let Some(rhythm) = self.records.rhythm(mac) else { return };
         let seen = Seen { n: reading.n, at: reading.at };
-        // What is not acknowledged is sent again.
-        let is_again = doubt != Doubt::None
-            || matches!(reading.problem, Some(Problem::Flaw(Flaw::Unacknowledged { .. })));
+        let before = match (reading.problem, doubt) {
+            (Some(Problem::Flaw(Flaw::Unacknowledged { .. })), _) => Before::Unacknowledged,
+            (_, Doubt::Again | Doubt::Error) => Before::Doubtful,
+            (_, Doubt::None) => Before::Sent,
+        };
         let message = reading.message.as_ref();
         let data = message.map_or(reading.value(), |message| message.value()).unwrap_or_default();
-        if let Some(first) = self.patient(mac).rhythm.message(seen, data, &rhythm, is_again) {
+        if let Some(first) = self.patient(mac).rhythm.message(seen, data, &rhythm, before) {
             self.second_sender(mac, reading, first);
         }
     }

@@ -225,7 +225,7 @@ impl Patient {
 }
 
 /// A frame is sent again at once, at the lowest bit rate after a millisecond, and another one can have come in between.
-const AGAIN: Duration = Duration::from_millis(3);
+pub(super) const AGAIN: Duration = Duration::from_millis(3);
 /// Answers that may be late at a time: a slave has hardly room for more commands.
 const MOST_LATE: u16 = 8;
 /// So many answers in time end the finding of slow ones.

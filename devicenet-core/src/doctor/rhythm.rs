@@ -7,7 +7,7 @@ use core::time::Duration;
 
 use link_core::Instant;
 
-use super::patient::Seen;
+use super::patient::{AGAIN, Seen};
 use crate::monitor;
 
 /// The last messages of a slave.
@@ -27,6 +27,19 @@ struct Message {
     len: usize,
     /// Of all of its data, of which there can be more than anybody keeps.
     digest: u64,
+    /// An error came before it, so that it may have waited.
+    may_be_late: bool,
+}
+
+/// What may have become of the message before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Before {
+    /// It got through.
+    Sent,
+    /// It was not acknowledged: this is another attempt, with what the data are by now.
+    Unacknowledged,
+    /// There was an error since, by which it may have been destroyed for somebody: then it is sent again at once.
+    Doubtful,
 }
 
 /// What did not fit of late.
@@ -56,16 +69,16 @@ enum Points {
 impl Rhythm {
     pub(super) const NEW: Self = Self { last: None, earlier: [None; 2], other: None, doubt: None };
 
-    /// A message. `is_again`: it is the one before again, which was not acknowledged, or was destroyed for somebody. Returns the first
-    /// one that did not fit, if there are too many of them.
+    /// A message. Returns the first one that did not fit, if there are too many of them.
     pub(super) fn message(
         &mut self,
         seen: Seen,
         data: &[u8],
         rhythm: &monitor::Rhythm,
-        is_again: bool,
+        before: Before,
     ) -> Option<Seen> {
-        let message = Message::new(seen.at, data);
+        let message = Message::new(seen.at, data, before);
+        let is_again = self.is_again(&message, before);
         let points = if is_again { Points::None } else { self.points(&message, rhythm) };
         match self.last {
             Some(last) if last.is_same(&message) => {}
@@ -99,11 +112,22 @@ impl Rhythm {
         self.doubt.filter(|doubt| doubt.is_enough()).map(|doubt| doubt.first)
     }
 
+    /// Whether a message is the one before again.
+    fn is_again(&self, message: &Message, before: Before) -> bool {
+        match before {
+            Before::Sent => false,
+            Before::Unacknowledged => true,
+            Before::Doubtful => self
+                .last
+                .is_some_and(|last| last.is_same(message) && message.at.saturating_since(last.at) <= AGAIN),
+        }
+    }
+
     fn points(&self, message: &Message, rhythm: &monitor::Rhythm) -> Points {
         let Some(last) = self.last else { return Points::None };
         let gap = message.at.saturating_since(last.at);
         let is_early = gap.saturating_mul(2) < rhythm.period;
-        if gap.saturating_mul(2) < rhythm.inhibit || rhythm.is_cyclic && is_early {
+        if !last.may_be_late && (gap.saturating_mul(2) < rhythm.inhibit || rhythm.is_cyclic && is_early) {
             // Half of the time is more than a busy bus can take.
             return Points::Second(CERTAIN);
         }
@@ -150,12 +174,12 @@ impl Doubt {
 }
 
 impl Message {
-    fn new(at: Instant, data: &[u8]) -> Self {
+    fn new(at: Instant, data: &[u8], before: Before) -> Self {
         // FNV-1a.
         let digest = data.iter().fold(0xCBF2_9CE4_8422_2325, |digest: u64, &byte| {
             (digest ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3)
         });
-        Self { at, len: data.len(), digest }
+        Self { at, len: data.len(), digest, may_be_late: before == Before::Doubtful }
     }
 
     fn is_same(&self, other: &Self) -> bool {

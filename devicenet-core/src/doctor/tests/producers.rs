@@ -1,6 +1,7 @@
 //! Change of state and cyclic: how many produce on one identifier.
 
 use super::*;
+use link_core::BusErrorKind;
 
 /// Slave 10, which produces by change of state every 100 ms at least, and a second producer.
 fn producers(choice: u8, millis: u64, messages: &[(u64, u8)]) -> Ward {
@@ -103,6 +104,30 @@ fn a_second_producer_beside_an_application_that_triggers() {
 fn two_producers_on_the_identifier_of_cyclic() {
     producers(0x21, 100, &[(0, 7)]).is_healthy();
     producers(0x21, 100, &[(0, 7), (30, 8)]).only(Rule::IdentifierCollision);
+}
+
+/// A cyclic slave, and an error once a round, before its last message. Who sends again what an error has destroyed does so at once and
+/// unchanged, and who was held up by errors is earlier the next time; a second producer goes on beside them.
+#[test]
+fn an_error_explains_a_message_that_is_repeated_at_once_or_late_and_no_other() {
+    let one: [(u64, &[(u64, u8)]); 3] =
+        [(100, &[(0, 7)]), (100, &[(0, 7), (1, 7)]), (200, &[(0, 7), (160, 7)])];
+    let two: [(u64, &[(u64, u8)]); 2] = [(100, &[(0, 7), (30, 8)]), (100, &[(0, 7), (30, 7)])];
+    let of_round = one.map(|round| (round, false)).into_iter().chain(two.map(|round| (round, true)));
+    for ((millis, messages), is_second) in of_round {
+        let mut ward = Ward::with_slave_of(DoctorConfig::default(), 0x21);
+        let begin = ward.now + 10;
+        for round in 0..20 {
+            for (index, &(at, value)) in (1..).zip(messages) {
+                ward.wait((begin + round * millis + at - 1).saturating_sub(ward.now));
+                if index == messages.len() {
+                    ward.link(LinkEvent::BusError(BusErrorKind::Bit));
+                }
+                ward.group1(0xD, 10, &[value]);
+            }
+        }
+        assert_eq!(!ward.of(Rule::IdentifierCollision).is_empty(), is_second, "{messages:?}");
+    }
 }
 
 /// Without an acknowledge it is sent again.
