@@ -92,6 +92,7 @@ table! {
         spare_wait: Time,
         learning: bool,
         takeover_after: Time,
+        rejoin_after: Time,
         planned: Vec<Spanned<RawPlanned>>,
         poll: RawIo,
         bit_strobe: RawIo,

@@ -218,6 +218,7 @@ fn is_problem_of_manager(event: &ManagerEvent) -> bool {
             | PlannedEvent::Read(_, Ok(_)) => false,
         },
         ManagerEvent::SecondManager { .. }
+        | ManagerEvent::Rejoins(_)
         | ManagerEvent::Misplaced { .. }
         | ManagerEvent::Readdressed { result: Err(_), .. }
         | ManagerEvent::RequestFailed(..)

@@ -56,7 +56,7 @@ fn keys_that_nobody_knows() {
     refused(
         BUS,
         "[[node]]\nnaem = 1",
-        "3:1: there is no key `naem`, did you mean `name`? expected `name`, `count`, `protocol`, `role`, `mac`, `oa`, `power_up`, `reaction`, `bit_rate`, `clock_ppm`, `identity`, `port`, `boi`, `quick_connect`, `offline_set`, `switches`, `hello_wait`, `announcement`, `produce`, `consume`, `mini_who`, `idle_mini_who`, `roam_tries`, `connect_tries`, `spare_wait`, `learning`, `takeover_after`, `planned`, `poll`, `bit_strobe`, `cos`, `cyclic`, `multicast_poll`, `input`, `ucmm`, `unconnected_port`, `heartbeat`, `shutdown_message`, `run`, `interscan_delay`, `response_wait`, `background_ratio`, `first_contact`, `retry_after`, `retry_at_most`, `replacement`, `replacement_retry`, `multicast_output`, `scan`, `file`, `log`, `only`, `frame` or `period`",
+        "3:1: there is no key `naem`, did you mean `name`? expected `name`, `count`, `protocol`, `role`, `mac`, `oa`, `power_up`, `reaction`, `bit_rate`, `clock_ppm`, `identity`, `port`, `boi`, `quick_connect`, `offline_set`, `switches`, `hello_wait`, `announcement`, `produce`, `consume`, `mini_who`, `idle_mini_who`, `roam_tries`, `connect_tries`, `spare_wait`, `learning`, `takeover_after`, `rejoin_after`, `planned`, `poll`, `bit_strobe`, `cos`, `cyclic`, `multicast_poll`, `input`, `ucmm`, `unconnected_port`, `heartbeat`, `shutdown_message`, `run`, `interscan_delay`, `response_wait`, `background_ratio`, `first_contact`, `retry_after`, `retry_at_most`, `replacement`, `replacement_retry`, `multicast_output`, `scan`, `file`, `log`, `only`, `frame` or `period`",
     );
     refused(
         TOOL,

@@ -35,7 +35,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         self.advance(now);
         plan.check()?;
         let address = plan.address;
-        if address == self.config.node.access.first_address() {
+        if address == self.config.node.access.first_address() || address == self.own() {
             return Err(DatabaseError::OwnAddress(address));
         }
         if self.place(address).is_some() {
@@ -133,6 +133,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     pub fn reset(&mut self, now: Instant) {
         self.advance(now);
         self.stop(Work::Wanted);
+        self.tried = None;
         self.node.reset(now);
         self.follow_access();
     }

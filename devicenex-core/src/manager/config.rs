@@ -81,6 +81,10 @@ pub struct Config {
     /// For how long another manager must be silent before this one works again, in ms; 0: until
     /// [`Manager::resume`](super::Manager::resume). Default: 0.
     pub takeover_after: u32,
+    /// How long the manager is without an address after another node has turned out to have it, in ms: then it says Hello
+    /// with it once more, and after that with the next one that is not planned, until nobody objects. 0: never; it waits
+    /// for the ROAM of another manager or for [`Manager::reset`](super::Manager::reset). Default: 10 000.
+    pub rejoin_after: u32,
     /// The Message ID of the manager's explicit messages, 0 to 7; a low one has a high priority. Default: 6.
     pub message: MessageId,
 }
@@ -109,6 +113,7 @@ impl Config {
             learning: false,
             readdress: true,
             takeover_after: 0,
+            rejoin_after: 10_000,
             message: MessageId::from_low_bits(6),
         }
     }

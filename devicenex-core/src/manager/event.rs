@@ -24,6 +24,9 @@ pub enum ManagerEvent {
     Started,
     /// It does nothing any more: it is off line, or leaves the work to another manager.
     Stopped,
+    /// Another node has its address. It says Hello with this one now: its own once more, or another that is free as far as
+    /// it knows ([`Config::rejoin_after`](super::Config::rejoin_after)).
+    Rejoins(OperationalAddress),
     /// There is another manager on the bus.
     SecondManager {
         /// The low half of its serial number, from its Mini-who; `None` if it showed by a ROAM, which does not tell.
@@ -239,6 +242,7 @@ impl fmt::Display for ManagerEvent {
             Self::Node(event) => fmt::Display::fmt(event, f),
             Self::Started => f.write_str("looks for all planned devices"),
             Self::Stopped => f.write_str("does nothing any more"),
+            Self::Rejoins(address) => write!(f, "tries OA {address}"),
             Self::SecondManager { serial_low, yields } => {
                 f.write_str("another manager")?;
                 if let Some(serial_low) = serial_low {

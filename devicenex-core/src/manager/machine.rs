@@ -38,7 +38,7 @@ pub struct Manager<const DEVICES: usize, const CONNECTIONS: usize> {
     pub(super) standing: Standing<DEVICES>,
     pub(super) talk: Talk,
     pub(super) lanes: Lanes,
-    pub(super) timers: Timers<Timer, 6>,
+    pub(super) timers: Timers<Timer, 7>,
     pub(super) counters: Counters,
     pub(super) mini_who_due: bool,
     /// It has asked since it began to work.
@@ -46,6 +46,8 @@ pub struct Manager<const DEVICES: usize, const CONNECTIONS: usize> {
     /// The Mini-who timer runs because a device is missing.
     pub(super) looks: bool,
     pub(super) strangers: Strangers,
+    /// The address that it took last because another node has its own.
+    pub(super) tried: Option<OperationalAddress>,
     /// The other manager that was told last.
     pub(super) other: Option<Option<u16>>,
     pub(super) events: Queue<ManagerEvent, EVENTS>,
@@ -77,18 +79,28 @@ pub(super) enum Timer {
     Talk,
     /// What was heard of unknown devices with an address.
     Strangers,
+    /// Without an address.
+    Rejoin,
 }
 
-impl TimerKey<6> for Timer {
-    const ALL: [Self; 6] =
-        [Self::MiniWho, Self::Answers, Self::Spacing, Self::Takeover, Self::Talk, Self::Strangers];
-    const WHY: [&'static str; 6] = [
+impl TimerKey<7> for Timer {
+    const ALL: [Self; 7] = [
+        Self::MiniWho,
+        Self::Answers,
+        Self::Spacing,
+        Self::Takeover,
+        Self::Talk,
+        Self::Strangers,
+        Self::Rejoin,
+    ];
+    const WHY: [&'static str; 7] = [
         "Mini-who",
         "answers to the Mini-who",
         "a pause after the Mini-who",
         "silence of the other manager",
         "explicit response",
         "whether unknown devices are there still",
+        "another address for the manager",
     ];
 
     fn index(self) -> usize {
@@ -99,6 +111,7 @@ impl TimerKey<6> for Timer {
             Self::Takeover => 3,
             Self::Talk => 4,
             Self::Strangers => 5,
+            Self::Rejoin => 6,
         }
     }
 }
@@ -180,6 +193,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             has_asked: false,
             looks: false,
             strangers: Strangers::default(),
+            tried: None,
             other: None,
             events: Queue::new(),
             config,
@@ -263,6 +277,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
 
     /// Its own network access got on line, or off.
     pub(super) fn follow_access(&mut self) {
+        self.follow_address();
         match (self.work, self.access().is_online()) {
             (Work::Wanted, true) => self.start(),
             (Work::Going, false) => self.stop(Work::Wanted),
@@ -367,6 +382,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             Timer::Takeover => self.take_over(),
             Timer::Talk => self.talk_over(),
             Timer::Strangers => self.strangers_over(),
+            Timer::Rejoin => self.rejoin(),
         }
     }
 

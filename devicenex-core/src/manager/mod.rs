@@ -118,7 +118,7 @@
 //! | `connect`, `answer`, `adopt`, `watch` | connections: made, found and compared with the plan, and what becomes of them |
 //! | `talk` | requests of the application, planned reads, new addresses for devices that have one |
 //! | `machine`, `slot`, `made`, `lanes`, `output` | what is kept of each device and connection, and the order in which frames leave |
-//! | `node` | the manager as a node of its own |
+//! | `node`, `rejoin` | the manager as a node of its own; what it does when another has its address |
 //!
 //! # Decisions where the paper is silent
 //!
@@ -139,6 +139,7 @@
 //! | an unknown device with an address falls silent | it is told again when it comes back, once it has left out three announcements ([`access::Config::announcement`](crate::access::Config::announcement)) |
 //! | the explicit connection of the predefined set belongs to another client | a dynamic one is asked for |
 //! | a connection is refused | told, and asked for again after [`retry_wait`](Config::retry_wait); the others are made |
+//! | another node has the address of the manager | it gives it up, waits [`rejoin_after`](Config::rejoin_after), and says Hello with it once more; if it is still taken with the next one that is not planned, and goes on from there. It takes what another manager gives it meanwhile, and leaves the work to that |
 //! | there are two managers | the one that has not asked yet is the second, and leaves the work; of two that have, the one with the lower half serial number goes on |
 //! | the other manager falls silent | nothing, or [`Config::takeover_after`] |
 //! | learning | a device without an address gets the lowest one that is free; one that has an address keeps it. Connections are the application's business |
@@ -157,6 +158,7 @@ mod machine;
 mod made;
 mod node;
 mod output;
+mod rejoin;
 mod slot;
 mod standing;
 mod state;

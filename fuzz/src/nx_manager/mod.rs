@@ -66,6 +66,7 @@ impl Network {
         config.early_roam = choice(2);
         config.readdress = !choice(3);
         config.takeover_after = if choice(4) { 20_000 } else { 0 };
+        config.rejoin_after = if choice(6) { 0 } else { 3_000 };
         if choice(5) {
             config.poll_interval = 0;
             config.idle_mini_who_interval = 0;

@@ -62,6 +62,7 @@ impl Checker<'_> {
             spare_wait: self.long_milliseconds("spare_wait", raw.spare_wait.as_ref(), 15_000)?,
             learning: is_set(raw.learning.as_ref()),
             takeover_after: self.long_milliseconds("takeover_after", raw.takeover_after.as_ref(), 0)?,
+            rejoin_after: self.long_milliseconds("rejoin_after", raw.rejoin_after.as_ref(), 10_000)?,
             planned: Vec::new(),
         })
     }

@@ -229,6 +229,7 @@ const MANAGER: &[&str] = &[
     "spare_wait",
     "learning",
     "takeover_after",
+    "rejoin_after",
     "planned",
 ];
 const SLAVE: &[&str] = &[

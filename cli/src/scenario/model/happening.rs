@@ -98,6 +98,8 @@ names! {
         Conflict = "conflict",
         /// Manager: there is another manager on the bus.
         SecondManager = "second_manager",
+        /// Manager: another node has its address, and it says Hello with its own once more, or with another.
+        Rejoins = "rejoins",
         /// Manager: an attribute of a planned device was read.
         Read = "read",
         /// Tool: the offline connection set is its own.
@@ -155,6 +157,7 @@ impl EventName {
             | Self::Spare
             | Self::Conflict
             | Self::SecondManager
+            | Self::Rejoins
             | Self::Read => Kind::Manager,
         }
     }

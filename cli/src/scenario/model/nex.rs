@@ -68,6 +68,8 @@ pub struct ManagerNode {
     pub learning: bool,
     /// For how long another manager must be silent before this one works again, in ms; 0: for ever.
     pub takeover_after: u32,
+    /// How long it is without an address that another node has, in ms; 0: for ever.
+    pub rejoin_after: u32,
     /// The database.
     pub planned: Vec<Planned>,
 }

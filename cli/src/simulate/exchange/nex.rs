@@ -162,6 +162,7 @@ impl NexExchange {
                 return None;
             }
             ManagerEvent::SecondManager { .. } => return Some(EventName::SecondManager.into()),
+            ManagerEvent::Rejoins(_) => return Some(EventName::Rejoins.into()),
             ManagerEvent::Unknown { .. } => return Some(EventName::Unknown.into()),
             ManagerEvent::Spare(_) => return Some(EventName::Spare.into()),
             _ => return None,

@@ -224,5 +224,5 @@ fn the_size_of_a_manager_is_known() {
     let none = size_of::<Manager<0, 0>>();
     let device = size_of::<Manager<1, 0>>() - none;
     let connection = size_of::<Manager<1, 1>>() - none - device;
-    assert_eq!((none, device, connection), (4752, 544, 80));
+    assert_eq!((none, device, connection), (4768, 544, 64));
 }

@@ -3,6 +3,7 @@ mod adopting;
 mod bus;
 mod connecting;
 pub(super) mod edges;
+mod rejoining;
 mod stubborn;
 mod talking;
 mod two_managers;

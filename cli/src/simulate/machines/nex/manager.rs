@@ -38,6 +38,7 @@ impl ManagerMachine {
             spare_wait: node.spare_wait,
             learning: node.learning,
             takeover_after: node.takeover_after,
+            rejoin_after: node.rejoin_after,
             ..config
         };
         let mut manager = Box::new(Manager::new(config));
