@@ -4,6 +4,8 @@ use core::time::Duration;
 
 use link_core::{Instant, LinkEvent};
 
+use crate::error::Unconfirmed;
+
 /// Watches over the frame that the kernel has. Its echo may be among frames that the receive queue has lost, and a driver may lose the
 /// frame itself, or its echo, without a word: then nobody will ever tell what became of it, and nothing else would be sent.
 ///
@@ -17,28 +19,39 @@ pub(crate) struct EchoWatch {
     /// How long after the kernel has taken a frame that is.
     patience: Duration,
     has_trouble: bool,
+    /// Since the kernel has taken the frame, another was heard, or an error.
+    is_alive: bool,
     /// Frames were lost while the kernel had this one: when to give it up for that.
     lost_at: Option<Instant>,
 }
 
 impl EchoWatch {
     pub(crate) const fn new() -> Self {
-        Self { late_at: Instant::ZERO, patience: LATE, has_trouble: false, lost_at: None }
+        Self { late_at: Instant::ZERO, patience: LATE, has_trouble: false, is_alive: false, lost_at: None }
     }
 
     /// The kernel has taken a frame.
     pub(crate) fn begin(&mut self, now: Instant) {
         self.late_at = now.saturating_add(self.patience);
         self.lost_at = None;
+        self.is_alive = false;
     }
 
-    /// It was given up.
-    pub(crate) fn give_up(&mut self) {
-        self.patience = self.patience.saturating_mul(2).min(LATEST);
+    /// It is given up; returns why nobody can tell what became of it.
+    pub(crate) fn give_up(&mut self) -> Unconfirmed {
+        match (self.lost_at, self.is_alive) {
+            (Some(_), _) => Unconfirmed::Overrun,
+            (None, true) => Unconfirmed::Unheard,
+            (None, false) => {
+                self.patience = self.patience.saturating_mul(2).min(LATEST);
+                Unconfirmed::Silence
+            }
+        }
     }
 
     /// A frame was heard, an own one or another's: somebody else is there.
     pub(crate) fn alive(&mut self, at: Instant) {
+        self.is_alive = true;
         if self.patience > LATE {
             self.patience = LATE;
             self.late_at = self.late_at.min(at.saturating_add(LATE));
@@ -59,7 +72,10 @@ impl EchoWatch {
                 self.late_at = self.late_at.max(at.saturating_add(LATE));
             }
             // It tries again.
-            LinkEvent::BusError(_) => self.late_at = self.late_at.max(at.saturating_add(LATE)),
+            LinkEvent::BusError(_) => {
+                self.is_alive = true;
+                self.late_at = self.late_at.max(at.saturating_add(LATE));
+            }
             LinkEvent::Down
             | LinkEvent::BusOff
             | LinkEvent::Counters { .. }
@@ -89,6 +105,9 @@ mod tests {
     use super::*;
     use link_core::BusErrorKind;
 
+    /// What happens while a frame is waited for.
+    type Deed = fn(&mut EchoWatch);
+
     fn at(millis: u64) -> Instant {
         Instant::from_millis(millis)
     }
@@ -111,7 +130,7 @@ mod tests {
             watch.begin(at(now));
             now += patience * 1_000;
             assert_eq!(watch.give_up_at(), Some(at(now)));
-            watch.give_up();
+            assert_eq!(watch.give_up(), Unconfirmed::Silence);
         }
         watch.begin(at(now));
         watch.alive(at(now + 10_000));
@@ -131,6 +150,28 @@ mod tests {
         assert_eq!(watch.give_up_at(), Some(at(1_100)));
         watch.begin(at(1_200));
         assert_eq!(watch.give_up_at(), Some(at(4_200)));
+    }
+
+    /// Only silence says that there may be nobody else.
+    #[test]
+    fn what_was_heard_meanwhile_says_why_it_is_given_up() {
+        let of_deeds: [(&[Deed], Unconfirmed); 5] = [
+            (&[], Unconfirmed::Silence),
+            (&[|watch| watch.alive(at(10))], Unconfirmed::Unheard),
+            (&[|watch| watch.hear(at(10), LinkEvent::BusError(BusErrorKind::Crc))], Unconfirmed::Unheard),
+            (&[|watch| watch.overrun(at(10))], Unconfirmed::Overrun),
+            (&[|watch| watch.overrun(at(10)), |watch| watch.alive(at(11))], Unconfirmed::Overrun),
+        ];
+        for (deeds, why) in of_deeds {
+            let mut watch = EchoWatch::new();
+            watch.alive(at(0));
+            watch.begin(at(5));
+            deeds.iter().for_each(|deed| deed(&mut watch));
+            assert_eq!(watch.give_up(), why);
+            watch.begin(at(5_000));
+            let patience = if why == Unconfirmed::Silence { 6_000 } else { 3_000 };
+            assert_eq!(watch.give_up_at(), Some(at(5_000 + patience)), "only silence makes patient: {why:?}");
+        }
     }
 
     /// Nobody acknowledges, which may last for hours.

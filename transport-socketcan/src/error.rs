@@ -109,6 +109,26 @@ pub enum Refusal {
     },
 }
 
+/// Why nobody can tell what became of a frame: what [`TxOutcome::Unknown`](link_core::TxOutcome::Unknown) stands for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Unconfirmed {
+    /// The socket has lost what it received, of which the echo of the frame may have been part.
+    #[error(
+        "frames were lost that came faster than they were read, and with them what became of an own one: it may be sent twice"
+    )]
+    Overrun,
+    /// Nothing that the filters let pass was heard while the frame was waited for, and no error.
+    #[error(
+        "its driver tells neither that a frame was sent nor of an error: so it is when nobody acknowledges, alone on the bus or at the \
+         wrong bit rate"
+    )]
+    Silence,
+    /// Others were heard meanwhile, or errors.
+    #[error("its driver does not tell that a frame was sent, though others are heard: it may be sent twice")]
+    Unheard,
+}
+
 fn words(mode: &Mode) -> String {
     format!("{}{}", mode.bit_rate, if mode.listen_only { ", listen-only" } else { "" })
 }

@@ -24,7 +24,7 @@
 //! | the echo of an own frame, marked `MSG_CONFIRM` | [`TxDone(_, Sent)`](link_core::TxOutcome::Sent): it was on the bus and acknowledged |
 //! | a frame taken by an interface without an echo (`vcan`, `slcan`) | `TxDone(_, Sent)`, of the last known moment |
 //! | the same frame from a twin, unmarked | `Input::Frame`: an echo is never recognised by its content |
-//! | no echo for 3 s (up to 60 s, as long as nothing at all is heard), though the controller tells of no trouble, or for 1 s after frames were lost | [`TxDone(_, Unknown)`](link_core::TxOutcome::Unknown) |
+//! | no echo for 3 s (up to 60 s, as long as nothing at all is heard), though the controller tells of no trouble, or for 1 s after frames were lost | [`TxDone(_, Unknown)`](link_core::TxOutcome::Unknown); [`SocketCanPort::unconfirmed`] tells which of these |
 //! | error frame, class bus-off | [`LinkEvent::BusOff`](link_core::LinkEvent::BusOff); frames in flight are `Dropped` |
 //! | error frame, restarted | `Up`; before it `BusOff`, if the news of that was lost |
 //! | error frame, controller | `ErrorWarning`, `ErrorPassive`, `ErrorActive`, `Overrun` |
@@ -64,7 +64,7 @@ mod socket;
 #[cfg(feature = "tokio")]
 mod tokio;
 
-pub use error::{Error, Refusal};
+pub use error::{Error, Refusal, Unconfirmed};
 pub use interface::{Interface, Kind};
 pub use port::SocketCanPort;
 #[cfg(feature = "tokio")]

@@ -14,7 +14,7 @@ use link_core::stamps::Stamps;
 use link_core::{Filter, FilterSet, Frame, Input, Instant, LinkEvent};
 
 use crate::echo::EchoWatch;
-use crate::error::{Error, Refusal};
+use crate::error::{Error, Refusal, Unconfirmed};
 use crate::frame;
 use crate::interface::Interface;
 use crate::outbox::Outbox;
@@ -52,6 +52,7 @@ pub(crate) struct Link {
     restart_is_told: bool,
     retry_at: Option<Instant>,
     refusal: Option<Refusal>,
+    unconfirmed: Option<Unconfirmed>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -88,6 +89,7 @@ impl Link {
             restart_is_told: false,
             retry_at: None,
             refusal: None,
+            unconfirmed: None,
         };
         if link.interface.is_up() {
             link.begin();
@@ -101,6 +103,10 @@ impl Link {
 
     pub(crate) const fn refusal(&self) -> Option<&Refusal> {
         self.refusal.as_ref()
+    }
+
+    pub(crate) const fn unconfirmed(&self) -> Option<Unconfirmed> {
+        self.unconfirmed
     }
 
     pub(crate) const fn never_send(&mut self) {
@@ -186,7 +192,7 @@ impl Link {
         }
         if self.outbox.with_kernel().is_some() && self.echo.give_up_at().is_some_and(|at| at <= now) {
             self.outbox.give_up();
-            self.echo.give_up();
+            self.unconfirmed = Some(self.echo.give_up());
             self.hand_over()?;
         }
         if self.restart_due.take_if(|at| *at <= now).is_some() {

@@ -5,7 +5,7 @@ use core::time::Duration;
 use link_core::machine::{Deadline, TxToken};
 use link_core::{Frame, Input, Instant, LinkCommand, Port};
 
-use crate::error::{Error, Refusal};
+use crate::error::{Error, Refusal, Unconfirmed};
 use crate::interface::Interface;
 use crate::link::Link;
 use crate::socket::LONGEST_SHORT_WAIT;
@@ -50,6 +50,13 @@ impl SocketCanPort {
     #[must_use]
     pub const fn refusal(&self) -> Option<&Refusal> {
         self.link.refusal()
+    }
+
+    /// Why it is not known what became of the latest frame that was answered with
+    /// [`TxOutcome::Unknown`](link_core::TxOutcome::Unknown).
+    #[must_use]
+    pub const fn unconfirmed(&self) -> Option<Unconfirmed> {
+        self.link.unconfirmed()
     }
 }
 

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use link_core::{Filter, FilterSet, Input, LinkCommand, LinkEvent, Port, StandardId, TxOutcome, TxToken};
-use transport_socketcan::SocketCanPort;
+use transport_socketcan::{SocketCanPort, Unconfirmed};
 
 use crate::rig::{Interface, dropped, frame, input, run, sent, silent, wait};
 
@@ -43,11 +43,13 @@ fn a_frame_of_which_nothing_is_heard_does_not_stop_the_port() {
     port.transmit(TxToken(2), frame(0x200, &[2])).unwrap();
     let (at, done) = wait(&mut port, Duration::from_secs(20));
     assert_eq!(done, Input::TxDone(TxToken(1), TxOutcome::Unknown));
+    assert_eq!(port.unconfirmed(), Some(Unconfirmed::Silence));
     assert!(at >= before + Duration::from_secs(3), "{before} {at}");
     // The second is with the kernel since then, for six seconds. The echo of the first, at eight, is not its own, and says that the bus
     // is alive.
     let (at, done) = wait(&mut port, Duration::from_secs(20));
     assert_eq!(done, Input::TxDone(TxToken(2), TxOutcome::Unknown));
+    assert_eq!(port.unconfirmed(), Some(Unconfirmed::Unheard));
     assert!(at >= before + Duration::from_secs(9), "{before} {at}");
     port.transmit(TxToken(3), frame(0x300, &[3])).unwrap();
     let (_, done) = wait(&mut port, Duration::from_secs(20));
