@@ -32,9 +32,9 @@ pub(super) struct LivePort {
     /// The latest that was told.
     #[cfg(target_os = "linux")]
     refusal: Option<transport_socketcan::Refusal>,
-    /// The user knows that a frame was lost sight of.
+    /// The same.
     #[cfg(target_os = "linux")]
-    is_silence_told: bool,
+    unconfirmed: Option<transport_socketcan::Unconfirmed>,
 }
 
 enum Bus {
@@ -166,14 +166,12 @@ impl LivePort {
             #[cfg(target_os = "linux")]
             Bus::Interface(port) => {
                 let input = port.wait(deadline).map_err(failed)?;
-                if matches!(input.1, Input::TxDone(_, TxOutcome::Unknown))
-                    && !core::mem::replace(&mut self.is_silence_told, true)
+                // The machine sends the frame again, and does not hear why.
+                if let (_, Input::TxDone(_, TxOutcome::Unknown)) = input
+                    && let Some(why) = port.unconfirmed().filter(|why| self.unconfirmed != Some(*why))
                 {
-                    crate::output::warn(format_args!(
-                        "{}: its driver tells neither that a frame was sent nor of an error: so it is when nobody acknowledges, alone on \
-                         the bus or at the wrong bit rate",
-                        port.interface().name()
-                    ));
+                    crate::output::warn(format_args!("{}: {why}", port.interface().name()));
+                    self.unconfirmed = Some(why);
                 }
                 Ok(input)
             }

@@ -58,7 +58,7 @@ impl LivePort {
             #[cfg(target_os = "linux")]
             refusal: None,
             #[cfg(target_os = "linux")]
-            is_silence_told: false,
+            unconfirmed: None,
         })
     }
 }
