@@ -21,7 +21,9 @@ mod config;
 mod event;
 mod machine;
 mod output;
+mod poll;
 mod receive;
+mod supervision;
 #[cfg(test)]
 mod tests;
 
