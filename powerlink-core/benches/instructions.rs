@@ -62,7 +62,7 @@ const CASES: &[Case] = &[
         name: "poll",
         words: "8 bytes in each direction: four objects of 16 bits",
         mapping: DefaultMapping { receive: &OUTPUTS, transmit: &INPUTS },
-        budget: Some(450),
+        budget: Some(400),
     },
     Case {
         name: "poll-1",

@@ -120,7 +120,7 @@
 //! # Limits
 //!
 //! A controlled node that is polled, and of a managing node what a test needs: no SDO over UDP or in PDOs, no multiple parameters in one SDO command,
-//! no poll response chaining, no storage of parameters (0x1010, 0x1011). Objects in process data begin at whole bytes.
+//! no poll response chaining, no storage of parameters (0x1010, 0x1011). Objects in process data are of whole bytes.
 //! POWERLINK is a trade mark; nothing here was certified by anybody.
 //!
 //! # Features

@@ -54,11 +54,39 @@ impl MappingEntry {
         let ([o0, o1], [l0, l1]) = (self.offset.to_le_bytes(), self.length.to_le_bytes());
         u64::from_le_bytes([i0, i1, sub, 0, o0, o1, l0, l1])
     }
+}
 
-    /// Where it is, in bytes.
-    fn bytes(self) -> core::ops::Range<usize> {
-        let start = usize::from(self.offset >> 3);
-        start..start.saturating_add(usize::from(self.length >> 3))
+/// An entry as it is kept: in whole bytes.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Place {
+    object: ObjectAddress,
+    start: u16,
+    len: u16,
+}
+
+impl Place {
+    /// No object.
+    const EMPTY: Self = Self { object: ObjectAddress::new(0, 0), start: 0, len: 0 };
+
+    /// The place of an entry, if that begins and ends with a byte.
+    const fn of(entry: MappingEntry) -> Option<Self> {
+        let MappingEntry { object, offset, length } = entry;
+        if (offset | length) & 0x07 != 0 {
+            return None;
+        }
+        Some(Self { object, start: offset >> 3, len: length >> 3 })
+    }
+
+    /// As it was written.
+    const fn entry(self) -> MappingEntry {
+        MappingEntry { object: self.object, offset: self.start << 3, length: self.len << 3 }
+    }
+
+    #[inline]
+    fn range(self) -> core::ops::Range<usize> {
+        let start = usize::from(self.start);
+        start..start.saturating_add(self.len.into())
     }
 }
 
@@ -71,7 +99,7 @@ pub struct Mapping {
     pub node: NodeId,
     /// Its version.
     pub version: PdoVersion,
-    entries: [u64; MAX_MAPPED],
+    entries: [Place; MAX_MAPPED],
     /// The entries that count: sub-index 0.
     count: u8,
     /// The bytes that they need.
@@ -82,7 +110,13 @@ impl Mapping {
     /// Nothing is mapped.
     #[must_use]
     pub const fn new() -> Self {
-        Self { node: NodeId::NONE, version: PdoVersion(0), entries: [0; MAX_MAPPED], count: 0, len: 0 }
+        Self {
+            node: NodeId::NONE,
+            version: PdoVersion(0),
+            entries: [Place::EMPTY; MAX_MAPPED],
+            count: 0,
+            len: 0,
+        }
     }
 
     /// A mapping of the manufacturer.
@@ -98,8 +132,8 @@ impl Mapping {
         if entries.len() > MAX_MAPPED {
             return Err(AbortCode::PDO_LENGTH);
         }
-        for (slot, entry) in mapping.entries.iter_mut().zip(entries) {
-            *slot = entry.number();
+        for (slot, &entry) in mapping.entries.iter_mut().zip(entries) {
+            *slot = Place::of(entry).ok_or(AbortCode::NOT_MAPPABLE)?;
         }
         let count = u8::try_from(entries.len()).map_err(|_| AbortCode::PDO_LENGTH)?;
         mapping.activate::<O>(count, transmit, limit)?;
@@ -131,29 +165,25 @@ impl Mapping {
 
     /// The entries that count.
     pub fn entries(&self) -> impl Iterator<Item = MappingEntry> {
-        self.entries
-            .get(..self.count.into())
-            .unwrap_or_default()
-            .iter()
-            .map(|&number| MappingEntry::of(number))
+        self.in_use().unwrap_or_default().iter().map(|place| place.entry())
     }
 
     /// One entry, whether it counts or not: sub-indices 1 and up.
     #[must_use]
-    pub fn entry(&self, sub: u8) -> Option<u64> {
-        self.entries.get(usize::from(sub.checked_sub(1)?)).copied()
+    pub fn entry(&self, sub: u8) -> Option<MappingEntry> {
+        self.entries.get(usize::from(sub.checked_sub(1)?)).map(|place| place.entry())
     }
 
     /// Writes an entry, sub-indices 1 and up.
     ///
     /// # Errors
-    /// While the mapping is in use, or where there is no such entry.
-    pub fn set_entry(&mut self, sub: u8, number: u64) -> Result<(), AbortCode> {
+    /// While the mapping is in use, where there is no such entry, and for one that is not of whole bytes.
+    pub fn set_entry(&mut self, sub: u8, entry: MappingEntry) -> Result<(), AbortCode> {
         if self.count != 0 {
             return Err(AbortCode::UNSUPPORTED_ACCESS);
         }
         let slot = sub.checked_sub(1).and_then(|index| self.entries.get_mut(usize::from(index)));
-        *slot.ok_or(AbortCode::NO_SUB_INDEX)? = number;
+        *slot.ok_or(AbortCode::NO_SUB_INDEX)? = Place::of(entry).ok_or(AbortCode::NOT_MAPPABLE)?;
         Ok(())
     }
 
@@ -172,10 +202,9 @@ impl Mapping {
             return Err(AbortCode::VALUE_TOO_HIGH);
         }
         let mut len = 0;
-        for &number in self.entries.iter().take(count.into()) {
-            let entry = MappingEntry::of(number);
-            check::<O>(entry, transmit)?;
-            len = entry.bytes().end.max(len);
+        for &place in self.entries.iter().take(count.into()) {
+            check::<O>(place, transmit)?;
+            len = place.range().end.max(len);
         }
         if len > limit.min(MAX_PROCESS_DATA) {
             return Err(AbortCode::PDO_LENGTH);
@@ -199,21 +228,27 @@ impl Mapping {
 
     /// Gives the objects what is in `data`.
     pub fn unpack<O: ObjectSet>(&self, data: &[u8], objects: &mut O) {
-        for entry in self.entries() {
-            if let Some(value) = data.get(entry.bytes()) {
+        let Some(places) = self.in_use() else { return };
+        for place in places {
+            if let Some(value) = data.get(place.range()) {
                 // An object that does not take a value in a PDO keeps its own: nobody could be told.
-                let _ = objects.write(entry.object, value);
+                let _ = objects.write(place.object, value);
             }
         }
     }
 
     /// Takes the values of the objects into `data`. What cannot be read stays as it was.
     pub fn pack<O: ObjectSet>(&self, objects: &O, data: &mut [u8]) {
-        for entry in self.entries() {
-            if let Some(value) = data.get_mut(entry.bytes()) {
-                let _ = objects.read(entry.object, &mut link_core::codec::Writer::new(value));
+        let Some(places) = self.in_use() else { return };
+        for place in places {
+            if let Some(value) = data.get_mut(place.range()) {
+                let _ = objects.read(place.object, &mut link_core::codec::Writer::new(value));
             }
         }
+    }
+
+    fn in_use(&self) -> Option<&[Place]> {
+        self.entries.get(..self.count.into())
     }
 }
 
@@ -239,6 +274,30 @@ impl Mappings {
     pub const fn new() -> Self {
         Self { receive: [const { Mapping::new() }; RECEIVE_CHANNELS], transmit: Mapping::new() }
     }
+
+    /// The channel that takes the process data of a node; `NONE` is the PReq.
+    #[inline]
+    pub fn channel_of(&self, node: NodeId) -> Option<(u8, &Mapping)> {
+        (0..).zip(&self.receive).find(|(_, mapping)| mapping.is_of(node))
+    }
+
+    /// Puts the entries of a receive channel into use, or out of it. A frame is taken by one channel.
+    ///
+    /// # Errors
+    /// Where there is no such channel, another one takes the frames of that node, or an entry cannot be mapped.
+    pub fn activate_receive<O: ObjectSet>(
+        &mut self,
+        channel: usize,
+        count: u8,
+        limit: usize,
+    ) -> Result<(), AbortCode> {
+        let node = self.receive.get(channel).ok_or(AbortCode::NO_OBJECT)?.node;
+        let others = self.receive.iter().enumerate().filter(|&(other, _)| other != channel);
+        if count > 0 && others.clone().any(|(_, mapping)| mapping.is_of(node)) {
+            return Err(AbortCode::PARAMETER_INCOMPATIBLE);
+        }
+        self.receive.get_mut(channel).ok_or(AbortCode::NO_OBJECT)?.activate::<O>(count, false, limit)
+    }
 }
 
 impl Default for Mappings {
@@ -248,13 +307,10 @@ impl Default for Mappings {
 }
 
 /// Whether an object may be mapped so.
-fn check<O: ObjectSet>(entry: MappingEntry, transmit: bool) -> Result<(), AbortCode> {
-    let line = Entry::find(O::ENTRIES, entry.object)?;
-    if !line.mappable.allows(transmit) || entry.offset & 0x07 != 0 {
-        return Err(AbortCode::NOT_MAPPABLE);
-    }
-    let bits = line.object_type.fixed_len().and_then(|len| u16::try_from(len.checked_mul(8)?).ok());
-    if bits == Some(entry.length) { Ok(()) } else { Err(AbortCode::NOT_MAPPABLE) }
+fn check<O: ObjectSet>(place: Place, transmit: bool) -> Result<(), AbortCode> {
+    let line = Entry::find(O::ENTRIES, place.object)?;
+    let is_whole = line.object_type.fixed_len() == Some(place.len.into());
+    if line.mappable.allows(transmit) && is_whole { Ok(()) } else { Err(AbortCode::NOT_MAPPABLE) }
 }
 
 /// Entries of one mapping.

@@ -132,6 +132,6 @@ fn read_mapping(mapping: &Mapping, sub: u8, out: &mut Writer<'_>) -> Result<Resu
     debug_assert!(usize::from(sub) <= MAX_MAPPED);
     Ok(match sub {
         0 => out.u8(mapping.count()),
-        sub => out.u64(mapping.entry(sub).ok_or(AbortCode::NO_SUB_INDEX)?),
+        sub => out.u64(mapping.entry(sub).ok_or(AbortCode::NO_SUB_INDEX)?.number()),
     })
 }

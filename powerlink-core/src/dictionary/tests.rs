@@ -126,7 +126,6 @@ fn a_mapping_is_checked_when_it_is_put_into_use() {
         (entry(0x6200, 1, 20 * 8, 16), Ok(Effect::None)),
         (entry(0x6200, 1, 34 * 8, 16), Ok(Effect::None)),
         (entry(0x6200, 1, 35 * 8, 16), Err(AbortCode::PDO_LENGTH)),
-        (entry(0x6200, 1, 4, 16), Err(AbortCode::NOT_MAPPABLE)),
         (entry(0x6200, 1, 0, 8), Err(AbortCode::NOT_MAPPABLE)),
         (entry(0x6000, 1, 0, 8), Err(AbortCode::NOT_MAPPABLE)),
         (entry(0x6300, 1, 0, 8), Err(AbortCode::NO_OBJECT)),
@@ -138,6 +137,12 @@ fn a_mapping_is_checked_when_it_is_put_into_use() {
         assert_eq!(write(&mut dictionary, 0x1600, 0, &[1]), expected, "{number:02X?}");
     }
     assert_eq!(write(&mut dictionary, 0x1600, 1, &entry(0x6200, 1, 0, 16)), Ok(Effect::None));
+    // Its granularity is eight bits: offset and length.
+    for (offset, length) in [(1, 16), (4, 16), (7, 8), (0, 1), (0, 15), (8, 17), (u16::MAX, 16)] {
+        let refused = write(&mut dictionary, 0x1600, 1, &entry(0x6200, 1, offset, length));
+        assert_eq!(refused, Err(AbortCode::NOT_MAPPABLE), "offset {offset}, length {length}");
+    }
+    assert_eq!(read(&mut dictionary, 0x1600, 1).unwrap(), entry(0x6200, 1, 0, 16), "the entry stays");
     assert_eq!(write(&mut dictionary, 0x1600, 0, &[1]), Ok(Effect::None));
     assert_eq!(
         write(&mut dictionary, 0x1600, 1, &entry(0x6200, 1, 0, 16)),

@@ -5,7 +5,7 @@ use super::{Dictionary, ObjectAddress, ObjectSet};
 use crate::NodeId;
 use crate::error::Symptom;
 use crate::nmt::Cause;
-use crate::pdo::Mapping;
+use crate::pdo::{Mapping, MappingEntry};
 use crate::wire::{AbortCode, NmtCommandId, PdoVersion};
 
 /// What has to follow from a write.
@@ -37,15 +37,17 @@ impl Dictionary {
             (0x1020, 3) => values.configuration_id = value,
             (0x1300, _) => values.sequence_timeout = value,
             (0x1400..=0x14FF, sub) => write_channel(self.receive_mut(at, 0x1400)?, sub, byte)?,
-            (0x1600..=0x16FF, sub) => {
-                let limit = self.values.preq_limit.into();
-                write_mapping::<O>(self.receive_mut(at, 0x1600)?, sub, data, false, limit)?;
+            (0x1600..=0x16FF, 0) => {
+                let (channel, limit) = (at.index.saturating_sub(0x1600), self.values.preq_limit);
+                self.mappings.activate_receive::<O>(channel.into(), byte, limit.into())?;
             }
+            (0x1600..=0x16FF, sub) => write_entry(self.receive_mut(at, 0x1600)?, sub, data)?,
             (0x1800, sub) => write_channel(&mut self.mappings.transmit, sub, byte)?,
-            (0x1A00, sub) => {
+            (0x1A00, 0) => {
                 let limit = self.values.pres_limit.into();
-                write_mapping::<O>(&mut self.mappings.transmit, sub, data, true, limit)?;
+                self.mappings.transmit.activate::<O>(byte, true, limit)?;
             }
+            (0x1A00, sub) => write_entry(&mut self.mappings.transmit, sub, data)?,
             (0x1C0A..=0x1C10, sub) => self.write_counter(at.index, sub, value)?,
             (0x1C13, _) => values.jitter_range = value,
             (0x1C14, _) => values.loss_of_soc_tolerance = value,
@@ -106,20 +108,9 @@ fn write_channel(mapping: &mut Mapping, sub: u8, value: u8) -> Result<(), AbortC
     Ok(())
 }
 
-fn write_mapping<O: ObjectSet>(
-    mapping: &mut Mapping,
-    sub: u8,
-    data: &[u8],
-    transmit: bool,
-    limit: usize,
-) -> Result<(), AbortCode> {
-    match (sub, data) {
-        (0, [count]) => mapping.activate::<O>(*count, transmit, limit),
-        (sub, data) => {
-            let number = data.first_chunk().copied().map(u64::from_le_bytes).ok_or(AbortCode::LENGTH)?;
-            mapping.set_entry(sub, number)
-        }
-    }
+fn write_entry(mapping: &mut Mapping, sub: u8, data: &[u8]) -> Result<(), AbortCode> {
+    let number = data.first_chunk().copied().map(u64::from_le_bytes).ok_or(AbortCode::LENGTH)?;
+    mapping.set_entry(sub, MappingEntry::of(number))
 }
 
 /// A host name of at most 32 characters, padded with zeros.

@@ -11,7 +11,7 @@ use crate::cycle::CycleEvent;
 use crate::dictionary::ObjectSet;
 use crate::ethernet::ETHERTYPE;
 use crate::nmt::{Cause, NmtState};
-use crate::pdo::{Mapping, RECEIVE_CHANNELS};
+use crate::pdo::Mapping;
 use crate::wire::{
     ErrorCode, Flags, Header, MESSAGE_TYPE, MessageType, POLL_FIELDS, ParseError, PdoVersion, Pres,
 };
@@ -121,25 +121,18 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         if is_valid && !says_valid {
             return;
         }
-        for channel in 0..RECEIVE_CHANNELS {
-            let Some(mapping) = self.dictionary.mappings.receive.get(channel) else { return };
-            if !mapping.is_of(from) {
-                continue;
-            }
-            let error = if !fits(mapping, version, self.config.options.version_check) {
-                ErrorCode::PDO_MAP_VERSION
-            } else if data.len() < mapping.len() {
-                ErrorCode::PDO_SHORT
-            } else {
-                mapping.unpack(data, &mut self.objects);
-                let channel = u8::try_from(channel).unwrap_or(u8::MAX);
-                self.raise(NodeEvent::ProcessData { channel, is_valid });
-                continue;
-            };
-            // Who says that its data are not valid promises nothing about their form.
-            if says_valid {
-                self.pdo_error(error);
-            }
+        let Some((channel, mapping)) = self.dictionary.mappings.channel_of(from) else { return };
+        let error = if !fits(mapping, version, self.config.options.version_check) {
+            ErrorCode::PDO_MAP_VERSION
+        } else if data.len() < mapping.len() {
+            ErrorCode::PDO_SHORT
+        } else {
+            mapping.unpack(data, &mut self.objects);
+            return self.raise(NodeEvent::ProcessData { channel, is_valid });
+        };
+        // Who says that its data are not valid promises nothing about their form.
+        if says_valid {
+            self.pdo_error(error);
         }
     }
 

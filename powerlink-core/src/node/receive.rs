@@ -19,9 +19,6 @@ use crate::wire::{
 impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, SDO> {
     #[inline(never)]
     pub(super) fn frame(&mut self, bytes: &[u8]) {
-        if !self.nmt.state().is_communicating() {
-            return self.frame_while_silent(bytes);
-        }
         if self.poll.is_due || self.reply.is_some() {
             self.forget_answers();
         }
@@ -40,6 +37,10 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     /// Every frame but the PReq that is to be answered. Returns the process data of other nodes.
     #[inline(never)]
     fn other_than_poll<'a>(&mut self, bytes: &'a [u8]) -> Option<ProcessData<'a>> {
+        if !self.nmt.state().is_communicating() {
+            self.frame_while_silent(bytes);
+            return None;
+        }
         let mut reader = Reader::new(bytes);
         let header = match Header::read(&mut reader) {
             Ok(header) => header,

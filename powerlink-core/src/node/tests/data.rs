@@ -55,6 +55,23 @@ fn cross_traffic() {
     }
 }
 
+/// Two channels for one node: the frame is that of the first, and the second is refused while the first is in use.
+#[test]
+fn a_frame_is_taken_by_one_channel() {
+    let mut bench = Bench::in_state(NmtState::PreOperational1, config());
+    assert_eq!(bench.writes(0x1601, 1, &output_at(8)), Ok(()));
+    assert_eq!(bench.writes(0x1601, 0, &[1]), Err(AbortCode::PARAMETER_INCOMPATIBLE));
+    assert_eq!(bench.reads(0x1601, 0), Ok(std::vec![0]));
+    assert_eq!(bench.writes(0x1600, 0, &[0]), Ok(()));
+    assert_eq!(bench.writes(0x1601, 0, &[1]), Ok(()));
+    assert_eq!(bench.writes(0x1600, 0, &[1]), Err(AbortCode::PARAMETER_INCOMPATIBLE));
+    bench.goes_to(NmtState::Operational);
+    bench.soc();
+    bench.preq(Flags::DATA_VALID, &[1, 2]);
+    assert_eq!(bench.node.objects().output, 2);
+    bench.tells(NodeEvent::ProcessData { channel: 1, is_valid: true });
+}
+
 /// Short, of another version, and not valid: only the first two are errors, and none is used.
 #[test]
 fn cross_traffic_that_does_not_fit() {
