@@ -8,7 +8,7 @@ use super::device::{MAC, NODE};
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Heard {
     Soc,
-    /// For the node: flags, Size, and the process data that the frame has room for.
+    /// For the node, of the managing node: flags, Size, and the process data that the frame has room for.
     Preq {
         flags: u8,
         size: usize,
@@ -41,7 +41,7 @@ pub(super) fn read(bytes: &[u8]) -> Heard {
     let (is_own, to_own) = (bytes[..6] == MAC.0, bytes[15] == NODE.0);
     match bytes[14] & 0x7F {
         0x01 if is_at(1) && bytes.len() >= 36 => Heard::Soc,
-        0x03 if is_own && to_own && bytes.len() >= 24 => {
+        0x03 if is_own && to_own && bytes[16] == 240 && bytes.len() >= 24 => {
             Heard::Preq { flags: bytes[18], size: word(bytes, 22), room: bytes.len() - 24 }
         }
         0x04 if is_at(2) && bytes.len() >= 24 && word(bytes, 22) <= bytes.len() - 24 => Heard::Pres,

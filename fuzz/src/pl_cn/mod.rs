@@ -93,8 +93,8 @@ impl Bench {
                 }
             }
             Op::Soc { multiplexed } => self.soc(if multiplexed { 0x80 } else { 0 }),
-            Op::Preq { flags, version, size, data, is_padded } => {
-                let body = [&[0x03, NODE.0, 240, 0, flags, 0, version, 0][..], &word(size), &data].concat();
+            Op::Preq { from, flags, version, size, data, is_padded } => {
+                let body = [&[0x03, NODE.0, from, 0, flags, 0, version, 0][..], &word(size), &data].concat();
                 let mut bytes = [&MAC.0[..], &MN.0, &[0x88, 0xAB], &body].concat();
                 if is_padded {
                     bytes.resize(bytes.len().max(60), 0);

@@ -34,7 +34,7 @@ pub(super) enum Why {
 
 /// What is compared with afterwards.
 pub(super) struct Before {
-    counters: [u32; 12],
+    counters: [u32; 13],
     cumulative: Vec<u32>,
     outputs: (u8, u32),
     mapped: usize,
@@ -415,10 +415,11 @@ fn own_frame(bytes: &[u8]) {
     assert!(!matches!(frame.body, Body::Other(..) | Body::OtherAsnd(..)), "{frame}");
 }
 
-fn fields(counters: &NodeCounters) -> [u32; 12] {
+fn fields(counters: &NodeCounters) -> [u32; 13] {
     let NodeCounters {
         bad_frames,
         other_destinations,
+        foreign_polls,
         echoes,
         unknown,
         commands_ignored,
@@ -433,6 +434,7 @@ fn fields(counters: &NodeCounters) -> [u32; 12] {
     [
         bad_frames,
         other_destinations,
+        foreign_polls,
         echoes,
         unknown,
         commands_ignored,

@@ -36,7 +36,7 @@ pub(super) enum Op {
     Past(Duration),
     Deadline { early: bool },
     Soc { multiplexed: bool },
-    Preq { flags: u8, version: u8, size: usize, data: Vec<u8>, is_padded: bool },
+    Preq { from: u8, flags: u8, version: u8, size: usize, data: Vec<u8>, is_padded: bool },
     Soa { service: u8, is_own: bool, flags: u8 },
     Command { command: u8, whom: u8 },
     Pres { from: u8, flags: u8, version: u8, data: Vec<u8> },
@@ -98,6 +98,7 @@ pub(super) fn op(input: &mut Unstructured<'_>) -> Result<Op> {
             let [flags, version]: [u8; 2] = input.arbitrary()?;
             let data = bytes(input, 96)?;
             Op::Preq {
+                from: [240, 240, 240, 2][usize::from(code >> 4 & 3)],
                 flags,
                 version,
                 size: data.len() + usize::from(high),

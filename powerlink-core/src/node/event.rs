@@ -68,6 +68,11 @@ pub enum NodeEvent {
     },
     /// An error was put into the history, and is told to the managing node.
     Error(ErrorCode),
+    /// A node that is not the managing node sent a PReq, which was ignored.
+    ForeignPoll {
+        /// Who.
+        from: NodeId,
+    },
     /// A frame could not be read, and was dropped.
     BadFrame(ParseError),
     /// The buffer of the caller is too short for a frame, which was not sent.
@@ -83,6 +88,8 @@ pub struct NodeCounters {
     pub bad_frames: u32,
     /// Frames with a destination MAC address that is not the node's.
     pub other_destinations: u32,
+    /// PReq for the node that are not of the managing node.
+    pub foreign_polls: u32,
     /// Own frames that came back.
     pub echoes: u32,
     /// Messages of a type or service that a controlled node does not know.
@@ -130,6 +137,7 @@ impl fmt::Display for NodeEvent {
             }
             Self::SdoRefused { client } => write!(f, "SDO connection of {client} refused: there is no room"),
             Self::Error(code) => write!(f, "error: {code}"),
+            Self::ForeignPoll { from } => write!(f, "PReq of {from} ignored: it is not the managing node"),
             Self::BadFrame(error) => write!(f, "bad frame: {error}"),
             Self::BufferTooShort => f.write_str("frame not sent: the buffer is too short"),
         }

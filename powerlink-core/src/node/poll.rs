@@ -22,11 +22,12 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     #[inline]
     pub(super) fn own_poll(&self, headers: &[u8; POLL_HEADERS]) -> Option<PollFields> {
         let (addresses, fields) = headers.split_first_chunk::<MAC_ADDRESSES>()?;
-        let &[e0, e1, kind, to, _, _, flags, _, version, _, low, high] = fields.first_chunk()?;
+        let &[e0, e1, kind, to, from, _, flags, _, version, _, low, high] = fields.first_chunk()?;
         let [p0, p1] = ETHERTYPE.to_be_bytes();
         let is_own = [e0, e1] == [p0, p1]
             && kind & MESSAGE_TYPE == MessageType::PREQ.0
             && to == self.config.node.0
+            && from == NodeId::MANAGING_NODE.0
             && addresses.first_chunk() == Some(&self.config.mac.0)
             && addresses.last_chunk() != Some(&self.config.mac.0)
             && self.nmt.state().answers_poll();
@@ -66,11 +67,17 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         self.poll.then = Some(Cause::InternalError);
     }
 
-    /// A PReq that is not to be answered: that of another node, or in a state without polls.
+    /// A PReq that is not to be answered: for another node, not of the managing node, or in a state without polls.
     pub(super) fn preq(&mut self, header: &Header, reader: &mut Reader<'_>) -> Result<(), ParseError> {
-        if header.to == self.config.node {
-            reader.array::<POLL_FIELDS>("PReq header")?;
+        if header.to != self.config.node {
+            return Ok(());
+        }
+        reader.array::<POLL_FIELDS>("PReq header")?;
+        if header.from == NodeId::MANAGING_NODE {
             self.poll_without_answer(self.nmt.state());
+        } else {
+            count(&mut self.counters.foreign_polls);
+            self.raise(NodeEvent::ForeignPoll { from: header.from });
         }
         Ok(())
     }

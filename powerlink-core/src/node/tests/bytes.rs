@@ -2,6 +2,8 @@
 //! verdict of openPOWERLINK 2.7.2 were sent to its controlled node.
 
 use super::bench::*;
+use crate::NodeId;
+use crate::error::Symptom;
 use crate::nmt::NmtState;
 use crate::node::{NodeCounters, NodeEvent};
 use crate::wire::ErrorCode;
@@ -105,6 +107,46 @@ fn foreign_addresses_are_dropped() {
         let (bench, _) = hears(NmtState::PreOperational1, &at(mac, command));
         bench.is(NmtState::NotActive);
     }
+}
+
+/// A PReq in all but its source the managing node's: whatever the state, it is not answered, its data are not taken, and the
+/// cycle does not know of it.
+#[test]
+fn a_poll_of_another_node_is_ignored() {
+    const STATES: [NmtState; 7] = [
+        NmtState::NotActive,
+        NmtState::PreOperational1,
+        NmtState::PreOperational2,
+        NmtState::ReadyToOperate,
+        NmtState::Operational,
+        NmtState::Stopped,
+        NmtState::BasicEthernet,
+    ];
+    for from in [0, 1, 2, 239, 241, 250, 252, 253, 254, 255] {
+        let frame = std::format!("0200000000010200000000f088ab0301{from:02x}000100000001007700");
+        for state in STATES {
+            let (mut bench, counters) = hears(state, &frame);
+            bench.says_nothing();
+            bench.is(state);
+            assert_eq!(bench.node.objects().output, 0, "{from} in {state}");
+            assert_eq!(counters, NodeCounters { foreign_polls: 1, ..NodeCounters::default() });
+            assert_eq!(bench.events, [NodeEvent::ForeignPoll { from: NodeId(from) }]);
+            if state == NmtState::Operational {
+                bench.soa();
+                let lost = bench.node.dictionary().counters.of(Symptom::LossOfPreq).cumulative;
+                assert_eq!(lost, 1, "that of the managing node is still due");
+            }
+        }
+        // Neither for another node, nor to be told.
+        let (bench, counters) = hears(NmtState::Operational, &frame.replace("ab0301", "ab0302"));
+        assert_eq!((bench.events.len(), counters), (0, NodeCounters::default()));
+    }
+    // It does not keep a node out of `BasicEthernet`.
+    let mut bench = Bench::in_state(NmtState::NotActive, config());
+    bench.wait(core::time::Duration::from_secs(4));
+    bench.bytes(&bytes("0200000000010200000000f088ab030102000100000001007700"));
+    bench.wait(core::time::Duration::from_secs(1));
+    bench.is(NmtState::BasicEthernet);
 }
 
 /// SoA IdentRequest with reserved bits, and with bit 7 of the message type.
