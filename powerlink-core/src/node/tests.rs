@@ -1,11 +1,14 @@
 //! A node and a managing node by hand: what is sent, heard and shown, in the order of time.
 
+mod aborts;
 mod bench;
 mod boot;
 mod bytes;
 mod commands;
 mod data;
 mod errors;
+mod history;
+mod long_values;
 mod losses;
 mod objects;
 mod started;

@@ -23,6 +23,8 @@ use crate::{ControlledNode, MacAddress, NodeId};
 pub(super) const NODE: NodeId = NodeId(1);
 pub(super) const MAC: MacAddress = MacAddress([2, 0, 0, 0, 0, 1]);
 const MN_MAC: MacAddress = MacAddress([2, 0, 0, 0, 0, 0xF0]);
+/// The longest value of SDO.
+pub(super) const VALUE: usize = 2048;
 /// The cycle length that the bench configures, ms.
 pub(super) const CYCLE: u64 = 20;
 
@@ -30,21 +32,40 @@ pub(super) const CYCLE: u64 = 20;
 pub(super) struct Io {
     pub(super) input: u8,
     pub(super) output: u8,
+    pub(super) long: Vec<u8>,
+    switch: u8,
 }
 
 impl ObjectSet for Io {
     const ENTRIES: &'static [Entry] = &[
+        Entry::new(0x2000, 0, "long", ObjectType::Bytes(4000), Access::ReadWrite),
+        Entry::new(0x2001, 0, "secret", ObjectType::Unsigned(1), Access::WriteOnly),
+        Entry::new(0x2002, 0, "switch", ObjectType::Boolean, Access::ReadWrite),
+        Entry::new(0x2003, 0, "busy", ObjectType::Unsigned(1), Access::ReadWrite),
         Entry::new(0x6000, 1, "input", ObjectType::Unsigned(1), Access::ReadOnly).mapped(Mappable::Transmit),
         Entry::new(0x6200, 1, "output", ObjectType::Unsigned(1), Access::ReadWrite).mapped(Mappable::Receive),
     ];
 
     fn read(&self, at: ObjectAddress, out: &mut Writer<'_>) -> Result<(), AbortCode> {
-        out.u8(if at.index == 0x6000 { self.input } else { self.output })
-            .map_err(|_| AbortCode::OUT_OF_MEMORY)
+        match at.index {
+            0x2000 => out.bytes(&self.long),
+            0x2002 => out.u8(self.switch),
+            0x2003 => return Err(AbortCode::STATE),
+            0x6000 => out.u8(self.input),
+            _ => out.u8(self.output),
+        }
+        .map_err(|_| AbortCode::OUT_OF_MEMORY)
     }
 
-    fn write(&mut self, _: ObjectAddress, data: &[u8]) -> Result<(), AbortCode> {
-        self.output = *data.first().ok_or(AbortCode::LENGTH)?;
+    fn write(&mut self, at: ObjectAddress, data: &[u8]) -> Result<(), AbortCode> {
+        let first = *data.first().ok_or(AbortCode::LENGTH)?;
+        match at.index {
+            0x2000 => self.long = data.to_vec(),
+            0x2001 => {}
+            0x2002 => self.switch = first,
+            0x2003 => return Err(AbortCode::STATE),
+            _ => self.output = first,
+        }
         Ok(())
     }
 
@@ -67,7 +88,7 @@ pub(super) fn config() -> Config {
 }
 
 pub(super) struct Bench {
-    pub(super) node: ControlledNode<Io>,
+    pub(super) node: ControlledNode<Io, 36, VALUE>,
     pub(super) now: Instant,
     /// Frames that were sent and not looked at yet, in words.
     sent: Vec<String>,
@@ -124,6 +145,14 @@ impl Bench {
         }
         self.is(state);
         self.forget();
+    }
+
+    /// The same node after a reset that closed its connections, led to a state.
+    #[track_caller]
+    pub(super) fn reconnected(mut self, state: NmtState) -> Self {
+        self.sdo_number = None;
+        self.goes_to(state);
+        self
     }
 
     pub(super) fn drain(&mut self) {
@@ -260,6 +289,19 @@ impl Bench {
 
     #[track_caller]
     fn asks_object(&mut self, command: SdoCommandId, data: &[u8]) -> Result<Vec<u8>, AbortCode> {
+        self.sends_command(SdoCommand::request(0, command, data));
+        let last = self.last.clone();
+        let Ok(Frame { body: Body::Sdo(Sdo { command: Some(answer), .. }), .. }) = Frame::parse(&last) else {
+            panic!("no answer: {last:02X?}")
+        };
+        assert_eq!(Some(answer.transaction), self.sdo_number);
+        self.forget();
+        answer.abort().map_or_else(|| Ok(answer.data.to_vec()), Err)
+    }
+
+    /// The managing node sends an SDO command with the next number, which is its transaction as well if it has none, and invites
+    /// the answer. It opens the connection before the first one.
+    pub(super) fn sends_command(&mut self, command: SdoCommand<'_>) {
         if self.sdo_number.is_none() {
             for opening in ["00 01 00 00", "01 02 00 00"] {
                 self.sdo(opening);
@@ -269,24 +311,18 @@ impl Bench {
         let last = self.sdo_number.unwrap_or(0);
         let number = (last + 1) & 0x3F;
         self.sdo_number = Some(number);
-        let command = SdoCommand::request(number, command, data);
+        let transaction = if command.transaction == 0 { number } else { command.transaction };
+        let command = SdoCommand { transaction, ..command };
         let sequence = SdoSequence {
             receive: SequenceHalf::new(last, Con::Valid),
             send: SequenceHalf::new(number, Con::Valid),
         };
         self.of_mn(group::ASND, NODE, Body::Sdo(Sdo { sequence, command: Some(command) }));
         self.gives_a_slot();
-        let last = self.last.clone();
-        let Ok(Frame { body: Body::Sdo(Sdo { command: Some(answer), .. }), .. }) = Frame::parse(&last) else {
-            panic!("no answer: {last:02X?}")
-        };
-        assert_eq!(answer.transaction, number);
-        self.forget();
-        answer.abort().map_or_else(|| Ok(answer.data.to_vec()), Err)
     }
 
     /// The next asynchronous slot, with the cycle before it where there is one.
-    fn gives_a_slot(&mut self) {
+    pub(super) fn gives_a_slot(&mut self) {
         if self.node.state().is_cyclic() {
             self.soc();
             self.preq(Flags::DATA_VALID, &[0]);
