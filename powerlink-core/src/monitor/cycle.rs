@@ -67,12 +67,18 @@ impl Cycle {
         self.last = None;
     }
 
+    /// A SoC whose time was not captured.
+    pub(super) const fn count_cut(&mut self) {
+        self.socs = self.socs.saturating_add(1);
+        self.pause();
+    }
+
     pub(super) fn observe(&mut self, reading: &mut Reading<'_>, soc: &Soc) {
         self.socs = self.socs.saturating_add(1);
         let Some((before, relative)) = self.last.replace((reading.at, soc.relative_time)) else { return };
-        let interval = reading.at.saturating_since(before);
+        let interval = reading.at.checked_since(before);
         let missing = match soc.relative_time.checked_sub(relative) {
-            Some(0) => self.missing_by_interval(interval),
+            Some(0) => interval.map_or(0, |interval| self.missing_by_interval(interval)),
             Some(grown) => self.missing_by_relative_time(grown),
             // The managing node has started again.
             None => {
@@ -85,6 +91,8 @@ impl Cycle {
             reading.flag(Problem::SocMissing { count: missing });
             return;
         }
+        // A clock that was set back has measured nothing.
+        let Some(interval) = interval else { return };
         reading.interval = Some(interval);
         self.min = if self.intervals == 0 { interval } else { self.min.min(interval) };
         self.max = self.max.max(interval);

@@ -4,7 +4,7 @@ use core::fmt;
 
 use crate::MacAddress;
 use crate::ethernet::group;
-use crate::wire::{Body, MessageType};
+use crate::wire::{Body, MessageType, ServiceId};
 
 /// The kind of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -132,6 +132,28 @@ impl Kind {
             Self::Soa => Some(group::SOA),
             _ => None,
         }
+    }
+
+    /// What the headers say, without the content; `None` for an ASnd that ends before its service.
+    pub(super) const fn told(message_type: MessageType, service: Option<ServiceId>) -> Option<Self> {
+        Some(match message_type {
+            MessageType::SOC => Self::Soc,
+            MessageType::PREQ => Self::Preq,
+            MessageType::PRES => Self::Pres,
+            MessageType::SOA => Self::Soa,
+            MessageType::ASND => match service {
+                None => return None,
+                Some(ServiceId::IDENT_RESPONSE) => Self::AsndIdentResponse,
+                Some(ServiceId::STATUS_RESPONSE) => Self::AsndStatusResponse,
+                Some(ServiceId::NMT_REQUEST) => Self::AsndNmtRequest,
+                Some(ServiceId::NMT_COMMAND) => Self::AsndNmtCommand,
+                Some(ServiceId::SDO) => Self::AsndSdo,
+                Some(_) => Self::AsndOther,
+            },
+            MessageType::AMNI => Self::Amni,
+            MessageType::AINV => Self::Ainv,
+            _ => Self::Reserved,
+        })
     }
 
     pub(super) const fn of(body: &Body<'_>) -> Self {

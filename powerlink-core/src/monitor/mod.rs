@@ -14,7 +14,8 @@
 //! | SDO: requests and their responses, transfers in several parts, frames that are missing | sequence and command layer |
 //!
 //! A capture can start in the middle: what only the frames before could tell is never a [`Problem`]. Frames need not be padded. A
-//! frame of another protocol is [`Kind::Foreign`], and no problem either.
+//! frame of another protocol is [`Kind::Foreign`], and no problem either. Of a frame that the capture has cut, what its beginning
+//! tells is followed: kind, nodes, state.
 //!
 //! Storage is fixed; what does not fit is counted in [`Lost`].
 //!
@@ -196,7 +197,7 @@ impl<const N: usize, const B: usize> SizedMonitor<N, B> {
             Some(Body::Preq(preq)) => {
                 let size = preq.data.len();
                 self.polled = Some(to);
-                self.node_mut(to)?.polled(reading, size);
+                self.node_mut(to)?.polled(reading, Some(size));
             }
             Some(Body::Pres(pres)) => {
                 let pres = *pres;
@@ -230,12 +231,41 @@ impl<const N: usize, const B: usize> SizedMonitor<N, B> {
                 let sdo = *sdo;
                 return self.connections.observe(reading, (from, to), &sdo);
             }
-            Some(Body::NmtRequest(_) | Body::OtherAsnd(..) | Body::Other(..)) | None => {}
+            Some(Body::NmtRequest(_) | Body::OtherAsnd(..) | Body::Other(..)) => {}
+            None => self.learn_cut(reading, from, to)?,
         }
         if let Some(state) = state {
             self.node_mut(from)?.in_state(reading, state);
         }
         None
+    }
+
+    /// What a frame tells whose content was not captured, or is too short: that it was sent.
+    fn learn_cut(&mut self, reading: &mut Reading<'_>, from: NodeId, to: NodeId) -> Option<()> {
+        match reading.kind {
+            Kind::Soc => {
+                self.slot.close();
+                self.cycle.count_cut();
+            }
+            Kind::Preq => {
+                self.polled = Some(to);
+                self.node_mut(to)?.polled(reading, None);
+            }
+            Kind::Pres => self.node_mut(from)?.responded(reading),
+            Kind::Soa => self.slot = Slot::Unknown,
+            Kind::AsndSdo => self.connections.forget(from, to),
+            Kind::AsndIdentResponse
+            | Kind::AsndStatusResponse
+            | Kind::AsndNmtRequest
+            | Kind::AsndNmtCommand
+            | Kind::AsndOther
+            | Kind::Amni
+            | Kind::Ainv
+            | Kind::Reserved
+            | Kind::Foreign
+            | Kind::Invalid => {}
+        }
+        Some(())
     }
 
     /// The managing node sends the next frame, whether or not the node that it polled has answered.

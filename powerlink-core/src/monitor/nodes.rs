@@ -168,11 +168,14 @@ impl NodeRecord {
         let _ = self.history.push(StateChange { at: reading.at, n: reading.n, state });
     }
 
-    pub(super) fn polled(&mut self, reading: &mut Reading<'_>, size: usize) {
+    /// It is polled, with process data of a size, where that was captured.
+    pub(super) fn polled(&mut self, reading: &mut Reading<'_>, size: Option<usize>) {
         self.polls = self.polls.saturating_add(1);
         self.tracking.poll = Poll::Waiting { n: reading.n, at: reading.at };
         let limit = self.ident.map(|ident| ident.poll_in_size);
-        self.check_size(reading, limit, size);
+        if let Some(size) = size {
+            self.check_size(reading, limit, size);
+        }
     }
 
     /// The managing node goes on: whether it waited for this node in vain.

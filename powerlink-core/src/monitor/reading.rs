@@ -12,7 +12,7 @@ use super::{Envelope, Kind, Problem};
 use crate::NodeId;
 use crate::dictionary::ObjectAddress;
 use crate::ethernet::{ETHERNET_HEADER, MAX_FRAME};
-use crate::wire::{Body, MessageType, NmtStateCode, SdoCommandId, ServiceId};
+use crate::wire::{Body, NmtStateCode, SdoCommandId, ServiceId};
 
 /// A frame as it was captured: from the destination MAC address on, without the CRC.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -122,13 +122,17 @@ impl<'a> Reading<'a> {
         }
         let ends = Ends::read(&mut reader)?;
         (self.src, self.dst) = (Some(ends.from), Some(ends.to));
-        let service = reader.peek().first().copied().map(ServiceId);
+        let told = Kind::told(ends.message_type, reader.peek().first().copied().map(ServiceId));
         let body = Body::read(ends.message_type, &mut reader);
-        let is_asnd = ends.message_type == MessageType::ASND;
-        match service.filter(|_| is_asnd) {
-            Some(ServiceId::STATUS_RESPONSE) => self.kind = Kind::AsndStatusResponse,
-            Some(ServiceId::IDENT_RESPONSE) => self.kind = Kind::AsndIdentResponse,
-            _ => {}
+        // What has a length of its own, and what the capture has cut, is what its headers say.
+        let is_cut = |error: &ParseError| error.is_short() && self.frame.bytes.len() < self.frame.length;
+        let is_told = match (&body, told) {
+            (Err(error), _) if is_cut(error) => true,
+            (_, Some(Kind::AsndStatusResponse | Kind::AsndIdentResponse)) => true,
+            _ => false,
+        };
+        if let Some(told) = told.filter(|_| is_told) {
+            self.kind = told;
         }
         let body = self.body.insert(body?);
         self.kind = Kind::of(body);
@@ -159,14 +163,26 @@ impl<'a> Reading<'a> {
 
     /// The state that the sender reports, or the managing node in a SoA.
     #[must_use]
-    pub const fn state(&self) -> Option<NmtStateCode> {
+    pub fn state(&self) -> Option<NmtStateCode> {
         match &self.body {
             Some(Body::Pres(pres)) => Some(pres.state),
             Some(Body::Soa(soa)) => Some(soa.state),
             Some(Body::IdentResponse(ident)) => Some(ident.state),
             Some(Body::StatusResponse(status)) => Some(status.state),
-            _ => None,
+            Some(_) => None,
+            None => self.state_of_cut(),
         }
+    }
+
+    /// The same of a frame that the capture has cut behind it: it is near the front.
+    fn state_of_cut(&self) -> Option<NmtStateCode> {
+        let is_cut = matches!(self.note, Some(Note::Cut { .. }));
+        let at = match self.kind {
+            Kind::Pres | Kind::Soa => 3,
+            Kind::AsndIdentResponse | Kind::AsndStatusResponse => 6,
+            _ => return None,
+        };
+        self.payload().get(at).filter(|_| is_cut).copied().map(NmtStateCode)
     }
 
     /// What the frame carries for an application: process data, or the value of an object.

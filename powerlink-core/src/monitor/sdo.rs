@@ -97,6 +97,14 @@ impl<const N: usize, const B: usize> Connections<N, B> {
         Some(Message { command: command.command, data: slot.buffer.get(..completed.len)? })
     }
 
+    /// A frame between two nodes was not captured whole: its number and its part are not known.
+    pub(super) fn forget(&mut self, one: NodeId, other: NodeId) {
+        if let Some(connection) = self.slots.iter_mut().find(|slot| slot.is_between(one, other)) {
+            connection.sent = [None; 2];
+            connection.transfer = None;
+        }
+    }
+
     /// The connection of two nodes; for a new one the place of that which was used least recently.
     fn find(&mut self, ends: Ends) -> Option<&mut Connection<B>> {
         let known = self.slots.iter().position(|slot| slot.is_between(ends.client, ends.server));

@@ -90,7 +90,7 @@ fn write_node(f: &mut Formatter<'_>, node: NodeId) -> fmt::Result {
     }
 }
 
-/// `ARP`, `EtherType 0x9000`, `PReq cut off`.
+/// `ARP`, `EtherType 0x9000`, `PReq`, and how many bytes there are.
 fn write_unread(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fmt::Result {
     let bytes = reading.payload().len();
     match (reading.kind, reading.envelope) {
@@ -103,8 +103,12 @@ fn write_unread(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fmt::Result {
         },
         (Kind::AsndIdentResponse, _) => f.write_str("IdentResponse")?,
         (Kind::AsndStatusResponse, _) => f.write_str("StatusResponse")?,
+        (Kind::AsndNmtRequest, _) => f.write_str("NMTRequest")?,
+        (Kind::AsndNmtCommand, _) => f.write_str("NMTCommand")?,
+        (Kind::AsndSdo, _) => f.write_str("SDO")?,
         (Kind::Invalid, _) if reading.src.is_some() => f.write_str("POWERLINK")?,
-        _ => f.write_str("frame")?,
+        (Kind::Invalid | Kind::Foreign, _) => f.write_str("frame")?,
+        (kind, _) => f.write_str(kind.message())?,
     }
     f.write_str(", ")?;
     write_decimal(f, u64::try_from(bytes).unwrap_or(u64::MAX))?;

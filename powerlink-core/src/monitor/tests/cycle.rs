@@ -54,3 +54,17 @@ fn a_new_start_is_no_loss() {
     network.send(255, 240, Body::Soa(soa));
     assert_eq!(soc(&mut network, 900, 400_000), (None, None));
 }
+
+/// The SoC after is measured again.
+#[test]
+fn a_clock_that_is_set_back_measures_no_interval() {
+    let mut network = Network::new();
+    let ms = Duration::from_millis;
+    soc(&mut network, 100, 0);
+    assert_eq!(soc(&mut network, 120, 20_000), (Some(ms(20)), None));
+    assert_eq!(soc(&mut network, 50, 40_000), (None, None));
+    assert_eq!(soc(&mut network, 30, 80_000), (None, Some(Problem::SocMissing { count: 1 })));
+    assert_eq!(soc(&mut network, 50, 100_000), (Some(ms(20)), None));
+    let cycle = *network.monitor.cycle();
+    assert_eq!((cycle.intervals, cycle.min, cycle.jitter()), (2, ms(20), Some(ms(0))));
+}

@@ -70,7 +70,8 @@ fn a_frame_that_ends_too_early_is_invalid() {
     assert_eq!((seen.kind, seen.problem.map(|problem| problem.code())), (Kind::Invalid, Some("malformed")));
     // Cut by the capture, it is none.
     let seen = network.bytes(Captured { bytes: &bytes, length: 60 });
-    assert_eq!((seen.problem, seen.note), (None, Some(Note::Cut { kept: 23 })));
+    assert_eq!((seen.kind, seen.problem, seen.note), (Kind::Preq, None, Some(Note::Cut { kept: 23 })));
+    assert_eq!(seen.words, "MN -> 1  PReq, 9 bytes (the capture has 23 bytes of it)");
     for len in 0..14 {
         assert_eq!(network.bytes((&bytes[..len]).into()).kind, Kind::Invalid);
     }
@@ -114,4 +115,58 @@ fn addresses_and_lengths_that_cannot_be() {
     assert_eq!(problem(&mut network, &long), Some(Problem::TooLong { length: 1515 }));
     let other = emitted(group::SOC, mac(241), 255, 240, Body::Soc(Soc::default()));
     assert_eq!(problem(&mut network, &other), Some(Problem::TwoSources { before: mac(240) }));
+}
+
+/// `tcpdump -s 60` of nodes with 100 bytes of process data: who was polled, who answered, and who is in which state is still seen.
+#[test]
+fn what_a_capture_has_cut_is_still_followed() {
+    let mut network = Network::new();
+    let poll = Preq { flags: Flags::DATA_VALID, pdo_version: PdoVersion(0), data: &[0; 100] };
+    let preq = emitted(mac(1), mac(240), 1, 240, Body::Preq(poll));
+    let answer = Pres {
+        state: NmtStateCode::OPERATIONAL,
+        flags: Flags::DATA_VALID,
+        request: AsyncRequest::NONE,
+        pdo_version: PdoVersion(0),
+        data: &[0; 100],
+    };
+    let pres = emitted(group::PRES, mac(1), 255, 1, Body::Pres(answer));
+    let cut = |bytes: &[u8]| {
+        let mut kept = bytes.to_vec();
+        kept.truncate(60);
+        (kept, bytes.len())
+    };
+    let mut show = |(kept, length): (Vec<u8>, usize)| network.bytes(Captured { bytes: &kept, length });
+    show(cut(&preq));
+    let seen = show(cut(&pres));
+    assert_eq!((seen.kind, seen.request, seen.problem), (Kind::Pres, Some(1), None));
+    show(cut(&preq));
+    let soc = emitted(group::SOC, mac(240), 255, 240, Body::Soc(Soc::default()));
+    assert_eq!(show(cut(&soc)).problem, Some(Problem::PresMissing { node: NodeId(1) }));
+    let node = network.monitor.node(NodeId(1)).unwrap();
+    assert_eq!((node.polls, node.pres_missing, node.state), (2, 1, Some(NmtStateCode::OPERATIONAL)));
+}
+
+/// The numbers of what was not captured are not known: nothing is missing.
+#[test]
+fn cut_sdo_frames_leave_no_gap() {
+    let mut network = Network::new();
+    let half = |number| SequenceHalf { number, connection: Con::Valid };
+    let frame = |number| {
+        let sequence = SdoSequence { receive: half(0), send: half(number) };
+        let command = SdoCommand {
+            transaction: number,
+            is_response: false,
+            is_abort: false,
+            segmentation: Segmentation::Expedited,
+            command: SdoCommandId::WRITE_BY_INDEX,
+            data: &[0; 100],
+        };
+        emitted(group::ASND, mac(240), 1, 240, Body::Sdo(Sdo { sequence, command: Some(command) }))
+    };
+    assert_eq!(network.bytes((&*frame(1)).into()).problem, None);
+    let long = frame(2);
+    let seen = network.bytes(Captured { bytes: &long[..60], length: long.len() });
+    assert_eq!((seen.kind, seen.note), (Kind::AsndSdo, Some(Note::Cut { kept: 60 })));
+    assert_eq!(network.bytes((&*frame(3)).into()).problem, None);
 }

@@ -31,8 +31,10 @@ proptest! {
             let reading = monitor.observe(Instant::from_millis(at), n, captured);
             prop_assert!(!reading.to_string().is_empty());
             prop_assert!(reading.request.is_none_or(|request| request.n < n));
-            prop_assert_eq!(reading.kind == Kind::Invalid, reading.body.is_none()
-                && !matches!(reading.kind, Kind::Foreign | Kind::AsndIdentResponse | Kind::AsndStatusResponse));
+            let has_length = matches!(reading.kind, Kind::AsndIdentResponse | Kind::AsndStatusResponse);
+            let is_unread = reading.body.is_none() && reading.kind != Kind::Foreign;
+            prop_assert_eq!(is_unread && !has_length && reading.note.is_none(), reading.problem.is_some_and(|problem| problem.code() == "malformed"));
+            prop_assert!(reading.kind != Kind::Invalid || reading.body.is_none());
             heard += u64::from(reading.src.is_some() && reading.kind != Kind::Invalid);
         }
         prop_assert_eq!(monitor.nodes().map(|node| node.frames).sum::<u64>(), heard);
