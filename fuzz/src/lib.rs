@@ -18,6 +18,7 @@
 //! | [`nx_monitor`] | the passive decoder of DeviceNeX on a session | the same |
 //! | [`nx_node`] | a DeviceNeX device | who is answered, what is sent when, one history of events; connectionless requests change nothing |
 //! | [`pl_cn`] | a controlled node of POWERLINK | what is sent when, and what follows from what, held by a second, small program |
+//! | [`pl_monitor`] | the passive decoder of POWERLINK on a session | what it counts and which states it tells, held by a second, small program |
 //! | [`pl_wire`] | the frames of POWERLINK | the laws of the byte layouts |
 //! | [`text`] | readers of recordings and scenarios | an error has its place; what was written is read back |
 //! | [`wire`] | every wire type, paths, fragments, the bits of a frame | the laws of the byte layouts |
@@ -57,6 +58,7 @@ pub mod nx_manager;
 pub mod nx_monitor;
 pub mod nx_node;
 pub mod pl_cn;
+pub mod pl_monitor;
 pub mod pl_wire;
 mod plant;
 mod readings;
@@ -90,6 +92,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "nx_monitor", run: nx_monitor::run },
     Target { name: "nx_node", run: nx_node::run },
     Target { name: "pl_cn", run: pl_cn::run },
+    Target { name: "pl_monitor", run: pl_monitor::run },
     Target { name: "pl_wire", run: pl_wire::run },
     Target { name: "text", run: text::run },
     Target { name: "wire", run: wire::run },

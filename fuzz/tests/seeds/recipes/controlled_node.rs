@@ -151,7 +151,7 @@ pub(super) fn pl_cn() -> Seeds {
 }
 
 /// Every frame, as it was recorded.
-fn recording() -> Vec<Vec<u8>> {
+pub(super) fn recording() -> Vec<Vec<u8>> {
     let path = super::captures().join("powerlink/boot.pcap");
     let mut reader = PcapReader::new(File::open(path).unwrap()).unwrap();
     let mut frames = Vec::new();

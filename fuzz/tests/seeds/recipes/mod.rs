@@ -35,6 +35,7 @@ pub(crate) fn of(target: &str) -> Seeds {
         "nx_monitor" => frames::nx_monitor(),
         "nx_node" => device::nx_node(),
         "pl_cn" => controlled_node::pl_cn(),
+        "pl_monitor" => powerlink::pl_monitor(),
         "pl_wire" => controlled_node::pl_wire(),
         "text" => files::text(),
         "wire" => frames::wire(),
