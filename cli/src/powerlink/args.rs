@@ -47,7 +47,8 @@ pub struct StationArgs {
 #[command(after_long_help = "\
 A node with inputs and outputs after CiA 401: digital ones of 8 bits, 0x6000 and 0x6200, and analog ones of 16 bits, 0x6401 and \
 0x6411. The first --digital and --analog of each are mapped, in this order, until the managing node maps others. What happens is \
-printed, one line each, until Ctrl-C or --for; process data when they change.
+printed, one line each, until Ctrl-C or --for; process data when they change, and what comes again and again, such as bad frames, once a \
+second with its number.
 
 It sends only what a managing node asks for. An answer that would come later than --answer-within, or after the managing node has \
 gone on, is withheld, and counted as not sent. An interface that goes down, or is unplugged, is waited for.
@@ -106,8 +107,9 @@ pub struct CnArgs {
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = "\
 It listens for another managing node first, then resets, identifies, configures and starts every node, and brings back those that are \
-lost. What happens is printed, one line each, until Ctrl-C or --for; process data when they change. At its end it resets every node, so \
-that none goes on alone. It is a small managing node, for tests and demonstrations.
+lost. What happens is printed, one line each, until Ctrl-C or --for; process data when they change, and what comes again and again, such \
+as bad frames, once a second with its number. At its end it resets every node, so that none goes on alone. It is a small managing node, \
+for tests and demonstrations.
 
 FILE is a network file in TOML. Times have a unit, numbers may be hexadecimal; only [[node]] with its number is required:
   cycle = \"20ms\"             from one SoC to the next

@@ -9,6 +9,7 @@ use powerlink_core::NodeId;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
+use super::folds::{Folds, Told, WHILE};
 use crate::output::Output;
 use crate::text::{LOWER, push_hex};
 
@@ -19,17 +20,59 @@ pub(super) struct Log {
     name: String,
     /// The same in JSON.
     node: u8,
+    folds: Folds,
+    /// Frames that were lost, and are not told yet.
+    lost: u64,
+    /// When others were, less than a while ago.
+    lost_told: Option<Instant>,
 }
 
 impl Log {
     pub(super) fn new(node: NodeId, json: bool) -> Self {
-        Self { output: Output::new(), json, name: node.to_string(), node: node.0 }
+        Self {
+            output: Output::new(),
+            json,
+            name: node.to_string(),
+            node: node.0,
+            folds: Folds::default(),
+            lost: 0,
+            lost_told: None,
+        }
     }
 
-    /// An event as it stands in the core: its name, and what it carries.
+    /// An event as it stands in the core: its name, and what it carries. One that others can cause without end may be held back.
     pub(super) fn event<E: Serialize + Display>(&mut self, now: Instant, event: &E) -> io::Result<()> {
+        self.time(now)?;
         let (name, fields) = parts(event);
-        self.line(now, &name, fields, &event.to_string())
+        let told = Told { name, fields, words: event.to_string() };
+        if self.folds.admit(now, &told) {
+            self.line(now, &told.name, told.fields, &told.words)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Tells what was held back long enough.
+    pub(super) fn time(&mut self, now: Instant) -> io::Result<()> {
+        let due = self.folds.due(now);
+        self.held_back(now, due)?;
+        let is_due = |told: Instant| now.saturating_since(told) >= WHILE;
+        if self.lost_told.is_some_and(is_due) { self.lost(now) } else { Ok(()) }
+    }
+
+    fn held_back(&mut self, now: Instant, told: Vec<Told>) -> io::Result<()> {
+        told.into_iter().try_for_each(|told| self.line(now, &told.name, told.fields, &told.words))
+    }
+
+    /// How many frames were lost since this was told last.
+    fn lost(&mut self, now: Instant) -> io::Result<()> {
+        let count = core::mem::take(&mut self.lost);
+        self.lost_told = (count > 0).then_some(now);
+        match count {
+            0 => Ok(()),
+            1 => self.line(now, "lost", fields([("frames", count.into())]), "1 frame lost"),
+            _ => self.line(now, "lost", fields([("frames", count.into())]), &format!("{count} frames lost")),
+        }
     }
 
     /// News of the interface. What is not sent is counted: there may be much of it.
@@ -38,7 +81,8 @@ impl Log {
             LinkEvent::Up => self.line(now, "link", fields([("state", "up".into())]), "link up"),
             LinkEvent::Down => self.line(now, "link", fields([("state", "down".into())]), "link down"),
             LinkEvent::FramesLost { count } => {
-                self.line(now, "lost", fields([("frames", count.into())]), &format!("{count} frames lost"))
+                self.lost += u64::from(count);
+                if self.lost_told.is_none() { self.lost(now) } else { self.time(now) }
             }
             LinkEvent::CrcError | LinkEvent::Collision | LinkEvent::NotSent => Ok(()),
         }
@@ -73,6 +117,9 @@ impl Log {
         state: &(impl Serialize + Display),
         counters: &impl Serialize,
     ) -> io::Result<()> {
+        let rest = self.folds.rest(now);
+        self.held_back(now, rest)?;
+        self.lost(now)?;
         let counters = serde_json::to_value(counters).unwrap_or_default();
         let counted: Vec<String> = counters
             .as_object()

@@ -12,6 +12,8 @@ mod args;
 #[cfg(target_os = "linux")]
 mod cn;
 #[cfg(target_os = "linux")]
+mod folds;
+#[cfg(target_os = "linux")]
 mod log;
 #[cfg(target_os = "linux")]
 mod mn;

@@ -117,6 +117,7 @@ impl Session {
             if let Some(event) = link {
                 tell(machine, now, News::Link(event))?;
             }
+            tell(machine, now, News::Time)?;
         }
     }
 
@@ -132,6 +133,8 @@ pub(super) enum News<E> {
     Event(E),
     /// By the interface.
     Link(LinkEvent),
+    /// Time has passed.
+    Time,
 }
 
 impl Port for Session {

@@ -149,15 +149,15 @@ impl Ends {
         let data = &DATA[..usize::from(argument >> 3)];
         let soa = |service, target| {
             let flags = Flags::from_bits_retain(argument >> 3 & 0x06);
-            self.from_managing(0xFF, Body::Soa(Soa { state, flags, service, target, version: POWERLINK_V2 }))
+            self.of_managing(0xFF, Body::Soa(Soa { state, flags, service, target, version: POWERLINK_V2 }))
         };
-        let asnd = |to, body| self.from_node(to, body);
+        let asnd = |to, body| self.of_node(to, body);
         let command = |to, base: u8, data| {
             let command = NmtCommandId(base | argument & 0x0F);
-            self.from_managing(to, Body::NmtCommand(NmtCommand { command, data }))
+            self.of_managing(to, Body::NmtCommand(NmtCommand { command, data }))
         };
         match number {
-            0 | 1 => self.from_managing(
+            0 | 1 => self.of_managing(
                 0xFF,
                 Body::Soc(Soc {
                     flags: Flags::empty(),
@@ -171,10 +171,11 @@ impl Ends {
             5 => soa(RequestedService::NMT_REQUEST_INVITE, node),
             6 => soa(RequestedService::UNSPECIFIED_INVITE, node),
             7 => soa(RequestedService::UNSPECIFIED_INVITE, NodeId::MANAGING_NODE),
-            8 => self
-                .from_managing(self.node, Body::Preq(Preq { flags: Flags::DATA_VALID, pdo_version, data })),
+            8 => {
+                self.of_managing(self.node, Body::Preq(Preq { flags: Flags::DATA_VALID, pdo_version, data }))
+            }
             9 => asnd(0xFF, Body::Pres(Pres { state, flags: Flags::empty(), request, pdo_version, data })),
-            10 => self.from_managing(
+            10 => self.of_managing(
                 0xFF,
                 Body::Pres(Pres { state, flags: Flags::empty(), request, pdo_version, data }),
             ),
@@ -227,7 +228,7 @@ impl Ends {
                     SdoCommand { transaction: 1, is_response, is_abort, segmentation, command: id, data };
                 self.sdo_frame(is_response, argument >> 2, 2, Some(command))
             }
-            28 => self.from_managing(0xFF, Body::Other(MessageType(argument & 0x7F | 0x07), &[])),
+            28 => self.of_managing(0xFF, Body::Other(MessageType(argument & 0x7F | 0x07), &[])),
             29 => asnd(0xFF, Body::OtherAsnd(ServiceId(argument | 0xA0), &DATA[..3])),
             30 => {
                 let mut foreign = asnd(0xFF, Body::Other(MessageType(argument), &[]));
@@ -238,7 +239,7 @@ impl Ends {
             _ => {
                 let data = vec![argument; 6 * usize::from(argument)];
                 let poll = Preq { flags: Flags::DATA_VALID, pdo_version, data: &data };
-                self.from_managing(self.node, Body::Preq(poll))
+                self.of_managing(self.node, Body::Preq(poll))
             }
         }
     }
@@ -261,16 +262,16 @@ impl Ends {
         };
         let body = Body::Sdo(Sdo { sequence, command });
         match is_response {
-            true => self.from_node(0xF0, body),
-            false => self.from_managing(self.node, body),
+            true => self.of_node(0xF0, body),
+            false => self.of_managing(self.node, body),
         }
     }
 
-    fn from_managing(&self, to: u8, body: Body<'_>) -> Vec<u8> {
+    fn of_managing(&self, to: u8, body: Body<'_>) -> Vec<u8> {
         self.emit(self.managing, NodeId::MANAGING_NODE, to, body)
     }
 
-    fn from_node(&self, to: u8, body: Body<'_>) -> Vec<u8> {
+    fn of_node(&self, to: u8, body: Body<'_>) -> Vec<u8> {
         self.emit(self.node, NodeId(self.node), to, body)
     }
 

@@ -40,6 +40,7 @@ pub(super) fn run(args: &CnArgs, json: bool) -> Result<Exit, Failure> {
         News::Event(NodeEvent::ProcessData { is_valid, .. }) => outputs.tell(node, now, is_valid, &mut log),
         News::Event(event) => log.event(now, &event),
         News::Link(event) => log.link(now, event),
+        News::Time => log.time(now),
     };
     session.run(&mut node, tell, |_| false)?;
     log.end(session.now(), &node.state(), node.counters())?;

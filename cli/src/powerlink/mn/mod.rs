@@ -102,6 +102,7 @@ fn tell(
             log.event(now, &event)
         }
         News::Link(event) => log.link(now, event),
+        News::Time => log.time(now),
     }
 }
 
