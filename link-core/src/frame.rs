@@ -36,7 +36,8 @@ impl Frame {
     #[must_use]
     pub fn new(id: impl Into<Id>, bytes: &[u8]) -> Option<Self> {
         let mut data = [0; Self::MAX_DATA];
-        data.get_mut(..bytes.len())?.copy_from_slice(bytes);
+        let room = data.get_mut(..bytes.len())?;
+        room.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
         Some(Self { id: id.into(), remote: false, dlc: u8::try_from(bytes.len()).ok()?, data })
     }
 

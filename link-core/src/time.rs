@@ -69,7 +69,13 @@ impl Instant {
     #[must_use]
     pub fn saturating_add_millis(self, millis: u32) -> Self {
         // 2^32 ms are less than 2^52 ns.
-        Self(self.0.saturating_add(u64::from(millis).wrapping_mul(1_000_000)))
+        self.saturating_add_nanos(u64::from(millis).wrapping_mul(1_000_000))
+    }
+
+    /// This moment plus `nanos` nanoseconds, at most [`MAX`](Self::MAX).
+    #[must_use]
+    pub const fn saturating_add_nanos(self, nanos: u64) -> Self {
+        Self(self.0.saturating_add(nanos))
     }
 
     /// The last moment before this one, at least [`ZERO`](Self::ZERO).

@@ -149,9 +149,12 @@ fn later(latest: &mut Instant, now: Instant) -> Instant {
     *latest
 }
 
+/// In two halves, whose products fit into 32 bits: a small processor multiplies no more at once.
 #[inline(never)]
 fn after(now: Instant, millis: u32) -> Instant {
-    now.saturating_add_millis(millis)
+    let high = u64::from((millis >> 16).wrapping_mul(NANOS_PER_MILLI >> 6)) << 16;
+    let low = u64::from((millis & 0xFFFF).wrapping_mul(NANOS_PER_MILLI >> 6));
+    now.saturating_add_nanos(high.wrapping_add(low) << 6)
 }
 
 #[inline(never)]
@@ -273,6 +276,9 @@ impl<K: TimerKey<N>, const N: usize> Default for Timers<K, N> {
     }
 }
 
+/// 64 times 15 625.
+const NANOS_PER_MILLI: u32 = 1_000_000;
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -356,6 +362,13 @@ mod tests {
         assert_eq!(timers.at(Key::A), timers.at(Key::B));
         assert!(!timers.is_due(ms(10_006)));
         assert!(timers.is_due(ms(10_007)));
+        for millis in [0, 1, 0xFFFF, 0x1_0000, 0x1_0001, 0xFFFF_0000, u32::MAX] {
+            timers.set_after(Key::A, Duration::from_millis(millis.into()));
+            timers.set_after_millis(Key::B, millis);
+            assert_eq!(timers.at(Key::A), timers.at(Key::B), "{millis} ms");
+            timers.set_after_millis_inline(Key::B, millis);
+            assert_eq!(timers.at(Key::A), timers.at(Key::B), "{millis} ms");
+        }
     }
 
     #[test]

@@ -54,7 +54,9 @@ impl<'a> Writer<'a> {
     /// Writes `bytes` as they are.
     pub fn bytes(&mut self, bytes: &[u8]) -> Result<(), Full> {
         let end = self.len.checked_add(bytes.len()).ok_or(Full)?;
-        self.buffer.get_mut(self.len..end).ok_or(Full)?.copy_from_slice(bytes);
+        let room = self.buffer.get_mut(self.len..end).ok_or(Full)?;
+        // Their lengths are equal, which a check would only ask once more.
+        room.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
         self.len = end;
         Ok(())
     }
