@@ -57,6 +57,14 @@ pub enum ExplicitCause {
     NetworkLost,
 }
 
+/// What a transition does with the watchdog.
+#[derive(Clone, Copy)]
+enum Then {
+    Keep,
+    Stop,
+    Start,
+}
+
 /// A transition.
 pub type ExplicitEdge = link_core::Edge<ExplicitState, ExplicitCause>;
 
@@ -71,6 +79,8 @@ pub struct ExplicitConnection {
 impl ExplicitConnection {
     /// Neither allocated nor opened.
     pub const NON_EXISTENT: Self = Self { state: ExplicitState::NonExistent, settings: DEFAULTS };
+    /// What attribute 12 can be.
+    pub const ACTIONS: [WatchdogAction; 2] = [WatchdogAction::AUTO_DELETE, WatchdogAction::DEFERRED_DELETE];
 
     /// The state.
     pub const fn state(&self) -> ExplicitState {
@@ -103,7 +113,7 @@ impl ExplicitConnection {
 
     /// Sets attribute 12: 1 or 3; 0x09 for anything else.
     pub fn set_watchdog_action(&mut self, action: WatchdogAction) -> Result<(), GeneralStatus> {
-        self.settings.set_watchdog_action(action, &EXPLICIT_ACTIONS)
+        self.settings.set_watchdog_action(action, &Self::ACTIONS)
     }
 
     /// What [`handle`](Self::handle) does with a message, which is all that most connections ever meet.
@@ -123,30 +133,30 @@ impl ExplicitConnection {
     pub fn handle(&mut self, cause: ExplicitCause) -> Result<Watchdog, GeneralStatus> {
         use ExplicitCause as Cause;
         use ExplicitState as State;
-        let (next, watchdog) = match (self.state, cause) {
+        let (next, then) = match (self.state, cause) {
             (State::NonExistent, Cause::Opened) => {
                 self.settings = DEFAULTS;
-                (State::Established, self.watchdog())
+                (State::Established, Then::Start)
             }
             (State::Established | State::DeferredDelete, Cause::Opened) => {
                 return Err(GeneralStatus::ALREADY_IN_REQUESTED_STATE);
             }
             (State::Established, Cause::Message | Cause::PacketRateSet | Cause::Reset)
-            | (State::DeferredDelete, Cause::Message) => (State::Established, self.watchdog()),
+            | (State::DeferredDelete, Cause::Message) => (State::Established, Then::Start),
             (State::Established, Cause::WatchdogExpired { io_established: true })
                 if self.settings.watchdog_action == WatchdogAction::DEFERRED_DELETE =>
             {
-                (State::DeferredDelete, Watchdog::Stop)
+                (State::DeferredDelete, Then::Stop)
             }
             (State::Established, Cause::WatchdogExpired { .. } | Cause::Released | Cause::NetworkLost)
             | (State::DeferredDelete, Cause::IoEnded | Cause::Released | Cause::NetworkLost) => {
-                (State::NonExistent, Watchdog::Stop)
+                (State::NonExistent, Then::Stop)
             }
             (State::NonExistent, Cause::PacketRateSet | Cause::Reset | Cause::Released) => {
                 return Err(GeneralStatus::OBJECT_DOES_NOT_EXIST);
             }
             // Served through another connection: what arrives on this one has established it again by then.
-            (State::DeferredDelete, Cause::PacketRateSet) => (self.state, Watchdog::Keep),
+            (State::DeferredDelete, Cause::PacketRateSet) => (self.state, Then::Keep),
             (State::DeferredDelete, Cause::Reset) => return Err(GeneralStatus::OBJECT_STATE_CONFLICT),
             (
                 State::NonExistent,
@@ -156,7 +166,11 @@ impl ExplicitConnection {
             | (State::DeferredDelete, Cause::WatchdogExpired { .. }) => return Ok(Watchdog::Keep),
         };
         self.enter(next, cause);
-        Ok(watchdog)
+        Ok(match then {
+            Then::Keep => Watchdog::Keep,
+            Then::Stop => Watchdog::Stop,
+            Then::Start => self.watchdog(),
+        })
     }
 
     /// The one door between states.
@@ -270,4 +284,3 @@ const fn edge(from: ExplicitState, cause: ExplicitCause, to: ExplicitState) -> E
 }
 
 const DEFAULTS: Settings = Settings::new(EXPLICIT_PACKET_RATE, WatchdogAction::AUTO_DELETE);
-const EXPLICIT_ACTIONS: [WatchdogAction; 2] = [WatchdogAction::AUTO_DELETE, WatchdogAction::DEFERRED_DELETE];

@@ -17,7 +17,7 @@
 
 use core::fmt;
 
-use super::timing::{Watchdog, first_time_out, time_out};
+use super::timing::{FIRST_TIME_OUT_MILLIS, Watchdog, time_out};
 use super::{
     ConnectionState, PredefinedConnection, Settings, TimerResolution, TransportClassTrigger, WatchdogAction,
 };
@@ -65,6 +65,17 @@ pub enum IoCause {
     NetworkLost,
 }
 
+/// What a transition does with the watchdog.
+#[derive(Clone, Copy)]
+enum Then {
+    Keep,
+    Stop,
+    /// For T.
+    Start,
+    /// For T, but at least 10 s.
+    StartFirst,
+}
+
 /// A transition.
 pub type IoEdge = link_core::Edge<IoState, IoCause>;
 
@@ -84,6 +95,10 @@ impl IoConnection {
 }
 
 impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
+    /// What attribute 12 can be.
+    pub const ACTIONS: [WatchdogAction; 3] =
+        [WatchdogAction::TRANSITION_TO_TIMED_OUT, WatchdogAction::AUTO_DELETE, WatchdogAction::AUTO_RESET];
+
     /// Not allocated; the kind has no meaning yet.
     pub const fn non_existent(kind: K) -> Self {
         Self { kind, state: IoState::NonExistent, settings: DEFAULTS }
@@ -139,7 +154,7 @@ impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
 
     /// Sets attribute 12: 0, 1 or 2; 0x09 for anything else.
     pub fn set_watchdog_action(&mut self, action: WatchdogAction) -> Result<(), GeneralStatus> {
-        self.settings.set_watchdog_action(action, &IO_ACTIONS)
+        self.settings.set_watchdog_action(action, &Self::ACTIONS)
     }
 
     /// What [`handle`](Self::handle) does with a message, which is all that most connections ever meet.
@@ -148,7 +163,7 @@ impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
         match self.state {
             IoState::Established => {
                 self.enter(IoState::Established, IoCause::Message);
-                self.watchdog()
+                self.watchdog(0)
             }
             IoState::Configuring | IoState::TimedOut => {
                 self.enter(self.state, IoCause::Message);
@@ -161,9 +176,9 @@ impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
     /// The state machine. An error is the general status of the response to the service that was the cause; messages and
     /// time-outs that a state does not know change nothing.
     pub fn handle(&mut self, cause: IoCause) -> Result<Watchdog, GeneralStatus> {
-        let (next, watchdog) = match (self.state, cause) {
+        let (next, then) = match (self.state, cause) {
             (IoState::NonExistent | IoState::TimedOut, IoCause::Allocated) => {
-                (IoState::Configuring, Watchdog::Stop)
+                (IoState::Configuring, Then::Stop)
             }
             (IoState::Configuring | IoState::Established, IoCause::Allocated) => {
                 return Err(GeneralStatus::ALREADY_IN_REQUESTED_STATE);
@@ -180,7 +195,7 @@ impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
                 return Err(GeneralStatus::OBJECT_DOES_NOT_EXIST);
             }
             (IoState::Configuring, IoCause::PacketRateSet | IoCause::Applied) => {
-                (IoState::Established, self.first_watchdog())
+                (IoState::Established, Then::StartFirst)
             }
             (IoState::Configuring, IoCause::Reset)
             | (IoState::Established | IoState::TimedOut, IoCause::Applied) => {
@@ -188,22 +203,20 @@ impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
                 return Err(GeneralStatus::OBJECT_STATE_CONFLICT);
             }
             (_, IoCause::Message) => return Ok(self.message()),
-            (IoState::Established, IoCause::PacketRateSet | IoCause::Reset) => {
-                (IoState::Established, self.watchdog())
-            }
-            (IoState::TimedOut, IoCause::Reset) => (IoState::Established, self.watchdog()),
+            (IoState::Established, IoCause::PacketRateSet | IoCause::Reset)
+            | (IoState::TimedOut, IoCause::Reset) => (IoState::Established, Then::Start),
             (IoState::Established, IoCause::WatchdogExpired) => match self.settings.watchdog_action {
-                WatchdogAction::AUTO_DELETE => (IoState::NonExistent, Watchdog::Stop),
-                WatchdogAction::AUTO_RESET => (IoState::Established, self.watchdog()),
-                _ => (IoState::TimedOut, Watchdog::Stop),
+                WatchdogAction::AUTO_DELETE => (IoState::NonExistent, Then::Stop),
+                WatchdogAction::AUTO_RESET => (IoState::Established, Then::Start),
+                _ => (IoState::TimedOut, Then::Stop),
             },
             (
                 IoState::Configuring | IoState::Established | IoState::TimedOut,
                 IoCause::Released | IoCause::NetworkLost,
             )
-            | (IoState::Configuring, IoCause::ExplicitGone) => (IoState::NonExistent, Watchdog::Stop),
+            | (IoState::Configuring, IoCause::ExplicitGone) => (IoState::NonExistent, Then::Stop),
             (IoState::Configuring | IoState::Established | IoState::TimedOut, IoCause::Served)
-            | (IoState::TimedOut, IoCause::PacketRateSet) => (self.state, Watchdog::Keep),
+            | (IoState::TimedOut, IoCause::PacketRateSet) => (self.state, Then::Keep),
             (
                 IoState::NonExistent,
                 IoCause::WatchdogExpired | IoCause::ExplicitGone | IoCause::NetworkLost,
@@ -212,7 +225,12 @@ impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
             | (IoState::Established | IoState::TimedOut, IoCause::ExplicitGone) => return Ok(Watchdog::Keep),
         };
         self.enter(next, cause);
-        Ok(watchdog)
+        Ok(match then {
+            Then::Keep => Watchdog::Keep,
+            Then::Stop => Watchdog::Stop,
+            Then::Start => self.watchdog(0),
+            Then::StartFirst => self.watchdog(FIRST_TIME_OUT_MILLIS),
+        })
     }
 
     /// The one door between states.
@@ -224,20 +242,12 @@ impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
         self.state = next;
     }
 
+    /// For T, but at least for so many milliseconds.
     #[inline]
-    fn watchdog(&self) -> Watchdog {
-        if self.consumes() {
-            Watchdog::start(time_out(self.settings.expected_packet_rate, self.settings.multiplier))
-        } else {
-            Watchdog::Stop
-        }
-    }
-
-    fn first_watchdog(&self) -> Watchdog {
-        if self.consumes() {
-            Watchdog::start(first_time_out(self.settings.expected_packet_rate, self.settings.multiplier))
-        } else {
-            Watchdog::Stop
+    fn watchdog(&self, least: u32) -> Watchdog {
+        match time_out(self.settings.expected_packet_rate, self.settings.multiplier) {
+            Some(millis) if self.consumes() => Watchdog::Start { millis: millis.max(least) },
+            Some(_) | None => Watchdog::Stop,
         }
     }
 
@@ -383,5 +393,3 @@ const fn edge(from: IoState, cause: IoCause, to: IoState) -> IoEdge {
 }
 
 const DEFAULTS: Settings = Settings::new(0, WatchdogAction::TRANSITION_TO_TIMED_OUT);
-const IO_ACTIONS: [WatchdogAction; 3] =
-    [WatchdogAction::TRANSITION_TO_TIMED_OUT, WatchdogAction::AUTO_DELETE, WatchdogAction::AUTO_RESET];

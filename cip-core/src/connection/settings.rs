@@ -60,8 +60,11 @@ impl Settings {
         Ok(())
     }
 
-    /// Rounds and stores attribute 9, and returns what is used from now on.
-    pub(super) fn set_packet_rate(
+    /// Rounds and stores attribute 9, and returns what is used from now on; 0x09 if it does not fit, or is less than the
+    /// production inhibit time. What follows from it for the connection is
+    /// [`IoCause::PacketRateSet`](super::IoCause::PacketRateSet) or
+    /// [`ExplicitCause::PacketRateSet`](super::ExplicitCause::PacketRateSet).
+    pub fn set_packet_rate(
         &mut self,
         requested: u16,
         resolution: TimerResolution,
@@ -72,7 +75,8 @@ impl Settings {
         Ok(used)
     }
 
-    pub(super) fn set_watchdog_action(
+    /// Sets attribute 12; 0x09 for an action that is not among those of this kind of connection.
+    pub fn set_watchdog_action(
         &mut self,
         action: WatchdogAction,
         allowed: &[WatchdogAction],
