@@ -55,10 +55,10 @@ pub struct Access {
     pub(super) told: Option<Listening>,
     /// Attribute 10 as stored, and as it was at the last power-up or reset.
     pub(super) quick_connect: QuickConnect,
-    pub(super) counters: Counters,
     pub(super) config: Config,
     pub(super) events: Events,
     pub(super) timers: Timers<Timer, 2>,
+    pub(super) counters: Counters,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -118,7 +118,10 @@ impl Machine for Access {
     type Event = AccessEvent;
 
     fn input(&mut self, now: Instant, input: Input) {
-        self.take_input::<Complete>(now, input);
+        // A wait that ended before this moment ended before this input; one that ends now ends after it.
+        let now = self.timers.advance(now);
+        self.expire::<Complete>(now.preceding());
+        self.take_input::<Complete>(now, &input);
     }
 
     fn poll(&mut self, now: Instant) -> Option<Action<AccessEvent>> {
@@ -158,15 +161,13 @@ impl Access {
         }
     }
 
-    /// What [`input`](Machine::input) does.
-    pub(crate) fn take_input<P: Extent>(&mut self, now: Instant, input: Input) {
+    /// What [`input`](Machine::input) does, for a machine that sees to it that no wait ended before `now`.
+    pub(crate) fn take_input<P: Extent>(&mut self, now: Instant, input: &Input) {
         let now = self.timers.advance(now);
-        // A wait that ended before this moment ended before this input; one that ends now ends after it.
-        self.expire::<P>(now.preceding());
         match input {
-            Input::Frame(frame) => self.frame::<P>(&frame),
-            Input::TxDone(token, outcome) => self.tx_done::<P>(token, outcome),
-            Input::Link(event) => self.link::<P>(event),
+            Input::Frame(frame) => self.frame::<P>(frame),
+            Input::TxDone(token, outcome) => self.tx_done::<P>(*token, *outcome),
+            Input::Link(event) => self.link::<P>(*event),
             Input::Tick => {}
         }
         self.expire::<P>(now);
@@ -251,6 +252,7 @@ impl Access {
     }
 
     /// Serves every wait that is over at `until`. None of them starts another that is over too.
+    #[inline(never)]
     fn expire<P: Extent>(&mut self, until: Instant) {
         while let Some(timer) = self.timers.take_expired(until) {
             let is_faulted = matches!(self.state, State::CommFault { .. });

@@ -4,8 +4,8 @@ use cip_core::code::{ClassId, InstanceId};
 use cip_core::codec::Writer;
 use cip_core::identity::IdentityStatus;
 use heapless::Vec;
+use link_core::Frame;
 use link_core::timers::TimerSet;
-use link_core::{Frame, Instant};
 
 use super::application::{Application, Parts};
 use super::departure::Departure;
@@ -17,7 +17,10 @@ use crate::message::{DeviceState, Heartbeat, HeartbeatFlags, Shutdown, ShutdownC
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
     /// The interval begins, if there is one.
     pub(super) fn start_heartbeat(&mut self) {
-        match self.node.heartbeat_interval.filter(|_| A::PARTS.contains(Parts::HEARTBEAT)) {
+        if !A::PARTS.contains(Parts::HEARTBEAT) {
+            return;
+        }
+        match self.node.heartbeat_interval {
             None | Some(0) => self.node.timers.clear(Timer::Heartbeat),
             Some(seconds) => {
                 let millis = u32::from(seconds).saturating_mul(1000);
@@ -26,8 +29,16 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
     }
 
+    /// Off line there is none, and nothing else waits by its timer.
+    pub(super) fn stop_heartbeat(&mut self) {
+        if A::PARTS.intersects(Parts::HEARTBEAT.union(Parts::BIT_RATE_DETECTION)) {
+            self.heartbeat_due = false;
+            self.node.timers.clear(Timer::Heartbeat);
+        }
+    }
+
     /// The interval is over. However late the slave learns of it, one heartbeat is due.
-    pub(super) fn heartbeat_over(&mut self, _: Instant) {
+    pub(super) fn heartbeat_over(&mut self) {
         self.heartbeat_due = true;
         self.start_heartbeat();
     }

@@ -3,8 +3,8 @@
 use cip_core::code::{AttributeId, ClassId, GeneralStatus, InstanceId, ServiceCode};
 use cip_core::codec::Writer;
 use cip_core::connection::{
-    ConnectionView, ExplicitCause, ExplicitConnection, ExplicitState, IoCause, IoState, TimeoutMultiplier,
-    WatchdogAction,
+    ConnectionView, ExplicitCause, ExplicitConnection, ExplicitState, IoCause, IoConnection, IoState,
+    PredefinedConnection, TimeoutMultiplier, WatchdogAction,
 };
 use cip_core::epath::Epath;
 use cip_core::object::{Call, Effects, Failure, exact};
@@ -61,6 +61,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
         (instance.0.saturating_add(1)..last).map(InstanceId).find(|&next| self.server.which(next).is_some())
     }
 
+    #[inline(never)]
     pub(super) fn get(
         &mut self,
         call: &Call<'_>,
@@ -89,21 +90,16 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
             5 => self.set_multicast_group(which, value)?,
             9 => {
                 let requested = u16::from_le_bytes(exact(value)?);
-                let used = match which {
-                    Which::Explicit => self.server.node.explicit_packet_rate(requested),
-                    Which::Io(kind) => self.server.node.io_packet_rate(kind, requested),
-                    Which::Dynamic(index) => self.server.node.dynamic_packet_rate(index, requested),
-                }?;
+                let used = self.server.node.set_packet_rate(which, requested)?;
                 out.u16(used)?;
             }
             12 => {
                 let [action] = exact(value)?;
-                let action = WatchdogAction(action);
-                match which {
-                    Which::Explicit => self.server.node.explicit.set_watchdog_action(action),
-                    Which::Io(kind) => self.server.node.io_mut(kind).set_watchdog_action(action),
-                    Which::Dynamic(index) => self.dynamic(index)?.set_watchdog_action(action),
-                }?;
+                let allowed: &[_] = match which {
+                    Which::Explicit | Which::Dynamic(_) => &ExplicitConnection::ACTIONS,
+                    Which::Io(_) => &IoConnection::<PredefinedConnection>::ACTIONS,
+                };
+                self.server.node.settings_mut(which)?.set_watchdog_action(WatchdogAction(action), allowed)?;
             }
             14 => self.select(which, End::Produced, value)?,
             16 => self.select(which, End::Consumed, value)?,
@@ -118,12 +114,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
             }
             18 => {
                 let [code] = exact(value)?;
-                let settings = match which {
-                    Which::Explicit => self.server.node.explicit.settings_mut(),
-                    Which::Io(kind) => self.server.node.io_mut(kind).settings_mut(),
-                    Which::Dynamic(index) => self.dynamic(index)?.settings_mut(),
-                };
-                settings.set_multiplier(TimeoutMultiplier(code))?;
+                self.server.node.settings_mut(which)?.set_multiplier(TimeoutMultiplier(code))?;
             }
             _ => return Err(NOT_SETTABLE),
         }
@@ -162,15 +153,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
             _ => return Err(NOT_SUPPORTED),
         }
         Ok(Effects::NONE)
-    }
-
-    fn dynamic(&mut self, index: u8) -> Result<&mut ExplicitConnection, Failure> {
-        self.server
-            .node
-            .dynamic
-            .get_mut(usize::from(index))
-            .map(|dynamic| &mut dynamic.connection)
-            .ok_or(GONE)
     }
 
     /// Attribute 5 of instance 5: the group whose command is consumed, while the connection is being configured.

@@ -1,6 +1,7 @@
 //! Leaving the network on purpose: Reset, and a new MAC ID. The response goes out first.
 
 use cip_core::message::ResetType;
+use link_core::timers::TimerSet;
 use link_core::{BitRate, Instant};
 
 use super::allocation::Door;
@@ -55,7 +56,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     /// Goes on if the response has been sent.
-    pub(super) fn follow_departure(&mut self, now: Instant) {
+    pub(super) fn follow_departure(&mut self) {
         let Some(departure) = &mut self.node.departure else { return };
         if departure.stage != Stage::Response {
             return;
@@ -74,12 +75,13 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if says_so && self.access.is_online() {
             departure.stage = Stage::Shutdown;
         } else {
-            self.leave(now);
+            self.leave();
         }
     }
 
     /// The response, and the shutdown message if there was to be one, have been sent, or never will be.
-    pub(super) fn leave(&mut self, now: Instant) {
+    pub(super) fn leave(&mut self) {
+        let now = self.node.timers.now();
         match self.node.departure.take() {
             Some(Departure { why: Why::MacId(mac), .. }) if A::PARTS.contains(Parts::SETTINGS) => {
                 // That it can be set was checked when the request was answered.
@@ -98,7 +100,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// Starts anew, as after a power cycle; a stored bit rate takes effect.
     pub fn reset(&mut self, now: Instant) {
         self.reset_with(now, self.access.mac_id());
-        self.follow(now);
+        self.follow();
     }
 
     /// Starts anew with another MAC ID, as an operator's command; over the network the DeviceNet object does it.
@@ -109,7 +111,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.node.advance(now);
         self.access.set_mac_id_within::<Needed<A>>(now, mac)?;
         self.look_for_errands();
-        self.follow(now);
+        self.follow();
         Ok(())
     }
 

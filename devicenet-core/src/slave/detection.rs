@@ -46,10 +46,10 @@ impl Detection {
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
     /// An input while the bit rate is being detected.
     #[inline(never)]
-    pub(super) fn detect(&mut self, now: Instant, input: Input) {
+    pub(super) fn detect(&mut self, now: Instant, input: &Input) {
         self.look_for_errands();
         // A frame at the end of the second counts before it.
-        match (self.detection, input) {
+        match (self.detection, *input) {
             (Detection::Waiting, Input::Link(LinkEvent::Up)) => self.tune(),
             (Detection::Tuning, Input::Link(LinkEvent::ModeSet(mode))) if mode.listen_only => {
                 self.detection = Detection::Listening;
@@ -79,7 +79,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         {
             self.next_rate();
         }
-        if let Input::Link(event) = input {
+        if let Input::Link(event) = *input {
             self.note(event);
         }
     }
@@ -100,7 +100,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.errand = Errand::Perhaps;
         self.detection = Detection::Done;
         self.port.stored = self.port.active;
-        self.tell_access(now, Input::Link(LinkEvent::Up));
+        self.tell_access(now, &Input::Link(LinkEvent::Up));
     }
 }
 

@@ -1,7 +1,7 @@
 //! Explicit connections that clients open through the UCMM: instances 6 and up of the Connection object.
 
 use cip_core::code::GeneralStatus;
-use cip_core::connection::{ExplicitCause, ExplicitConnection, ExplicitState};
+use cip_core::connection::{ExplicitCause, ExplicitConnection, ExplicitState, Settings};
 use cip_core::message::BodyFormat;
 use link_core::Instant;
 
@@ -112,15 +112,9 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         Ok(())
     }
 
-    /// Sets attribute 9.
-    pub(super) fn dynamic_packet_rate(&mut self, index: u8, requested: u16) -> Result<u16, GeneralStatus> {
-        let resolution = self.resolution();
-        let dynamic = self.dynamic.get_mut(usize::from(index)).ok_or(GeneralStatus::OBJECT_DOES_NOT_EXIST)?;
-        let (used, watchdog) = dynamic.connection.set_packet_rate(requested, resolution)?;
-        if let Some(timers) = self.dynamic_timers.get_mut(usize::from(index)) {
-            apply(timers, Timer::Explicit, watchdog);
-        }
-        Ok(used)
+    pub(super) fn dynamic_settings_mut(&mut self, index: u8) -> Result<&mut Settings, GeneralStatus> {
+        let dynamic = self.dynamic.get_mut(usize::from(index));
+        dynamic.map(|one| one.connection.settings_mut()).ok_or(GeneralStatus::OBJECT_DOES_NOT_EXIST)
     }
 
     pub(super) fn dynamic_timed_out(&mut self, index: u8) {

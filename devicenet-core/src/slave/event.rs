@@ -29,9 +29,11 @@ pub enum Event {
 /// What happened in the connections and objects of a slave.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
+// It begins with 1, so that places without one are zeros.
 pub enum SlaveEvent {
     /// New data are in [`Application::consumed`](super::Application::consumed).
-    Received(IoKind),
+    Received(IoKind) = 1,
     /// What the consumed data mean has changed; the outputs are in the state that belongs to it.
     Mode(IoKind, IoMode),
     /// An I/O connection has another state.

@@ -1,36 +1,33 @@
 //! What follows from an input before anything is sent: on line or off, connections, modes, what is to be told.
 
 use cip_core::connection::ExplicitState;
-use link_core::Instant;
-use link_core::timers::TimerSet;
 
 use super::application::Application;
 use super::event::SlaveEvent;
 use super::machine::{Errand, Slave};
 use super::node::Changed;
-use super::timer::Timer;
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
     /// What follows from the changes of an input before anything is sent.
     #[inline]
-    pub(super) fn follow(&mut self, now: Instant) {
+    pub(super) fn follow(&mut self) {
         // What network access does is an errand.
         if self.errand != Errand::None || self.node.departure.is_some() || !self.node.changed.is_empty() {
-            self.follow_changes(now);
+            self.follow_changes();
         }
     }
 
     #[inline(never)]
-    fn follow_changes(&mut self, now: Instant) {
+    fn follow_changes(&mut self) {
         if self.online != self.access.is_online() {
             self.online = self.access.is_online();
-            if self.online { self.go_online() } else { self.go_offline(now) }
+            if self.online { self.go_online() } else { self.go_offline() }
         }
         if self.node.departure.is_some() {
-            self.follow_departure(now);
+            self.follow_departure();
             if self.online && !self.access.is_online() {
                 self.online = false;
-                self.go_offline(now);
+                self.go_offline();
             }
         }
         if self.node.changed.is_empty() {
@@ -43,14 +40,14 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
         self.follow_modes();
         if self.node.changed.contains(Changed::HEARTBEAT) {
-            self.node.changed.remove(Changed::HEARTBEAT);
             self.start_heartbeat();
         }
         if self.node.changed.contains(Changed::ALLOCATION) {
-            self.node.changed.remove(Changed::ALLOCATION);
             let (choice, master) = (self.node.choice(), self.node.master);
             self.node.report(SlaveEvent::Allocation { choice, master });
         }
+        // The port is told of the filter with the other actions.
+        self.node.changed = self.node.changed.intersection(Changed::FILTER);
     }
 
     fn go_online(&mut self) {
@@ -58,7 +55,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.start_heartbeat();
     }
 
-    fn go_offline(&mut self, now: Instant) {
+    fn go_offline(&mut self) {
         self.look_for_errands();
         let dropped = self.access.is_off_the_bus();
         self.node.lose_network();
@@ -69,12 +66,11 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             dynamic.unwanted = dynamic.in_flight && !dropped;
         }
         self.answers.clear();
-        self.heartbeat_due = false;
-        self.node.timers.clear(Timer::Heartbeat);
+        self.stop_heartbeat();
         // Network access has its own, and that of the slave is set anew on line.
         self.node.changed.remove(Changed::FILTER);
         // Whoever wanted to leave has left by other means; what was accepted is carried out all the same.
-        self.leave(now);
+        self.leave();
     }
 
     fn close_transfers(&mut self) {

@@ -124,7 +124,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// A frame while the node is on line. Most of them are poll commands.
     #[inline]
-    fn frame(&mut self, now: Instant, frame: &Frame) {
+    fn frame(&mut self, now: Instant, input: &Input, frame: &Frame) {
         match Identifier::of_frame(frame) {
             Some(id) if id == Identifier::poll_command(self.access.mac_id()) && !self.is_dynamic(id) => {
                 self.command(id, IoKind::Poll, frame.data());
@@ -132,12 +132,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             Some(id) if id == Identifier::explicit_request(self.access.mac_id()) && !self.is_dynamic(id) => {
                 self.explicit_frame(id, frame.data());
             }
-            Some(id) => self.frame_besides_poll(now, id, frame),
-            None => self.tell_access(now, Input::Frame(*frame)),
+            Some(id) => self.frame_besides_poll(now, id, input, frame),
+            None => self.tell_access(now, input),
         }
     }
 
-    fn frame_besides_poll(&mut self, now: Instant, id: Identifier, frame: &Frame) {
+    fn frame_besides_poll(&mut self, now: Instant, id: Identifier, input: &Input, frame: &Frame) {
         if self.is_dynamic(id) {
             return self.dynamic_frame(id, frame.data());
         }
@@ -145,7 +145,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let own = Identifier::bit_strobe_command(self.access.mac_id());
         match id.raw() ^ own.raw() {
             6 => self.unconnected_frame(id, frame.data()),
-            7 => self.tell_access(now, Input::Frame(*frame)),
+            7 => self.tell_access(now, input),
             2 if changes::<A>() => self.change_of_state_acknowledged(id),
             _ => self.frame_to_many(id, frame.data()),
         }
@@ -180,7 +180,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     #[inline(never)]
-    pub(super) fn tell_access(&mut self, now: Instant, input: Input) {
+    pub(super) fn tell_access(&mut self, now: Instant, input: &Input) {
         self.look_for_errands();
         self.access.take_input::<Needed<A>>(now, input);
     }
@@ -192,18 +192,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
     }
 
-    fn link(&mut self, now: Instant, event: LinkEvent) {
-        self.note(event);
-        self.tell_access(now, Input::Link(event));
-    }
-
     #[inline(never)]
-    fn tx_done(&mut self, now: Instant, token: TxToken, outcome: TxOutcome) {
-        if token == Access::TOKEN {
-            return self.tell_access(now, Input::TxDone(token, outcome));
-        }
+    fn tx_done(&mut self, token: TxToken, outcome: TxOutcome) {
         let done = match lines::line_of(token) {
-            Some(line) => self.line_done(now, line, outcome),
+            Some(line) => self.line_done(line, outcome),
             None => self.dynamic_done(token, outcome),
         };
         if done.is_none() {
@@ -211,7 +203,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
     }
 
-    fn line_done(&mut self, now: Instant, line: Line, outcome: TxOutcome) -> Option<()> {
+    fn line_done(&mut self, line: Line, outcome: TxOutcome) -> Option<()> {
         let wanted = self.node.lines.done(line)?;
         let sent = outcome == TxOutcome::Sent;
         if matches!(outcome, TxOutcome::Dropped | TxOutcome::Unknown) && self.online {
@@ -221,7 +213,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             Some(kind) if wanted => self.produced(kind, sent),
             // Of a connection that has ended since.
             Some(_) => {}
-            None => self.explicit_done(now, line),
+            None => self.explicit_done(line),
         }
         Some(())
     }
@@ -233,44 +225,52 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// Serves every wait that is over at `until`.
     #[inline(never)]
-    fn expire(&mut self, now: Instant, until: Instant) {
+    fn expire(&mut self, until: Instant) {
         if self.access.deadline_is_over(until) {
-            self.tell_access(until, Input::Tick);
+            self.tell_access(until, &Input::Tick);
         }
         while let Some(timer) = self.node.timers.take_expired(until) {
-            match timer {
-                Timer::Explicit => self.node.explicit_timed_out(),
-                Timer::Io(kind) => {
-                    if let Some(kind) = kind.offered::<A>() {
-                        self.node.io_timed_out(kind);
-                    }
-                }
-                Timer::Trigger if changes::<A>() => self.node.triggered(),
-                Timer::Inhibit if changes::<A>() => self.node.inhibit_over(),
-                Timer::Acknowledge if changes::<A>() => self.not_acknowledged(),
-                Timer::Heartbeat if A::PARTS.contains(Parts::HEARTBEAT) => self.heartbeat_over(now),
-                Timer::FragmentAcknowledge => {
-                    if self.explicit.not_acknowledged(&mut self.node.timers) {
-                        self.node.report(SlaveEvent::ResponseAbandoned { instance: 1 });
-                    }
-                }
-                Timer::Reassembly => self.explicit.reassembly_over(),
-                Timer::Trigger | Timer::Inhibit | Timer::Acknowledge | Timer::Heartbeat => {}
-            }
+            self.wait_over(timer);
         }
         self.expire_dynamic(until);
     }
 
+    #[inline(never)]
+    fn wait_over(&mut self, timer: Timer) {
+        match timer {
+            Timer::Explicit => self.node.explicit_timed_out(),
+            Timer::Io(kind) => {
+                if let Some(kind) = kind.offered::<A>() {
+                    self.node.io_timed_out(kind);
+                }
+            }
+            Timer::Trigger if changes::<A>() => self.node.triggered(),
+            Timer::Inhibit if changes::<A>() => self.node.inhibit_over(),
+            Timer::Acknowledge if changes::<A>() => self.not_acknowledged(),
+            Timer::Heartbeat if A::PARTS.contains(Parts::HEARTBEAT) => self.heartbeat_over(),
+            Timer::FragmentAcknowledge => {
+                if self.explicit.not_acknowledged(&mut self.node.timers) {
+                    self.node.report(SlaveEvent::ResponseAbandoned { instance: 1 });
+                }
+            }
+            Timer::Reassembly => self.explicit.reassembly_over(),
+            Timer::Trigger | Timer::Inhibit | Timer::Acknowledge | Timer::Heartbeat => {}
+        }
+    }
+
     /// An input other than a frame on line.
     #[inline(never)]
-    fn other_input(&mut self, now: Instant, input: Input) {
+    fn other_input(&mut self, now: Instant, input: &Input) {
         if A::PARTS.contains(Parts::BIT_RATE_DETECTION) && self.detection.is_running() {
             return self.detect(now, input);
         }
-        match input {
-            Input::Frame(_) => self.tell_access(now, input),
-            Input::TxDone(token, outcome) => self.tx_done(now, token, outcome),
-            Input::Link(event) => self.link(now, event),
+        match *input {
+            Input::TxDone(token, outcome) if token != Access::TOKEN => self.tx_done(token, outcome),
+            Input::Frame(_) | Input::TxDone(..) => self.tell_access(now, input),
+            Input::Link(event) => {
+                self.note(event);
+                self.tell_access(now, input);
+            }
             Input::Tick => {}
         }
     }
@@ -278,8 +278,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// What ended before this moment ended before its input.
     #[inline(never)]
     fn catch_up(&mut self, now: Instant) {
-        self.expire(now, now.preceding());
-        self.follow(now);
+        self.expire(now.preceding());
+        self.follow();
     }
 
     /// Whether a wait is over. While the bit rate is being detected, nothing else is waited for.
@@ -307,14 +307,14 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
             self.catch_up(now);
         }
         match &input {
-            Input::Frame(frame) if self.online => self.frame(now, frame),
-            _ => self.other_input(now, input),
+            Input::Frame(frame) if self.online => self.frame(now, &input, frame),
+            _ => self.other_input(now, &input),
         }
         // A wait that ends at this moment ends after its input.
         if is_due {
-            self.expire(now, now);
+            self.expire(now);
         }
-        self.follow(now);
+        self.follow();
     }
 
     fn poll(&mut self, now: Instant) -> Option<Action<Event>> {

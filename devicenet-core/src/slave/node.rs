@@ -5,7 +5,7 @@ use core::marker::PhantomData;
 use cip_core::code::GeneralStatus;
 use cip_core::connection::{
     ExplicitCause, ExplicitConnection, ExplicitState, IoCause, IoConnection, IoState, PredefinedConnection,
-    TimerResolution, Watchdog,
+    Settings, TimerResolution, Watchdog,
 };
 use cip_core::message::AllocationChoice;
 use cip_core::object::{AcknowledgeSettings, FailureOptions};
@@ -14,6 +14,7 @@ use link_core::{Instant, Timers};
 
 use super::application::{Application, IoKind, IoMode, Parts};
 use super::config::{Choices, Config, Options};
+use super::connection_object::Which;
 use super::departure::Departure;
 use super::dynamic::Dynamic;
 use super::event::{Events, Ignored, SlaveEvent, count};
@@ -48,9 +49,9 @@ pub(super) struct Node<A: Application, const DYNAMIC: usize> {
     /// Whose it is after an allocation, if not the master's.
     pub(super) foreign_group: Option<MacId>,
     pub(super) heartbeat_interval: Option<u8>,
-    pub(super) events: Events<<SlotsOf<A> as Slots>::Events>,
     pub(super) acknowledge: AcknowledgeSettings,
     failures: FailureOptions,
+    pub(super) events: Events<<SlotsOf<A> as Slots>::Events>,
     pub(super) options: Choices<A>,
     pub(super) timers: <SlotsOf<A> as Slots>::Timers,
     /// Instances 6 and up.
@@ -182,13 +183,28 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         self.feed(Timer::Io(kind), watchdog);
     }
 
-    /// Sets attribute 9 of an I/O connection.
-    pub(super) fn io_packet_rate(&mut self, kind: IoKind, requested: u16) -> Result<u16, GeneralStatus> {
-        let (from, resolution) = (self.io(kind).state(), self.resolution());
-        let (used, watchdog) = self.io_mut(kind).set_packet_rate(requested, resolution)?;
-        self.io_moved(kind, from, IoCause::PacketRateSet);
-        self.io_watchdog(kind, watchdog);
-        if changes::<A>() && kind == IoKind::ChangeOfState && self.io(kind).state() == IoState::Established {
+    /// What a client has set on an instance.
+    pub(super) fn settings_mut(&mut self, which: Which) -> Result<&mut Settings, GeneralStatus> {
+        match which {
+            Which::Explicit => Ok(self.explicit.settings_mut()),
+            Which::Io(kind) => Ok(self.io_mut(kind).settings_mut()),
+            Which::Dynamic(index) => self.dynamic_settings_mut(index),
+        }
+    }
+
+    /// Sets attribute 9 of an instance, and returns what is used from now on.
+    pub(super) fn set_packet_rate(&mut self, which: Which, requested: u16) -> Result<u16, GeneralStatus> {
+        let resolution = self.resolution();
+        let used = self.settings_mut(which)?.set_packet_rate(requested, resolution)?;
+        match which {
+            Which::Explicit => self.explicit_step(ExplicitCause::PacketRateSet)?,
+            Which::Io(kind) => self.io_step(kind, IoCause::PacketRateSet)?,
+            Which::Dynamic(index) => self.dynamic_step(index, ExplicitCause::PacketRateSet)?,
+        }
+        if changes::<A>()
+            && matches!(which, Which::Io(IoKind::ChangeOfState))
+            && self.io(IoKind::ChangeOfState).state() == IoState::Established
+        {
             self.start_trigger();
         }
         Ok(used)
@@ -225,15 +241,6 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         self.explicit_moved(from, cause);
         apply(&mut self.timers, Timer::Explicit, result?);
         Ok(())
-    }
-
-    /// Sets attribute 9 of the predefined explicit connection.
-    pub(super) fn explicit_packet_rate(&mut self, requested: u16) -> Result<u16, GeneralStatus> {
-        let from = self.explicit.state();
-        let (used, watchdog) = self.explicit.set_packet_rate(requested, self.resolution())?;
-        self.explicit_moved(from, ExplicitCause::PacketRateSet);
-        apply(&mut self.timers, Timer::Explicit, watchdog);
-        Ok(used)
     }
 
     pub(super) fn is_io_established(&self) -> bool {

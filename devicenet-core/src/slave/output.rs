@@ -13,6 +13,7 @@ use super::lines::{self, Line, Sent};
 use super::machine::{Errand, Needed, Slave};
 use super::node::Changed;
 use super::transfer::Piece;
+use super::unconnected::UnconnectedPort;
 use crate::access::NetworkStatus;
 use crate::id::{Identifier, MessageGroup};
 
@@ -208,7 +209,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     fn is_explicit_ready(&self) -> bool {
         self.node.lines.is_free(Line::EXPLICIT)
             && (self.explicit.is_due()
-                || self.is_answer_due(false)
+                || self.is_answer_due(UnconnectedPort::Group2)
                 || (DYNAMIC == 0 && self.is_broadcast_due()))
     }
 
@@ -231,10 +232,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// Acknowledges of fragments first, so that they precede the response.
     fn write_explicit(&mut self, out: &mut Writer<'_>) -> Option<Sent> {
         if !self.explicit.must_acknowledge()
-            && self.is_answer_due(false)
-            && let Some(answer) = self.take_answer(false)
+            && self.is_answer_due(UnconnectedPort::Group2)
+            && let Some(answer) = self.take_answer(UnconnectedPort::Group2)
         {
-            out.bytes(&answer.field).ok()?;
+            out.bytes(answer.field()).ok()?;
             return Some(Sent::Unconnected);
         }
         if self.explicit.is_due() {
@@ -246,12 +247,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     /// A frame of the explicit line, or of that of the UCMM, is with the controller no longer.
-    pub(super) fn explicit_done(&mut self, now: Instant, line: Line) {
+    pub(super) fn explicit_done(&mut self, line: Line) {
         let sent =
             if line == Line::UCMM { self.node.lines.ucmm.take() } else { self.node.lines.explicit.take() };
         match sent {
             Some(Sent::Piece(piece)) => self.explicit.handed(&mut self.node.timers, piece),
-            Some(Sent::Shutdown) => self.leave(now),
+            Some(Sent::Shutdown) => self.leave(),
             Some(Sent::Unconnected | Sent::Heartbeat) | None => {}
         }
     }

@@ -80,20 +80,21 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
     }
 
     fn serve(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+        // Paths come through dynamic connections only: this tells the compiler so.
+        let by_ids = Call::new(call.service, call.class, call.instance, call.data);
+        let call = if DYNAMIC == 0 { &by_ids } else { call };
         if self.requester.door == Door::Unconnected {
             unconnected::check(call)?;
         }
+        let has_more_of_identity = A::PARTS.intersects(Parts::OPTIONAL_SERVICES.union(Parts::HEARTBEAT));
         match call.class {
-            ClassId::IDENTITY if !A::PARTS.intersects(Parts::OPTIONAL_SERVICES.union(Parts::HEARTBEAT)) => {
-                serve_plain(self, call, out)
-            }
-            ClassId::IDENTITY => {
+            ClassId::IDENTITY if has_more_of_identity => {
                 let mut identity = self.identity();
                 let effects = serve(&mut identity, call, out)?;
                 self.node.heartbeat_interval = identity.heartbeat_interval;
                 Ok(effects)
             }
-            ClassId::DEVICENET | ClassId::CONNECTION => serve_plain(self, call, out),
+            ClassId::IDENTITY | ClassId::DEVICENET | ClassId::CONNECTION => serve_plain(self, call, out),
             _ => self.serve_others(call, out),
         }
     }
@@ -144,6 +145,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
         }
     }
 
+    #[inline(always)]
     pub(super) fn identity(&self) -> Identity<'_> {
         identity(self.application, self.node)
     }
@@ -172,7 +174,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
 }
 
 /// The Identity object: what the application says, and what the slave knows.
-#[inline]
+#[inline(always)]
 pub(super) fn identity<'a, A: Application, const DYNAMIC: usize>(
     application: &'a A,
     node: &Node<A, DYNAMIC>,

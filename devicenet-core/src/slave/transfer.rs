@@ -25,16 +25,18 @@ use crate::id::Identifier;
 
 /// The buffers and the progress of one explicit connection.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
+// In this order the code is shortest, as in `Node`.
+#[repr(C)]
 pub(super) struct Transfer<const MESSAGE: usize> {
+    receive: ExplicitReceive,
+    transmit: ExplicitTransmit,
+    acknowledge: Option<[u8; 3]>,
+    stage: Stage,
+    /// Of the response; its fragments have FRAG besides.
+    header: u8,
     /// A request in fragments while it arrives, and the response after that: what begins a request aborts the response
     /// to the one before.
     message: Message<MESSAGE>,
-    receive: ExplicitReceive,
-    transmit: ExplicitTransmit,
-    /// Of the response; its fragments have FRAG besides.
-    header: u8,
-    stage: Stage,
-    acknowledge: Option<[u8; 3]>,
 }
 
 /// How far the present frame of the response is.

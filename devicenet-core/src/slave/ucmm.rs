@@ -32,7 +32,7 @@ use super::event::{Event, Ignored, count};
 use super::lines::{self, Line, Sent};
 use super::machine::{DynamicTransfer, Slave};
 use super::node::Changed;
-use super::unconnected::complete_request;
+use super::unconnected::{UnconnectedPort, complete_request};
 use crate::id::{Identifier, MacId, MessageGroup};
 use crate::message::{ExplicitHeader, GroupSelect};
 
@@ -115,7 +115,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             // Three bytes, for which there is room.
             let _ = failure.emit(&mut out);
         }
-        self.queue(true, out.written());
+        let len = out.len();
+        self.queue(UnconnectedPort::Ucmm, field, len);
         Ok(())
     }
 
@@ -233,7 +234,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     pub(super) fn is_ucmm_due(&self) -> bool {
-        self.is_broadcast_due() || self.is_answer_due(true)
+        self.is_broadcast_due() || self.is_answer_due(UnconnectedPort::Ucmm)
     }
 
     pub(super) fn send_on_ucmm(&mut self) -> Option<Action<Event>> {
@@ -241,8 +242,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             return None;
         }
         let id = Identifier::unconnected_response(self.access.mac_id());
-        let (sent, frame) = match self.take_answer(true) {
-            Some(answer) => (Sent::Unconnected, id.frame(&answer.field)?),
+        let (sent, frame) = match self.take_answer(UnconnectedPort::Ucmm) {
+            Some(answer) => (Sent::Unconnected, id.frame(answer.field())?),
             None => {
                 let (sent, field) = self.take_broadcast()?;
                 (sent, id.frame(&field)?)

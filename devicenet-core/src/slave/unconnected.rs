@@ -11,11 +11,12 @@
 //! It is served for everybody, also while the explicit connection exists: so a second master learns that there is a
 //! first one.
 
+use core::hash::{Hash, Hasher};
+
 use cip_core::code::{AdditionalCode, ClassId, GeneralStatus, InstanceId, ServiceCode};
 use cip_core::codec::Writer;
 use cip_core::message::BodyFormat;
 use cip_core::object::{Call, Failure};
-use heapless::Vec;
 
 use super::allocation::{Door, Requester};
 use super::application::Application;
@@ -25,12 +26,23 @@ use super::machine::Slave;
 use crate::id::{Identifier, MacId};
 use crate::message::ExplicitHeader;
 
-/// The response of an unconnected port, until it is sent.
-#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+/// The response of an unconnected port, until it is sent. What lies behind its end is no part of it.
+#[derive(Clone, Debug)]
 pub(super) struct Answer {
-    /// On the line of the UCMM; else on that of the explicit connection.
-    pub(super) ucmm: bool,
-    pub(super) field: Vec<u8, 6, u8>,
+    pub(super) port: UnconnectedPort,
+    /// The header and the body: the first `len` of these.
+    pub(super) field: [u8; 6],
+    pub(super) len: u8,
+}
+
+/// Whose it is. It begins with 1, so that places without an answer are zeros.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[repr(u8)]
+pub(super) enum UnconnectedPort {
+    /// Of group 2: it goes out on the line of the explicit connection.
+    Group2 = 1,
+    /// The UCMM, which has a line of its own.
+    Ucmm,
 }
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
@@ -47,7 +59,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     fn unconnected_request(&mut self, field: &[u8]) -> Result<(), Ignored> {
         let (header, body) = complete_request(field)?;
         self.check_room()?;
-        let mut field = [0; 5];
+        let mut field = [0; 6];
         let mut out = Writer::new(&mut field);
         // There is room for it.
         let _ = out.u8(header);
@@ -57,7 +69,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             format: BodyFormat::Class8Instance8,
         });
         server.answer(body, &mut out)?;
-        self.queue(false, out.written());
+        let len = out.len();
+        self.queue(UnconnectedPort::Group2, field, len);
         Ok(())
     }
 
@@ -67,29 +80,46 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if self.answers.is_full() { Err(Ignored::Busy) } else { Ok(()) }
     }
 
-    /// `field`: the header of the answer, and its body.
-    pub(super) fn queue(&mut self, ucmm: bool, field: &[u8]) {
-        let Ok(field) = Vec::from_slice(field) else {
-            debug_assert!(false, "the answer of an unconnected port has up to six bytes");
-            return;
-        };
+    /// `field`: the header of the answer, and its body, as long as `len` says.
+    pub(super) fn queue(&mut self, port: UnconnectedPort, field: [u8; 6], len: usize) {
         // There is room: it was checked before the request was carried out.
-        let _ = self.answers.push(Answer { ucmm, field });
+        let _ = self.answers.push(Answer { port, field, len: u8::try_from(len).unwrap_or(u8::MAX) });
     }
 
     /// The first answer that waits for a line.
-    pub(super) fn take_answer(&mut self, ucmm: bool) -> Option<Answer> {
+    pub(super) fn take_answer(&mut self, port: UnconnectedPort) -> Option<Answer> {
         // Without dynamic connections all answers wait for the same line.
-        if DYNAMIC == 0 { self.answers.pop() } else { self.answers.pop_where(|answer| answer.ucmm == ucmm) }
+        if DYNAMIC == 0 { self.answers.pop() } else { self.answers.pop_where(|answer| answer.port == port) }
     }
 
     /// Whether an answer waits for a line.
-    pub(super) fn is_answer_due(&self, ucmm: bool) -> bool {
+    pub(super) fn is_answer_due(&self, port: UnconnectedPort) -> bool {
         if DYNAMIC == 0 {
             !self.answers.is_empty()
         } else {
-            self.answers.iter().any(|answer| answer.ucmm == ucmm)
+            self.answers.iter().any(|answer| answer.port == port)
         }
+    }
+}
+
+impl Answer {
+    /// The data field of its frame.
+    pub(super) fn field(&self) -> &[u8] {
+        self.field.get(..self.len.into()).unwrap_or_default()
+    }
+}
+
+impl PartialEq for Answer {
+    fn eq(&self, other: &Self) -> bool {
+        (self.port, self.field()) == (other.port, other.field())
+    }
+}
+
+impl Eq for Answer {}
+
+impl Hash for Answer {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        (self.port, self.field()).hash(state);
     }
 }
 

@@ -192,7 +192,6 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             if !self.node.changed.contains(bit) {
                 return;
             }
-            self.node.changed.remove(bit);
             let mode = self.node.mode(kind);
             match mode {
                 IoMode::Idle | IoMode::Fault => self.application.rest(kind, mode),
