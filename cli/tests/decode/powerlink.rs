@@ -194,7 +194,7 @@ fn numbers(object: &Value) -> Vec<Option<u64>> {
         object["src"].as_u64(),
         object["dst"].as_u64(),
         service,
-        of("soa", named(services, &object["service"])),
+        of("soa", named(services, &object["requested_service"])),
         of("soa", Some(object["target"].as_u64().unwrap_or(0))),
         of("soa", state),
         of("pres", state),

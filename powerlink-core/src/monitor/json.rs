@@ -13,9 +13,9 @@ use crate::wire::{Body, Flags, IdentResponse, NodeList, SdoCommand, Segmentation
 /// The fields that the decoder adds to those of the captured frame (time, number, length, data), absent ones left out:
 ///
 /// `protocol`, `src`, `dst`, `src_mac`, `dst_mac`, `vlan`, `ethertype` (of another protocol), `kind`, `nmt_state`, `flags`,
-/// `priority`, `waiting`, `value`, `cycle` { `interval`, `net_time`, `relative_time` }, `service`, `target`, `nmt_command`,
-/// `reason`, `nodes`, `identity` {..}, `errors` [..], `sdo` {..}, `message`, `request` { `n`, `latency` in seconds }, `problem`,
-/// `problem_code`, `note`, `text`.
+/// `priority`, `waiting`, `value`, `cycle` { `interval`, `net_time`, `relative_time` }, `requested_service`, `target`,
+/// `asnd_service`, `nmt_command`, `reason`, `nodes`, `identity` {..}, `errors` [..], `sdo` {..}, `message`,
+/// `request` { `n`, `latency` in seconds }, `problem`, `problem_code`, `note`, `text`.
 impl Serialize for Reading<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
@@ -58,7 +58,7 @@ impl Reading<'_> {
             }
             Some(Body::Soa(soa)) => {
                 map.serialize_entry("flags", &SOA.of(soa.flags))?;
-                map.serialize_entry("service", &Words(soa.service))?;
+                map.serialize_entry("requested_service", &Words(soa.service))?;
                 optional(map, "target", Some(soa.target).filter(|target| *target != NodeId::NONE))
             }
             Some(Body::IdentResponse(ident)) => {
@@ -85,7 +85,7 @@ impl Reading<'_> {
                 let fields = sdo.command.as_ref().map(|command| SdoFields { reading: self, command });
                 optional(map, "sdo", fields)
             }
-            Some(Body::OtherAsnd(service, _)) => map.serialize_entry("service", &Words(service)),
+            Some(Body::OtherAsnd(service, _)) => map.serialize_entry("asnd_service", &Words(service)),
             Some(Body::Other(message_type, _)) => map.serialize_entry("message_type", &message_type),
             None => Ok(()),
         }
