@@ -210,15 +210,18 @@ pub fn run(args: &SimulateArgs, json: bool) -> Result<Exit, Failure> {
     Ok(if outcome.verdict.failures.is_empty() { Exit::Done } else { Exit::Findings })
 }
 
-/// Is set by Ctrl-C, or by whoever else asks the program to end, from the first call on. The second time ends it at once.
+/// Is set by Ctrl-C, or by whoever else asks the program to end, from the first call on. The second time ends it at once; what comes
+/// right behind the first is the same wish: `timeout` signals the program, and then its whole group.
 pub(crate) fn interruption() -> Result<&'static AtomicBool, Failure> {
     static INTERRUPTED: AtomicBool = AtomicBool::new(false);
     static IS_HANDLED: AtomicBool = AtomicBool::new(false);
     if IS_HANDLED.swap(true, Ordering::Relaxed) {
         return Ok(&INTERRUPTED);
     }
-    let handle = || {
-        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+    let mut first = None;
+    let handle = move || {
+        INTERRUPTED.store(true, Ordering::Relaxed);
+        if first.get_or_insert_with(std::time::Instant::now).elapsed() > SAME_WISH {
             std::process::exit(i32::from(Exit::Interrupted as u8));
         }
     };
@@ -296,3 +299,6 @@ fn free_name(scenario: &Scenario) -> String {
 fn unwritable(path: &Path, error: &io::Error) -> Failure {
     Failure::Usage(format!("{}: {error}", path.display()))
 }
+
+/// Nobody presses Ctrl-C twice that fast.
+const SAME_WISH: Duration = Duration::from_millis(200);

@@ -1,5 +1,7 @@
 //! The end of a session, and what is recorded of it.
 
+use rustix::process::Signal;
+
 use crate::rig::{Cable, NODE_OPERATIONAL, controlled, devicenet, managing};
 
 #[test]
@@ -14,6 +16,20 @@ fn a_session_ends_when_its_time_is_over() {
     assert_eq!(ended.code, 1, "{}", ended.err);
     let words = "not operational in the end: node 1 (Absent), the managing node (";
     assert!(ended.err.contains(words), "{}", ended.err);
+}
+
+/// As `timeout` sends them: to the program, and to its group, in which the program is.
+#[test]
+#[ignore = "needs a namespace"]
+fn two_signals_right_behind_one_another_are_one() {
+    let cable = Cable::new("two0", "two1");
+    let (_node, mut manager) = (controlled(cable.0, &[]), managing(cable.1, &[]));
+    manager.until(NODE_OPERATIONAL);
+    manager.signal(Signal::INT);
+    manager.signal(Signal::TERM);
+    let ended = manager.ended();
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert!(ended.err.contains("note: told every node NMTResetNode"), "{}", ended.err);
 }
 
 #[test]
