@@ -27,23 +27,25 @@ impl Summary {
                 let known = node.and_then(|node| monitor?.node(NodeId(node)));
                 push("node", network.node_record(node, count, known));
             }
-            for ((client, server), transfers) in &network.transfers {
+            for (pair, transfers) in network.transfers() {
                 let Transfers { reads, writes, others, aborts, responses } = transfers;
-                push(
-                    "sdo",
-                    json!({
-                        "client": client, "server": server, "reads": reads, "writes": writes, "others": others,
-                        "aborts": aborts, "response": times(responses),
-                    }),
-                );
-            }
-            for (Abort { client, server, object, code }, count) in &network.aborts {
                 let mut record = json!({
-                    "client": client, "server": server, "abort": code, "count": count,
+                    "reads": reads, "writes": writes, "others": others, "aborts": aborts, "response": times(responses),
                 });
-                put(&mut record, "index", object.map(|(index, _)| index));
-                put(&mut record, "subindex", object.map(|(_, sub)| sub));
-                put(&mut record, "abort_name", code.name());
+                put(&mut record, "client", pair.map(|(client, _)| client));
+                put(&mut record, "server", pair.map(|(_, server)| server));
+                push("sdo", record);
+            }
+            for (abort, count) in network.aborts() {
+                let mut record = json!({ "count": count });
+                if let Some(Abort { client, server, object, code }) = abort {
+                    put(&mut record, "client", Some(client));
+                    put(&mut record, "server", Some(server));
+                    put(&mut record, "abort", Some(code));
+                    put(&mut record, "abort_name", code.name());
+                    put(&mut record, "index", object.map(|(index, _)| index));
+                    put(&mut record, "subindex", object.map(|(_, sub)| sub));
+                }
                 push("sdo_abort", record);
             }
             for problem in network.problems.records(&channel) {
@@ -63,6 +65,9 @@ impl Network {
             "seconds": self.seconds(), "verdict": self.verdict,
             "frames": frames, "bytes": bytes, "problems": problems, "kinds": kinds,
         });
+        let lost = monitor.map(Monitor::lost).unwrap_or_default();
+        put(&mut record, "sdo_given_up", Some(lost.connections).filter(|count| *count > 0));
+        put(&mut record, "sdo_not_stored", Some(lost.transfers).filter(|count| *count > 0));
         put(&mut record, "cycle", monitor.and_then(|monitor| self.cycle_record(monitor.cycle())));
         record
     }

@@ -33,7 +33,11 @@ struct Network {
     nodes: Vec<Count>,
     /// By client and server.
     transfers: BTreeMap<(u8, u8), Transfers>,
+    /// Those of clients and servers for which there was no more room.
+    other_transfers: Transfers,
     aborts: BTreeMap<Abort, u64>,
+    /// Refusals for which there was no more room.
+    other_aborts: u64,
     problems: Problems,
     /// In the end.
     verdict: Option<Verdict>,
@@ -111,7 +115,9 @@ impl Network {
             cycle: Histogram::default(),
             nodes: core::iter::repeat_with(Count::default).take(NODES + 1).collect(),
             transfers: BTreeMap::new(),
+            other_transfers: Transfers::default(),
             aborts: BTreeMap::new(),
+            other_aborts: 0,
             problems: Problems::default(),
             verdict: None,
         }
@@ -145,7 +151,10 @@ impl Network {
         let Some(Body::Sdo(sdo)) = &reading.body else { return };
         let (Some(command), Some(request)) = (&sdo.command, reading.request) else { return };
         let (Some(server), Some(client)) = (reading.src, reading.dst) else { return };
-        let transfers = self.transfers.entry((client.0, server.0)).or_default();
+        let pair = (client.0, server.0);
+        let has_room = self.transfers.len() < MOST_PAIRS || self.transfers.contains_key(&pair);
+        let transfers =
+            if has_room { self.transfers.entry(pair).or_default() } else { &mut self.other_transfers };
         match command.command {
             SdoCommandId::READ_BY_INDEX => transfers.reads += 1,
             SdoCommandId::WRITE_BY_INDEX => transfers.writes += 1,
@@ -158,8 +167,22 @@ impl Network {
             let abort = Abort { client: client.0, server: server.0, object, code };
             if self.aborts.len() < MOST_ABORTS || self.aborts.contains_key(&abort) {
                 *self.aborts.entry(abort).or_default() += 1;
+            } else {
+                self.other_aborts += 1;
             }
         }
+    }
+
+    /// The transfers of each client and server; those for which there was no more room last.
+    fn transfers(&self) -> impl Iterator<Item = (Option<(u8, u8)>, &Transfers)> {
+        let others = Some((None, &self.other_transfers)).filter(|(_, others)| others.responses.count() > 0);
+        self.transfers.iter().map(|(pair, transfers)| (Some(*pair), transfers)).chain(others)
+    }
+
+    /// What was refused, and how often; that for which there was no more room last.
+    fn aborts(&self) -> impl Iterator<Item = (Option<&Abort>, u64)> {
+        let others = Some((None, self.other_aborts)).filter(|(_, others)| *others > 0);
+        self.aborts.iter().map(|(abort, count)| (Some(abort), *count)).chain(others)
     }
 
     /// The time between the first and the last frame.
@@ -194,5 +217,7 @@ impl Count {
 
 /// Node IDs.
 const NODES: usize = 256;
+/// Clients and servers that are kept apart: twice as many as a network has nodes.
+const MOST_PAIRS: usize = 512;
 /// Refusals that are kept apart: an object that is asked for again and again is one.
 const MOST_ABORTS: usize = 1024;

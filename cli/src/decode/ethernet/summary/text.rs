@@ -70,6 +70,15 @@ impl Network {
                 count(cycle.missing, "SoC"),
             );
         }
+        let lost = monitor.map(Monitor::lost).unwrap_or_default();
+        for (number, of, what) in [
+            (lost.connections, "SDO connection", "given up for others: there were too many at a time"),
+            (lost.transfers, "SDO transfer", "not put together: too long"),
+        ] {
+            if number > 0 {
+                out += &format!("{} {what}\n", count(number, of));
+            }
+        }
         if let Some(verdict) = &self.verdict {
             out += &format!("verdict: {verdict}\n");
         }
@@ -134,27 +143,36 @@ impl Network {
             "p99",
             "max",
         ]);
-        for ((client, server), transfers) in &self.transfers {
-            let numbers = [
-                u64::from(*client),
-                u64::from(*server),
-                transfers.reads,
-                transfers.writes,
-                transfers.others,
-                transfers.aborts,
-            ];
+        for (pair, transfers) in self.transfers() {
+            let (client, server) = pair.map_or(("others".into(), "-".into()), |(client, server)| {
+                (client.to_string(), server.to_string())
+            });
+            let numbers = [transfers.reads, transfers.writes, transfers.others, transfers.aborts];
             let responses = &transfers.responses;
             let times =
                 [percentile(responses, 50), percentile(responses, 99), exact_milliseconds(responses.max())];
             let numbers = numbers.map(|number| number.to_string());
-            table.row(numbers.into_iter().chain(times).map(Cell::right).collect());
+            table.row([client, server].into_iter().chain(numbers).chain(times).map(Cell::right).collect());
         }
         table
     }
 
     fn abort_table(&self) -> Table {
         let mut table = Table::new(&["SDO client", "server", "object", "abort", "times", "why"]);
-        for (Abort { client, server, object, code }, times) in &self.aborts {
+        for (abort, times) in self.aborts() {
+            let Some(Abort { client, server, object, code }) = abort else {
+                let [others, none] = ["others", "-"];
+                let times = Cell::right(times.to_string());
+                table.row(vec![
+                    Cell::right(others),
+                    Cell::right(none),
+                    Cell::left(none),
+                    Cell::left(none),
+                    times,
+                    Cell::left(""),
+                ]);
+                continue;
+            };
             let object = object
                 .map_or_else(|| "-".to_owned(), |(index, sub)| ObjectAddress::new(index, sub).to_string());
             table.row(vec![
