@@ -25,9 +25,7 @@ pub enum RecordingError {
     #[error("a {0}: Ethernet frames are in pcap and pcapng")]
     NotEthernet(Format),
     /// A capture of another network.
-    #[error(
-        "link type {number} ({name}) instead of {} ({}): {}", wanted.link_type(), link_type_name(wanted.link_type()), wanted.advice()
-    )]
+    #[error("link type {number} ({name}) {}", wanted_instead(*number, *wanted))]
     LinkType {
         /// What was to be read.
         wanted: Network,
@@ -67,6 +65,21 @@ impl RecordingError {
     #[cold]
     pub(super) fn link_type(number: u32, wanted: Network) -> Self {
         Self::LinkType { wanted, number, name: link_type_name(number) }
+    }
+}
+
+/// What was to be read, and how to get it.
+fn wanted_instead(number: u32, wanted: Network) -> String {
+    let named =
+        |network: Network| format!("{} ({})", network.link_type(), link_type_name(network.link_type()));
+    match Network::of_link_type(number) {
+        Some(_) => format!("instead of {}: {}", named(wanted), wanted.advice()),
+        // Such as `-i any` makes them.
+        None => format!(
+            "instead of {} or {}: capture on the interface itself, for instance `tshark -i can0 -w FILE` or `tshark -i eth0 -w FILE`",
+            named(Network::Can),
+            named(Network::Ethernet)
+        ),
     }
 }
 

@@ -258,6 +258,57 @@ fn what_means_nothing_for_ethernet_is_refused() {
     );
 }
 
+/// As `tshark -i any` makes them.
+#[test]
+fn a_capture_of_any_interface_is_told_how_to_be_made() {
+    let mut bytes = std::fs::read(capture(BOOT)).unwrap();
+    bytes[20] = 113;
+    for options in [&[][..], &["--protocol", "powerlink"], &["--protocol", "devicenet"]] {
+        let cooked = decode("cooked.pcap", &bytes, options);
+        assert_exit(&cooked, 2);
+        let told = "link type 113 (Linux cooked capture) instead of 227 (CAN_SOCKETCAN) or 1 (Ethernet): capture on the \
+                    interface itself, for instance `tshark -i can0 -w FILE` or `tshark -i eth0 -w FILE`\n";
+        assert!(stderr(&cooked).ends_with(told), "{}", stderr(&cooked));
+    }
+}
+
+/// `tcpdump -s 40`: states and polls are followed, and what is missing is no problem.
+#[test]
+fn a_capture_of_the_beginnings_of_frames_is_healthy() {
+    let bytes = std::fs::read(capture(BOOT)).unwrap();
+    let (header, mut rest) = bytes.split_at(24);
+    let mut cut = header.to_vec();
+    while let Some((record, packets)) = rest.split_first_chunk::<16>() {
+        let length = u32::from_le_bytes(record[8..12].try_into().unwrap()) as usize;
+        let kept = length.min(40);
+        cut.extend([&record[..8], &(kept as u32).to_le_bytes(), &record[12..], &packets[..kept]].concat());
+        rest = &packets[length..];
+    }
+    let objects = json_lines(&decode("snap.pcap", &cut, &["--json"]));
+    assert!(objects.iter().all(|object| object["kind"] != "invalid" && object.get("problem").is_none()));
+    let status = objects.iter().find(|object| object["kind"] == "asnd_status_response").unwrap();
+    assert_eq!(
+        (&status["captured"], &status["length"], &status["nmt_state"], &status["note"]),
+        (
+            &json!(40),
+            &json!(72),
+            &json!("NMT_PRE_OPERATIONAL_1"),
+            &json!("cut: the capture has 40 of its 72 bytes")
+        )
+    );
+    assert_eq!(status["text"], "1 -> all  StatusResponse (cut: the capture has 40 of its 72 bytes)");
+    let [short, whole] =
+        [decode("snap.pcap", &cut, &["--summary", "--json"]), boot(&["--summary", "--json"])];
+    let states = |output: &Output| -> Vec<Value> {
+        json_lines(output)
+            .into_iter()
+            .filter(|row| row["summary"] == "node")
+            .map(|row| row["states"].clone())
+            .collect()
+    };
+    assert_eq!(states(&short), states(&whole));
+}
+
 /// What precedes the damage is decoded.
 #[test]
 fn a_damaged_capture_is_read_as_far_as_it_goes() {
@@ -277,7 +328,7 @@ fn a_damaged_capture_is_read_as_far_as_it_goes() {
     let mut wrong = bytes.clone();
     wrong[24 + 8] = 40;
     let wrong = decode("wrong.pcap", &wrong, &[]);
-    assert!(stdout(&wrong).contains("(the capture has 40 bytes of it)") || wrong.status.code() == Some(2));
+    assert!(stdout(&wrong).contains("(cut: the capture has 40 of its") || wrong.status.code() == Some(2));
 }
 
 /// A frame that ends too early, or has more than its fields say.

@@ -80,6 +80,8 @@ pub enum Note {
     Cut {
         /// Bytes that were kept.
         kept: usize,
+        /// Bytes on the wire.
+        length: usize,
     },
     /// An SDO frame that came before with the same number.
     Repeated,
@@ -220,7 +222,7 @@ impl<'a> Reading<'a> {
     /// with a length of its own is told by that.
     fn unreadable(&mut self, error: ParseError) {
         if self.frame.bytes.len() < self.frame.length && error.is_short() {
-            self.note = Some(Note::Cut { kept: self.frame.bytes.len() });
+            self.note = Some(Note::Cut { kept: self.frame.bytes.len(), length: self.frame.length });
         } else if self.kind == Kind::Invalid {
             self.flag(Problem::Malformed(error));
         }

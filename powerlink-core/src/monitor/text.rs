@@ -62,7 +62,7 @@ impl fmt::Display for Words<'_> {
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Cut { kept } => write!(f, "the capture has {kept} bytes of it"),
+            Self::Cut { kept, length } => write!(f, "cut: the capture has {kept} of its {length} bytes"),
             Self::Repeated => f.write_str("repeated"),
             Self::NotStored => f.write_str("transfer too long for the decoder"),
         }
@@ -90,7 +90,7 @@ fn write_node(f: &mut Formatter<'_>, node: NodeId) -> fmt::Result {
     }
 }
 
-/// `ARP`, `EtherType 0x9000`, `PReq`, and how many bytes there are.
+/// `ARP`, `EtherType 0x9000`, `PReq`, and how many bytes there are; the note tells it of a frame that is cut.
 fn write_unread(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fmt::Result {
     let bytes = reading.payload().len();
     match (reading.kind, reading.envelope) {
@@ -109,6 +109,9 @@ fn write_unread(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fmt::Result {
         (Kind::Invalid, _) if reading.src.is_some() => f.write_str("POWERLINK")?,
         (Kind::Invalid | Kind::Foreign, _) => f.write_str("frame")?,
         (kind, _) => f.write_str(kind.message())?,
+    }
+    if matches!(reading.note, Some(Note::Cut { .. })) {
+        return Ok(());
     }
     f.write_str(", ")?;
     write_decimal(f, u64::try_from(bytes).unwrap_or(u64::MAX))?;

@@ -70,8 +70,11 @@ fn a_frame_that_ends_too_early_is_invalid() {
     assert_eq!((seen.kind, seen.problem.map(|problem| problem.code())), (Kind::Invalid, Some("malformed")));
     // Cut by the capture, it is none.
     let seen = network.bytes(Captured { bytes: &bytes, length: 60 });
-    assert_eq!((seen.kind, seen.problem, seen.note), (Kind::Preq, None, Some(Note::Cut { kept: 23 })));
-    assert_eq!(seen.words, "MN -> 1  PReq, 9 bytes (the capture has 23 bytes of it)");
+    assert_eq!(
+        (seen.kind, seen.problem, seen.note),
+        (Kind::Preq, None, Some(Note::Cut { kept: 23, length: 60 }))
+    );
+    assert_eq!(seen.words, "MN -> 1  PReq (cut: the capture has 23 of its 60 bytes)");
     for len in 0..14 {
         assert_eq!(network.bytes((&bytes[..len]).into()).kind, Kind::Invalid);
     }
@@ -167,6 +170,6 @@ fn cut_sdo_frames_leave_no_gap() {
     assert_eq!(network.bytes((&*frame(1)).into()).problem, None);
     let long = frame(2);
     let seen = network.bytes(Captured { bytes: &long[..60], length: long.len() });
-    assert_eq!((seen.kind, seen.note), (Kind::AsndSdo, Some(Note::Cut { kept: 60 })));
+    assert_eq!((seen.kind, seen.note), (Kind::AsndSdo, Some(Note::Cut { kept: 60, length: long.len() })));
     assert_eq!(network.bytes((&*frame(3)).into()).problem, None);
 }
