@@ -171,7 +171,9 @@ fn parse_hex(text: &str) -> Result<Hex, String> {
 
 fn parse_node(text: &str) -> Result<u8, String> {
     let node = unsigned(text).and_then(|node| u8::try_from(node).ok());
-    node.filter(|node| (1..=239).contains(node)).ok_or_else(|| "a controlled node is 1 to 239".to_owned())
+    node.filter(|node| (1..=239).contains(node)).ok_or_else(|| {
+        "a controlled node is 1 to 239; the managing node, 240, is `devicenet powerlink mn`".to_owned()
+    })
 }
 
 fn parse_u32(text: &str) -> Result<u32, String> {

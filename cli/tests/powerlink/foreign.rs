@@ -1,6 +1,6 @@
 //! Others on the cable, who keep to nothing.
 
-use link_core::ethernet::Port as _;
+use link_core::ethernet::{Input, LinkEvent, Port as _};
 use transport_ethernet::{EthernetPort, Interface, Options};
 
 use crate::namespace::ip;
@@ -53,6 +53,8 @@ fn a_flood_of_equal_frames_is_told_with_its_number() {
     let mut node = controlled(cable.0, &["--json"]);
     node.until("not_active");
     let mut port = EthernetPort::open(cable.1, Options::new(0x88AB)).unwrap();
+    // It sends as soon as there is a link.
+    assert!(matches!(port.wait(None), Ok((_, Input::Link(LinkEvent::Up)))));
     let mac = Interface::find(cable.0).unwrap().mac().0;
     // A PReq that ends within its Size.
     let short = [&mac[..], &[2, 0, 0, 0, 0, 0x77, 0x88, 0xAB, 3, 1, 240, 0, 0, 0, 0, 0, 1]].concat();

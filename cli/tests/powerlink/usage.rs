@@ -86,6 +86,7 @@ fn a_wrong_network_file_is_told_with_the_place() {
         ("cyclee = \"20ms\"", ":1:1", "there is no key `cyclee`, did you mean `cycle`?"),
         ("[[node]]\nmandatory = true", ":1:1", "`node`, the number of the node, is missing"),
         ("[[node]]\nnode = 240", ":2:8", "240 is out of range; expected 1 to 239"),
+        ("[[node]]\nnode = 1\n[[node]]\nnode = 1", ":4:8", "node 1 is there twice"),
         ("[[node]]\nnode = 1\npreq_limit = 35", ":3:14", "35 is out of range; expected 36 to 1490"),
         ("[[node]]\nnode = 1\noutputs = \"5\"", ":3:11", "expected an even number of hexadecimal digits"),
         (
@@ -132,15 +133,11 @@ fn a_network_that_cannot_be_is_told() {
     let cable = Cable::new("who0", "who1");
     let path = std::env::temp_dir().join(format!("devicenet-whole-{}.toml", std::process::id()));
     let file = path.to_str().unwrap();
-    for (text, words) in [
-        ("cycle = \"1ms\"\n[[node]]\nnode = 1", "a cycle of 1ms is too short: it needs "),
-        ("[[node]]\nnode = 1\n[[node]]\nnode = 1", "node 1 has two plans"),
-    ] {
-        std::fs::write(&path, text).unwrap();
-        let (code, error) = refused(mn(cable.0, file).arg("--allow-tx"));
-        assert_eq!(code, 2, "{text}");
-        assert!(error.starts_with(&format!("{file}: ")) && error.contains(words), "{error}");
-    }
+    std::fs::write(&path, "cycle = \"1ms\"\n[[node]]\nnode = 1").unwrap();
+    let (code, error) = refused(mn(cable.0, file).arg("--allow-tx"));
+    assert_eq!(code, 2);
+    let words = "a cycle of 1ms is too short: it needs ";
+    assert!(error.starts_with(&format!("{file}: ")) && error.contains(words), "{error}");
     std::fs::remove_file(&path).unwrap();
 }
 

@@ -2,6 +2,7 @@
 
 use core::ops::Range;
 use core::time::Duration;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use powerlink_core::dictionary::ObjectAddress;
@@ -55,6 +56,7 @@ impl Network {
         if raw.node.is_empty() {
             return Err(ScenarioError::of_file(file, "there is no [[node]]; expected at least one"));
         }
+        check.numbers(&raw.node)?;
         let config = check.config(&raw)?;
         let pres_timeout = raw.pres_timeout.as_ref().map_or(PRES_TIMEOUT, time);
         let nodes = raw.node.iter().map(|node| check.node(node, pres_timeout)).collect::<Result<_, _>>()?;
@@ -128,6 +130,16 @@ impl Check<'_> {
         config.follows_requests = raw.follows_requests.unwrap_or(config.follows_requests);
         config.asks_diagnostic_device = raw.asks_diagnostic_device.unwrap_or(config.asks_diagnostic_device);
         Ok(config)
+    }
+
+    /// Every node has a number of its own.
+    fn numbers(&self, nodes: &[Spanned<RawNode>]) -> Result<(), ScenarioError> {
+        let mut known = BTreeSet::new();
+        let mut ids = nodes.iter().filter_map(|node| node.get_ref().node.as_ref());
+        match ids.find(|id| !known.insert(*id.get_ref())) {
+            Some(id) => self.fail(&id.span(), format!("node {} is there twice", id.get_ref())),
+            None => Ok(()),
+        }
     }
 
     fn node(&self, table: &Spanned<RawNode>, pres_timeout: Duration) -> Result<Node, ScenarioError> {
