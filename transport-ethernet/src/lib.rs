@@ -23,7 +23,7 @@
 //! | kernel | machine |
 //! |---|---|
 //! | a frame, with the kernel's time | [`Input::Frame`](link_core::ethernet::Input::Frame) of that moment |
-//! | a frame longer than [`MAX_FRAME`](link_core::ethernet::MAX_FRAME) | [`FramesLost`](link_core::ethernet::LinkEvent::FramesLost) `{ count: 1 }` |
+//! | a frame longer than [`MAX_FRAME`](link_core::ethernet::MAX_FRAME) | [`FramesLost`](link_core::ethernet::LinkEvent::FramesLost) `{ count: 1 }`, together with others right behind it |
 //! | `SO_RXQ_OVFL`: the receive queue was full | `FramesLost`, before the next frame that was received |
 //! | `ENETDOWN`, `ENODEV`, `ENXIO`; rtnetlink: the interface is down, gone, or without a cable | [`Down`](link_core::ethernet::LinkEvent::Down), behind the frames that came before; [`Up`](link_core::ethernet::LinkEvent::Up) when it is back, found by its name |
 //! | `ENOBUFS`, `EAGAIN`, `EMSGSIZE`; a frame while the link is down | [`NotSent`](link_core::ethernet::LinkEvent::NotSent) |

@@ -153,16 +153,24 @@ impl EthernetPort {
                 received.lost.map(|lost| lost.wrapping_sub(self.lost)).filter(|count| *count > 0)
             {
                 self.lost = self.lost.wrapping_add(count);
-                self.events.push_back((at, LinkEvent::FramesLost { count }));
+                self.lose(at, count);
             }
             if received.len > MAX_FRAME {
-                self.events.push_back((at, LinkEvent::FramesLost { count: 1 }));
+                self.lose(at, 1);
                 continue;
             }
             (self.ahead.len, self.ahead.at) = (received.len, at);
             self.has_ahead = true;
         }
         Ok(true)
+    }
+
+    /// Losses with nothing between them are one: there may be many of them.
+    fn lose(&mut self, at: Instant, more: u32) {
+        match self.events.back_mut() {
+            Some((_, LinkEvent::FramesLost { count })) => *count = count.saturating_add(more),
+            _ => self.events.push_back((at, LinkEvent::FramesLost { count: more })),
+        }
     }
 
     /// Whether the turn to answer the latest frame is over.
