@@ -1,4 +1,12 @@
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
+#![allow(
+    clippy::arithmetic_side_effects,
+    clippy::as_conversions,
+    clippy::expect_used,
+    clippy::indexing_slicing,
+    clippy::panic,
+    clippy::unwrap_used,
+    missing_docs
+)]
 //! `monitor` on a full bus, and `decode` of a long capture of Ethernet: memory that does not grow with time.
 //!
 //! `cargo test --release -p devicenet-cli --test memory -- --ignored --nocapture` watches a whole day, and decodes a million frames.

@@ -279,10 +279,12 @@ fn a_capture_of_the_beginnings_of_frames_is_healthy() {
     let (header, mut rest) = bytes.split_at(24);
     let mut cut = header.to_vec();
     while let Some((record, packets)) = rest.split_first_chunk::<16>() {
-        let length = u32::from_le_bytes(record[8..12].try_into().unwrap()) as usize;
+        let length = u32::from_le_bytes(record[8..12].try_into().unwrap());
         let kept = length.min(40);
-        cut.extend([&record[..8], &(kept as u32).to_le_bytes(), &record[12..], &packets[..kept]].concat());
-        rest = &packets[length..];
+        let (packet, others) = packets.split_at(length.try_into().unwrap());
+        let kept_of = &packet[..kept.try_into().unwrap()];
+        cut.extend([&record[..8], &kept.to_le_bytes(), &record[12..], kept_of].concat());
+        rest = others;
     }
     let objects = json_lines(&decode("snap.pcap", &cut, &["--json"]));
     assert!(objects.iter().all(|object| object["kind"] != "invalid" && object.get("problem").is_none()));
