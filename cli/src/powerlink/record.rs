@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 use std::fs::File;
-use std::io::{BufWriter, Write as _};
+use std::io::{BufWriter, ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -11,6 +11,7 @@ use pcap_file::pcap::{PcapHeader, PcapPacket, PcapWriter};
 use pcap_file::{DataLink, TsResolution};
 
 use crate::exit::Failure;
+use crate::standard::is_standard;
 
 pub(super) struct Recorder {
     writer: PcapWriter<BufWriter<File>>,
@@ -22,10 +23,20 @@ pub(super) struct Recorder {
 impl Recorder {
     /// A new file; one that exists is not touched.
     pub(super) fn create(path: &Path) -> Result<Self, Failure> {
+        if is_standard(path) {
+            return Err(Failure::Usage(
+                "--record -: standard output has the lines of the station; record into a file".to_owned(),
+            ));
+        }
         let wrong = |error: &dyn core::fmt::Display| {
             Failure::Usage(format!("{}: cannot be recorded to: {error}", path.display()))
         };
-        let file = File::create_new(path).map_err(|error| wrong(&error))?;
+        let file = File::create_new(path).map_err(|error| match error.kind() {
+            ErrorKind::AlreadyExists => {
+                wrong(&"it exists, and is not written over; name another file, or remove it")
+            }
+            _ => wrong(&error),
+        })?;
         let header = PcapHeader {
             datalink: DataLink::ETHERNET,
             ts_resolution: TsResolution::NanoSecond,

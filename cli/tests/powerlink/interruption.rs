@@ -70,11 +70,20 @@ fn what_is_sent_and_received_is_recorded() {
     // The managing node may have begun before the other listened.
     let begin = other.len() - one.len();
     assert_eq!(one, other[begin..]);
-    // A file is never written over.
-    let again = devicenet(&["powerlink", "cn", cable.0, "--node", "1", "--allow-tx", "--record", &of_node])
-        .output()
-        .unwrap();
-    assert_eq!(again.status.code(), Some(2));
+    // A file is never written over, and standard output has the lines.
+    for (path, told) in [
+        (
+            &*of_node,
+            "node.pcap: cannot be recorded to: it exists, and is not written over; name another file",
+        ),
+        ("-", "error: --record -: standard output has the lines of the station; record into a file\n"),
+    ] {
+        let again = devicenet(&["powerlink", "cn", cable.0, "--node", "1", "--allow-tx", "--record", path])
+            .output()
+            .unwrap();
+        let err = String::from_utf8(again.stderr).unwrap();
+        assert!(again.status.code() == Some(2) && err.contains(told), "{err}");
+    }
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
