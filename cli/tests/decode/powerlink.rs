@@ -333,19 +333,61 @@ fn a_damaged_capture_is_read_as_far_as_it_goes() {
     assert!(stdout(&wrong).contains("(cut: the capture has 40 of its") || wrong.status.code() == Some(2));
 }
 
+/// What is wrong with the nodes is said of the network, too.
+#[test]
+fn a_summary_tells_which_errors_nodes_report() {
+    let status = |entries: &[u8]| {
+        let mut frame = hex("01111e00000402000000000188ab06ff010210005d000000");
+        frame.extend([&[0; 8][..], entries, &[0; 40]].concat());
+        frame.truncate(72);
+        frame
+    };
+    // Loss of SoC occurred, loss of link is over.
+    let lost =
+        status(&[&[0x02, 0x30, 0x45, 0x82][..], &[0; 16], &[0x02, 0x20, 0x65, 0x81], &[0; 16]].concat());
+    // NMTResetNode to node 1, reason 0x8243: frame 1017 of example.pcapng of thk1/powerlink_analyzer.
+    let mut reset = hex("01111e000004ec086b1c248188ab0601f004280043820000");
+    reset.resize(60, 0);
+    let file = capture_of(&[&lost, &reset, &lost]);
+    let summary = decode("reports.pcap", &file, &["--summary"]);
+    assert_exit(&summary, 1);
+    let table = "\
+node  error                         told by              times  first frame  first time
+   1  0x8245 loss of SoC threshold   the node                 2            1    0.000000
+   1  0x8243 loss of PRes threshold  MN, which resets it      1            2    0.000000
+";
+    let squeezed = |text: &str| {
+        text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect::<Vec<_>>()
+    };
+    let shown = squeezed(stdout(&summary));
+    assert!(squeezed(table).iter().all(|row| shown.contains(row)), "{}", stdout(&summary));
+    assert!(stdout(&summary).contains("verdict: 2 findings over\n"), "{}", stdout(&summary));
+    let rows = json_lines(&decode("reports.pcap", &file, &["--summary", "--json"]));
+    let errors: Vec<_> = rows.iter().filter(|row| row["summary"] == "error").collect();
+    assert_eq!((&errors[0]["by"], &errors[0]["error"]), (&json!("node"), &json!(0x8245)));
+    assert_eq!(
+        (&errors[1]["by"], &errors[1]["error_name"], &errors[1]["count"], &errors[1]["first"]["n"]),
+        (&json!("managing_node"), &json!("loss of PRes threshold"), &json!(1), &json!(2))
+    );
+}
+
+/// pcap in microseconds, little-endian, link type 1, all at 0.
+fn capture_of(frames: &[&[u8]]) -> Vec<u8> {
+    let mut file = vec![0xD4, 0xC3, 0xB2, 0xA1, 2, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 0, 1, 0, 0, 0];
+    for frame in frames {
+        let length = u32::try_from(frame.len()).unwrap().to_le_bytes();
+        file.extend([&[0; 8][..], &length, &length, frame].concat());
+    }
+    file
+}
+
+fn hex(text: &str) -> Vec<u8> {
+    (0..text.len()).step_by(2).map(|at| u8::from_str_radix(&text[at..at + 2], 16).unwrap()).collect()
+}
+
 /// A frame that ends too early, or has more than its fields say.
 #[test]
 fn damaged_frames_are_problems_with_their_place() {
-    let capture_of = |frames: &[&[u8]]| {
-        // pcap in microseconds, little-endian, link type 1.
-        let mut file =
-            vec![0xD4, 0xC3, 0xB2, 0xA1, 2, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 0, 1, 0, 0, 0];
-        for frame in frames {
-            let length = u32::try_from(frame.len()).unwrap().to_le_bytes();
-            file.extend([&[0; 8][..], &length, &length, frame].concat());
-        }
-        file
-    };
     let mut buffer = [0; 64];
     let mut out = Writer::new(&mut buffer);
     // PReq to node 1 whose Size, 99, is more than the frame has.

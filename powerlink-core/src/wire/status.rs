@@ -87,6 +87,12 @@ impl EntryType {
         self.0 & MODE == 0
     }
 
+    /// Whether it tells that an error is over.
+    #[must_use]
+    pub const fn is_cleared(self) -> bool {
+        self.0 & MODE == CLEARED
+    }
+
     /// Bits 11-0.
     #[must_use]
     pub const fn profile(self) -> u16 {
@@ -183,4 +189,5 @@ const NO_ENTRY: ErrorEntry = ErrorEntry {
     additional: 0,
 };
 const MODE: u16 = 0x3000;
+const CLEARED: u16 = 0x2000;
 const PROFILE: u16 = 0x0FFF;

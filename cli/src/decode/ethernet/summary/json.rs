@@ -11,7 +11,8 @@ use crate::histogram::Histogram;
 use crate::text::push_seconds;
 
 impl Summary {
-    /// As JSON, one object a line: first the network, then its nodes, its SDO connections, what was refused, its problems.
+    /// As JSON, one object a line: first the network, then its nodes, its SDO connections, what was refused, which errors nodes report, its
+    /// problems.
     pub(in crate::decode::ethernet) fn json(
         &self,
         monitors: &[Box<Monitor>],
@@ -48,6 +49,7 @@ impl Summary {
                 }
                 push("sdo_abort", record);
             }
+            network.reports.records().for_each(|record| push("error", record));
             for problem in network.problems.records(&channel) {
                 out += &line(&problem);
             }

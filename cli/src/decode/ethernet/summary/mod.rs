@@ -1,6 +1,8 @@
-//! `decode --summary` of a capture of Ethernet: the cycle, each node, SDO, and which problems there were, in constant memory.
+//! `decode --summary` of a capture of Ethernet: the cycle, each node, SDO, which errors nodes report, and which problems there were, in
+//! constant memory.
 
 mod json;
+mod reports;
 mod text;
 
 use std::collections::BTreeMap;
@@ -9,6 +11,8 @@ use devicenet_core::doctor::Severity;
 use link_core::Instant;
 use powerlink_core::monitor::{Kind, Reading};
 use powerlink_core::wire::{AbortCode, Body, SdoCommandId};
+
+use reports::Reports;
 
 use crate::decode::summary::problems::Problems;
 use crate::histogram::Histogram;
@@ -38,6 +42,7 @@ struct Network {
     aborts: BTreeMap<Abort, u64>,
     /// Refusals for which there was no more room.
     other_aborts: u64,
+    reports: Reports,
     problems: Problems,
     /// In the end.
     verdict: Option<Verdict>,
@@ -94,7 +99,8 @@ impl Summary {
     pub(super) fn conclude(&mut self, unread: u64) {
         for network in &mut self.networks {
             let (frames, faulty_frames) = (network.total.frames, network.problems.faulty());
-            network.verdict = Some(Verdict::new([], 0, Seen { frames, faulty_frames, unread }));
+            network.verdict =
+                Some(Verdict::new([], network.reports.count(), Seen { frames, faulty_frames, unread }));
         }
     }
 
@@ -118,6 +124,7 @@ impl Network {
             other_transfers: Transfers::default(),
             aborts: BTreeMap::new(),
             other_aborts: 0,
+            reports: Reports::default(),
             problems: Problems::default(),
             verdict: None,
         }
@@ -140,6 +147,7 @@ impl Network {
         if let Some(Body::Sdo(_)) = reading.body {
             self.sdo(reading);
         }
+        self.reports.observe(digits, reading);
         if let Some(problem) = reading.problem {
             let frame = (reading.n, reading.at, digits);
             self.problems.add((problem.code(), Severity::Warning), frame, || problem.to_string());

@@ -36,6 +36,9 @@ impl Summary {
             if !network.aborts.is_empty() {
                 out += &format!("\n{}", network.abort_table());
             }
+            if network.reports.count() > 0 {
+                out += &format!("\n{}", network.reports.table());
+            }
             if !network.problems.is_empty() {
                 out += &format!("\n{}", network.problems.table());
             }
