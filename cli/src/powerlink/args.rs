@@ -132,7 +132,8 @@ FILE is a network file in TOML. Times have a unit, numbers may be hexadecimal; o
                               what is in its PReq and PRes, one behind the other unless an offset is given, in bits
   outputs = \"5a\"            the process data of its PReq
   write = [{ object = \"0x1C14/0\", value = 20_000_000, size = 4 }, { object = \"0x6200/2\", data = \"07\", may_fail = true }]
-                              written before the mapping, in this order
+                              written before the mapping, in this order; 0x1C14/0 is how many ns a SoC may be late, and a
+                              computer needs more than the 100 us of most nodes
   configuration = { date = 1, time = 1 }
                               a node that has it already is not written again
   mandatory = true, async_only = false, multiplexed_slot = 0, pres_timeout = \"1ms\", loss_of_pres_threshold = 15,

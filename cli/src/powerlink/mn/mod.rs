@@ -9,7 +9,7 @@ use std::io;
 use link_core::Instant;
 use link_core::ethernet::Port as _;
 use powerlink_core::NodeId;
-use powerlink_core::managing::{ManagingNode, MnEvent, MnState, NodePhase};
+use powerlink_core::managing::{ManagingNode, MnEvent, MnState, NodePhase, NodePlan};
 use powerlink_core::wire::NmtCommandId;
 
 use super::args::MnArgs;
@@ -22,7 +22,8 @@ use config::Network;
 /// Is the managing node.
 pub(super) fn run(args: &MnArgs, json: bool) -> Result<Exit, Failure> {
     let mut network = Network::load(&args.file).map_err(|error| Failure::Usage(error.to_string()))?;
-    let usage = |error: &dyn core::fmt::Display| Failure::Usage(format!("{}: {error}", args.file.display()));
+    // With an address of nobody, to see whether there can be such a network before anything is opened.
+    machine(args, &network, &network.plans(&network.writes()))?;
     let list = network.nodes.iter().map(|node| node.id().0.to_string()).collect::<Vec<_>>().join(", ");
     let cycle = crate::scenario::Time(network.config.cycle);
     let what = format!(
@@ -33,12 +34,7 @@ pub(super) fn run(args: &MnArgs, json: bool) -> Result<Exit, Failure> {
     network.config.mac = session.interface().mac();
     let writes = network.writes();
     let plans = network.plans(&writes);
-    let mut machine: Box<Machine<'_>> =
-        Box::new(ManagingNode::new(network.config, &plans).map_err(|error| usage(&error))?);
-    for node in network.nodes.iter().filter(|node| !node.outputs.is_empty()) {
-        machine.set_outputs(node.id(), &node.outputs).map_err(|error| usage(&error))?;
-    }
-
+    let mut machine = machine(args, &network, &plans)?;
     let mut log = Log::new(NodeId::MANAGING_NODE, json);
     let mut inputs = Inputs::default();
     machine.start(session.now());
@@ -56,6 +52,21 @@ pub(super) fn run(args: &MnArgs, json: bool) -> Result<Exit, Failure> {
     }
     output::error(format_args!("not operational in the end: {}", missing.join(", ")));
     Ok(Exit::Findings)
+}
+
+/// The managing node of a network, with its first outputs.
+fn machine<'p>(
+    args: &MnArgs,
+    network: &Network,
+    plans: &'p [NodePlan<'p>],
+) -> Result<Box<Machine<'p>>, Failure> {
+    let usage = |error: &dyn core::fmt::Display| Failure::Usage(format!("{}: {error}", args.file.display()));
+    let mut machine: Box<Machine<'_>> =
+        Box::new(ManagingNode::new(network.config, plans).map_err(|error| usage(&error))?);
+    for node in network.nodes.iter().filter(|node| !node.outputs.is_empty()) {
+        machine.set_outputs(node.id(), &node.outputs).map_err(|error| usage(&error))?;
+    }
+    Ok(machine)
 }
 
 /// Room for every node, with as much process data as there can be.
