@@ -13,9 +13,9 @@
 //! | the handshake of error signalling | ER in SoA, EC in StatusResponse |
 //! | SDO: requests and their responses, transfers in several parts, frames that are missing | sequence and command layer |
 //!
-//! A capture can start in the middle: what only the frames before could tell is never a [`Problem`]. Frames need not be padded. A
-//! frame of another protocol is [`Kind::Foreign`], and no problem either. Of a frame that the capture has cut, what its beginning
-//! tells is followed: kind, nodes, state.
+//! A capture can start in the middle: what only the frames before could tell is never a [`Problem`]. Frames need not be padded, and
+//! may have their CRC at the end, as some analysers capture it. A frame of another protocol is [`Kind::Foreign`], and no problem
+//! either. Of a frame that the capture has cut, what its beginning tells is followed: kind, nodes, state.
 //!
 //! Storage is fixed; what does not fit is counted in [`Lost`].
 //!

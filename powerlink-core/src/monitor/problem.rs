@@ -14,7 +14,7 @@ use crate::{MacAddress, NodeId};
 pub enum Problem {
     /// The frame is cut, or a field has a value that cannot be.
     Malformed(ParseError),
-    /// It is longer than Ethernet allows.
+    /// It is longer than Ethernet allows, even if the capture has the CRC too.
     TooLong {
         /// Its length without CRC.
         length: usize,
@@ -24,8 +24,8 @@ pub enum Problem {
         /// Its length without CRC.
         length: usize,
     },
-    /// An IdentResponse of another length than 176 bytes; the managing node drops a shorter one.
-    IdentResponseLength {
+    /// An IdentResponse of fewer than 176 bytes, which the managing node drops.
+    IdentResponseShort {
         /// Its length without CRC.
         length: usize,
     },
@@ -103,7 +103,7 @@ impl Problem {
             Self::Malformed(_) => "malformed",
             Self::TooLong { .. } => "too_long",
             Self::StatusResponseShort { .. } => "status_response_short",
-            Self::IdentResponseLength { .. } => "ident_response_length",
+            Self::IdentResponseShort { .. } => "ident_response_short",
             Self::SizeOver { .. } => "size_over",
             Self::NotManagingNode => "not_managing_node",
             Self::WrongGroup { .. } => "wrong_group",
@@ -132,8 +132,8 @@ impl fmt::Display for Problem {
             Self::StatusResponseShort { length } => {
                 write!(f, "{length} bytes, at least {STATUS_RESPONSE} expected: the managing node drops it")
             }
-            Self::IdentResponseLength { length } => {
-                write!(f, "{length} bytes, {IDENT_RESPONSE} expected")
+            Self::IdentResponseShort { length } => {
+                write!(f, "{length} bytes, at least {IDENT_RESPONSE} expected: the managing node drops it")
             }
             Self::SizeOver { node, limit, size } => {
                 write!(f, "{size} bytes of process data, {node} said at most {limit}")

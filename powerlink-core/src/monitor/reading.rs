@@ -146,12 +146,12 @@ impl<'a> Reading<'a> {
         let tag = envelope.header_len().saturating_sub(ETHERNET_HEADER);
         let length = self.frame.length.saturating_sub(tag);
         match self.kind {
-            _ if length > MAX_FRAME => self.flag(Problem::TooLong { length }),
+            _ if length > MAX_FRAME.saturating_add(CRC) => self.flag(Problem::TooLong { length }),
             Kind::AsndStatusResponse if length < STATUS_RESPONSE => {
                 self.flag(Problem::StatusResponseShort { length });
             }
-            Kind::AsndIdentResponse if length != IDENT_RESPONSE => {
-                self.flag(Problem::IdentResponseLength { length });
+            Kind::AsndIdentResponse if length < IDENT_RESPONSE => {
+                self.flag(Problem::IdentResponseShort { length });
             }
             _ => {}
         }
@@ -229,5 +229,7 @@ impl<'a> Reading<'a> {
     }
 }
 
+/// That some analysers capture behind a frame; it is read as padding.
+const CRC: usize = 4;
 /// Index, sub-index and a reserved byte before a value.
 pub(super) const ADDRESS: usize = 4;
