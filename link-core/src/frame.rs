@@ -41,6 +41,34 @@ impl Frame {
         Some(Self { id: id.into(), remote: false, dlc: u8::try_from(bytes.len()).ok()?, data })
     }
 
+    /// A data frame without data, to which they are [appended](Self::append).
+    #[must_use]
+    pub fn empty(id: impl Into<Id>) -> Self {
+        Self { id: id.into(), remote: false, dlc: 0, data: [0; Self::MAX_DATA] }
+    }
+
+    /// Appends to the data of a data frame; `None`, and the frame is as it was, if there is no room for all of these.
+    ///
+    /// ```
+    /// use link_core::{Frame, frame::standard_id};
+    ///
+    /// let mut frame = Frame::empty(standard_id(0x42B));
+    /// assert_eq!((frame.append(&[0x80]), frame.append(&[1, 2])), (Some(()), Some(())));
+    /// assert_eq!(frame.append(&[0; 6]), None);
+    /// assert_eq!(frame.data(), [0x80, 1, 2]);
+    /// ```
+    pub fn append(&mut self, bytes: &[u8]) -> Option<()> {
+        if self.remote {
+            return None;
+        }
+        let start = usize::from(self.dlc);
+        let end = start.checked_add(bytes.len())?;
+        let room = self.data.get_mut(start..end)?;
+        room.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
+        self.dlc = u8::try_from(end).ok()?;
+        Some(())
+    }
+
     /// A data frame with the first `len` of these bytes; `None` for more than eight. It costs no copy of unknown length.
     #[must_use]
     pub fn first_of(id: impl Into<Id>, data: [u8; Self::MAX_DATA], len: usize) -> Option<Self> {
