@@ -22,7 +22,7 @@ impl Access {
             // Received before bus-off, and delivered after it: the check begins anew anyhow.
             return self.discard::<P>();
         }
-        match (self.state, self.listening()) {
+        match (self.state, self.listening::<P>()) {
             (State::NonExistent, _) => self.discard::<P>(),
             (_, Listening::Check(mac)) if id == Identifier::duplicate_mac_check(mac) => {
                 self.check::<P>(id, frame.data())
@@ -101,7 +101,7 @@ impl Access {
                 let request = *request;
                 self.enter::<P>(State::WaitingDupMac { request }, Cause::RequestSent);
             }
-            (Outgoing::CheckRequest, State::OnLine { second_request, .. }) => {
+            (Outgoing::CheckRequest, State::OnLine { second_request, .. }) if P::QUICK_CONNECT => {
                 *second_request = SecondRequest::Done;
                 self.stay(Cause::RequestSent);
             }
@@ -116,7 +116,7 @@ impl Access {
         match (what, &mut self.state) {
             (Outgoing::CheckRequest, State::SendingDupMac { stage, .. }) => *stage = SendStage::GivenBack,
             // Still queued.
-            (Outgoing::CheckRequest, State::OnLine { .. }) => {}
+            (Outgoing::CheckRequest, State::OnLine { .. }) if P::QUICK_CONNECT => {}
             // Without it the other node gets on line too: its second request is its last.
             (Outgoing::CheckResponse, State::OnLine { response_due, .. }) => {
                 if core::mem::replace(response_due, true) {

@@ -192,7 +192,12 @@ impl Access {
     /// other parts of the node add to it.
     #[must_use]
     pub fn filter(&self) -> FilterSet {
-        match self.listening() {
+        self.filter_within::<Complete>()
+    }
+
+    /// The same for a node with so much of network access.
+    pub(super) fn filter_within<P: Extent>(&self) -> FilterSet {
+        match self.listening::<P>() {
             Listening::Nothing => FilterSet::none(),
             Listening::Check(mac) => id::duplicate_mac_check(mac),
             Listening::OfflineSet => id::communication_faulted(),
@@ -222,10 +227,15 @@ impl Access {
                 Fate::Wanted | Fate::Unwanted | Fate::Abandoned => Fate::Abandoned,
             };
         }
-        self.end_identify::<P>();
+        if P::OFFLINE_SET {
+            self.end_identify::<P>();
+        }
         self.timers.clear_all();
         match next {
-            State::WaitingDupMac { .. } | State::OnLine { second_request: SecondRequest::Waiting, .. } => {
+            State::WaitingDupMac { .. } => {
+                self.timers.set_after_millis(Timer::DupMacOrWho, T_DUP_MILLIS);
+            }
+            State::OnLine { second_request: SecondRequest::Waiting, .. } if P::QUICK_CONNECT => {
                 self.timers.set_after_millis(Timer::DupMacOrWho, T_DUP_MILLIS);
             }
             State::SendingDupMac { stage: SendStage::BackOff, .. } => {
@@ -273,11 +283,14 @@ impl Access {
             State::WaitingDupMac { request: CheckRequest::Second } => {
                 self.enter::<P>(State::on_line(SecondRequest::Done), Cause::WaitOver);
             }
-            State::OnLine { second_request, .. } => {
+            State::OnLine { second_request, .. } if P::QUICK_CONNECT => {
                 *second_request = SecondRequest::Queued;
                 self.stay(Cause::WaitOver);
             }
-            State::NonExistent | State::SendingDupMac { .. } | State::CommFault { .. } => {}
+            State::NonExistent
+            | State::SendingDupMac { .. }
+            | State::OnLine { .. }
+            | State::CommFault { .. } => {}
         }
     }
 
@@ -291,13 +304,15 @@ impl Access {
         }
     }
 
-    pub(super) const fn listening(&self) -> Listening {
+    pub(super) const fn listening<P: Extent>(&self) -> Listening {
         match self.state {
             State::NonExistent => Listening::Nothing,
             State::SendingDupMac { .. } | State::WaitingDupMac { .. } | State::OnLine { .. } => {
                 Listening::Check(self.mac_id)
             }
-            State::CommFault { fault: Fault::DuplicateMacId, .. } if self.config.offline_set => {
+            State::CommFault { fault: Fault::DuplicateMacId, .. }
+                if P::OFFLINE_SET && self.config.offline_set =>
+            {
                 Listening::OfflineSet
             }
             State::CommFault { .. } => Listening::Nothing,

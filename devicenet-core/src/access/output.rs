@@ -3,7 +3,7 @@
 use link_core::{Action, Frame, LinkCommand};
 
 use super::event::{AccessEvent, Outgoing};
-use super::extent::Extent;
+use super::extent::{Complete, Extent};
 use super::machine::{Access, Fate, InFlight, Timer};
 use super::state::{SecondRequest, SendStage, State, WhoAnswer};
 use crate::id::Identifier;
@@ -18,15 +18,18 @@ impl Access {
 
     /// Whether there is anything to do. On line there mostly is not, and that is seen quickly.
     pub(crate) fn has_output(&self) -> bool {
-        self.has_output_except_transmit() || self.wants_to_transmit()
+        self.has_output_except_transmit::<Complete>() || self.wants_to_transmit::<Complete>()
     }
 
-    pub(crate) fn has_output_except_transmit(&self) -> bool {
-        self.has_news() || self.must_withdraw() || self.must_restart_controller() || self.must_set_filter()
+    pub(crate) fn has_output_except_transmit<P: Extent>(&self) -> bool {
+        (P::EVENTS && self.has_news())
+            || self.must_withdraw()
+            || self.must_restart_controller()
+            || self.must_set_filter::<P>()
     }
 
-    pub(crate) fn wants_to_transmit(&self) -> bool {
-        self.wanted().is_some()
+    pub(crate) fn wants_to_transmit<P: Extent>(&self) -> bool {
+        self.wanted::<P>().is_some()
     }
 
     /// All that [`poll`](link_core::Machine::poll) does but hand out frames, so that a node can put others before them.
@@ -46,8 +49,8 @@ impl Access {
             *commanded = true;
             return Some(Action::Link(LinkCommand::Reset));
         }
-        if self.take_filter_change() {
-            return Some(Action::Link(LinkCommand::SetFilter(self.filter())));
+        if self.take_filter_change::<P>() {
+            return Some(Action::Link(LinkCommand::SetFilter(self.filter_within::<P>())));
         }
         if P::EVENTS { self.events.pop().map(|told| Action::Event(event(told))) } else { None }
     }
@@ -60,21 +63,21 @@ impl Access {
         matches!(self.state, State::SendingDupMac { stage: SendStage::Restarting { commanded: false }, .. })
     }
 
-    fn must_set_filter(&self) -> bool {
-        self.state != State::NonExistent && self.told != Some(self.listening())
+    fn must_set_filter<P: Extent>(&self) -> bool {
+        self.state != State::NonExistent && self.told != Some(self.listening::<P>())
     }
 
     /// Whether the port must be told the filter; from now on it has been.
-    pub(crate) fn take_filter_change(&mut self) -> bool {
-        let change = self.must_set_filter();
+    pub(crate) fn take_filter_change<P: Extent>(&mut self) -> bool {
+        let change = self.must_set_filter::<P>();
         if change {
-            self.told = Some(self.listening());
+            self.told = Some(self.listening::<P>());
         }
         change
     }
 
     /// The frame to send now. It follows from the state.
-    fn wanted(&self) -> Option<Outgoing> {
+    fn wanted<P: Extent>(&self) -> Option<Outgoing> {
         if self.in_flight.is_some() {
             return None;
         }
@@ -83,11 +86,15 @@ impl Access {
             State::OnLine { .. } if self.timers.at(Timer::BackOffOrIdentify).is_some() => None,
             State::SendingDupMac { stage: SendStage::Queued { .. }, .. } => Some(Outgoing::CheckRequest),
             State::OnLine { response_due: true, .. } => Some(Outgoing::CheckResponse),
-            State::OnLine { second_request: SecondRequest::Queued, .. } => Some(Outgoing::CheckRequest),
-            State::CommFault { offline, .. } if offline.identify.is_some() => {
+            State::OnLine { second_request: SecondRequest::Queued, .. } if P::QUICK_CONNECT => {
+                Some(Outgoing::CheckRequest)
+            }
+            State::CommFault { offline, .. } if P::OFFLINE_SET && offline.identify.is_some() => {
                 Some(Outgoing::IdentifyResponse)
             }
-            State::CommFault { offline, .. } if offline.who == WhoAnswer::Due => Some(Outgoing::WhoResponse),
+            State::CommFault { offline, .. } if P::OFFLINE_SET && offline.who == WhoAnswer::Due => {
+                Some(Outgoing::WhoResponse)
+            }
             State::NonExistent
             | State::SendingDupMac { .. }
             | State::WaitingDupMac { .. }
@@ -98,7 +105,7 @@ impl Access {
 
     /// The next frame, if one is to be handed out.
     pub(crate) fn transmit<P: Extent, E>(&mut self) -> Option<Action<E>> {
-        let what = self.wanted()?;
+        let what = self.wanted::<P>()?;
         let frame = self.take::<P>(what)?;
         self.in_flight = Some(InFlight { what, fate: Fate::Wanted });
         Some(Action::Transmit(Self::TOKEN, frame))
