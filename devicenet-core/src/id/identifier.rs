@@ -222,6 +222,12 @@ impl Identifier {
         Frame::new(StandardId::from(self), data)
     }
 
+    /// A frame with this identifier that has no data yet.
+    #[must_use]
+    pub fn empty_frame(self) -> Frame {
+        Frame::empty(StandardId::from(self))
+    }
+
     /// The same with the first `len` of eight bytes.
     #[must_use]
     pub fn frame_of(self, data: [u8; Frame::MAX_DATA], len: usize) -> Option<Frame> {

@@ -48,8 +48,9 @@ impl Wire<'_> for DuplicateMacCheck {
     }
 
     fn emit(&self, out: &mut Writer<'_>) -> Result<(), Full> {
-        out.u8(self.direction.bit() | self.port.number())?;
-        self.device.emit(out)
+        let ([v0, v1], [s0, s1, s2, s3]) =
+            (self.device.vendor.0.to_le_bytes(), self.device.serial.to_le_bytes());
+        out.bytes(&[self.direction.bit() | self.port.number(), v0, v1, s0, s1, s2, s3])
     }
 
     fn wire_len(&self) -> usize {

@@ -9,6 +9,7 @@ use cip_core::object::{Failure, exact};
 use super::application::{Application, IoKind};
 use super::config::Options;
 use super::dynamic::Group;
+use super::machine::changes;
 use super::node::{BOTH, Changed, Node, Parent};
 use super::server::offered;
 use crate::id::MacId;
@@ -62,18 +63,21 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         let master = self.check_allocate(offer, requester, choice, allocator)?;
         // The only data of the response; without room for it nothing has been allocated.
         out.u8(match requester.door {
-            Door::Dynamic(_) => requester.format.code(),
-            Door::Unconnected | Door::Predefined => BodyFormat::Class8Instance8.code(),
+            Door::Dynamic(_) if DYNAMIC > 0 => requester.format.code(),
+            Door::Unconnected | Door::Predefined | Door::Dynamic(_) => BodyFormat::Class8Instance8.code(),
         })?;
         if self.master.is_none() {
             self.release_timed_out();
             self.held = AllocationChoice::empty();
-            self.group = self.foreign_group.unwrap_or(master);
+            if A::IO.contains(AllocationChoice::MULTICAST_POLL) {
+                self.group = self.foreign_group.unwrap_or(master);
+            }
         }
         self.master = Some(master);
         self.parent = match requester.door {
             Door::Dynamic(index)
-                if !choice.contains(AllocationChoice::EXPLICIT)
+                if DYNAMIC > 0
+                    && !choice.contains(AllocationChoice::EXPLICIT)
                     && self.explicit.state() == ExplicitState::NonExistent =>
             {
                 Parent::Dynamic(index)
@@ -81,7 +85,8 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             Door::Unconnected | Door::Predefined | Door::Dynamic(_) => Parent::Predefined,
         };
         self.create(choice);
-        self.changed.insert(Changed::ALLOCATION | Changed::CONNECTIONS);
+        self.allocation_changed();
+        self.changed.insert(Changed::CONNECTIONS);
         Ok(())
     }
 
@@ -120,7 +125,8 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             return Err(ALREADY);
         }
         self.delete(choice);
-        self.changed.insert(Changed::ALLOCATION | Changed::CONNECTIONS);
+        self.allocation_changed();
+        self.changed.insert(Changed::CONNECTIONS);
         Ok(())
     }
 
@@ -149,13 +155,14 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             return Err(INVALID_CHOICE);
         }
         let allocated = self.choice();
-        if allocated.intersects(connections) || (allocated.intersects(BOTH) && connections.intersects(BOTH)) {
+        let changes_too = changes::<A>() && allocated.intersects(BOTH) && connections.intersects(BOTH);
+        if allocated.intersects(connections) || changes_too {
             return Err(ALREADY);
         }
         let master = MacId::new(allocator).ok_or(INVALID_CHOICE)?;
         let for_another =
             self.options.contains(Options::ALLOCATE_FOR_ONESELF_ONLY) && master != requester.mac;
-        if connections.contains(BOTH) || choice.contains(RESERVED) || for_another {
+        if (changes::<A>() && connections.contains(BOTH)) || choice.contains(RESERVED) || for_another {
             return Err(INVALID_CHOICE);
         }
         if self.are_identifiers_taken(connections, suppressed) {
@@ -219,7 +226,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
 
     fn delete(&mut self, choice: AllocationChoice) {
         let choice = choice.intersection(choices::<A>());
-        let remaining = self.held.difference(choice);
+        let remaining = self.held.intersection(choices::<A>()).difference(choice);
         if choice.contains(AllocationChoice::EXPLICIT) {
             let _ = self.explicit_step(ExplicitCause::Released);
         }

@@ -184,6 +184,8 @@ impl IoKind {
     }
 
     /// The same, which the application offers. Where it offers no other, the compiler knows which it is.
+    // In line, the code around it is longer.
+    #[inline(never)]
     pub(super) const fn known<A: Application>(self) -> Self {
         match Self::all_offered::<A>() {
             [only] => *only,

@@ -218,7 +218,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
             Which::Io(kind) => self.server.node.io_step(kind, IoCause::Released)?,
             Which::Dynamic(index) => self.server.node.dynamic_step(index, ExplicitCause::Released)?,
         }
-        self.server.node.changed.insert(Changed::ALLOCATION);
+        self.server.node.allocation_changed();
         Ok(())
     }
 

@@ -58,14 +58,14 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// Goes on if the response has been sent.
     pub(super) fn follow_departure(&mut self) {
         let Some(departure) = &mut self.node.departure else { return };
-        if departure.stage != Stage::Response {
+        if A::PARTS.contains(Parts::SHUTDOWN_MESSAGE) && departure.stage != Stage::Response {
             return;
         }
         let is_sent = match departure.door {
-            Door::Dynamic(index) => {
+            Door::Dynamic(index) if DYNAMIC > 0 => {
                 self.transfers.get(usize::from(index)).is_none_or(|transfer| transfer.transfer.is_quiet())
             }
-            Door::Predefined | Door::Unconnected => self.explicit.is_quiet(),
+            Door::Predefined | Door::Unconnected | Door::Dynamic(_) => self.explicit.is_quiet(),
         };
         if !is_sent {
             return;

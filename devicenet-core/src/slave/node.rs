@@ -156,7 +156,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
                 choice.remove(bits_of(kind));
             }
         });
-        if !choice.intersects(BOTH) {
+        if changes::<A>() && !choice.intersects(BOTH) {
             choice.remove(AllocationChoice::ACK_SUPPRESSION);
         }
         choice
@@ -277,7 +277,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         self.report(SlaveEvent::Io { connection: kind, from, to, cause });
         self.changed.insert(Changed::CONNECTIONS);
         if cause == IoCause::WatchdogExpired || from == IoState::TimedOut {
-            self.changed.insert(Changed::ALLOCATION);
+            self.allocation_changed();
         }
         if from == IoState::Established {
             self.io_ended(kind, cause);

@@ -1,6 +1,5 @@
 //! What a slave sends and tells. It follows from its state; nothing but the answers of the unconnected ports is queued.
 
-use cip_core::codec::Writer;
 use cip_core::message::AllocationChoice;
 use link_core::{Action, Frame, Instant, LinkCommand, Mode, TxToken};
 
@@ -85,7 +84,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.node.lines.must_withdraw()
             || self.must_set_mode()
             || self.must_set_filter()
-            || self.access.has_output_except_transmit()
+            || self.access.has_output_except_transmit::<Needed<A>>()
     }
 
     /// What the controller must be told, and what network access tells.
@@ -102,7 +101,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             })));
         }
         // On line the filter is the slave's; what network access alone would hear is not enough.
-        if self.access.is_online() && (self.access.take_filter_change() || self.must_set_filter()) {
+        if self.access.is_online()
+            && (self.access.take_filter_change::<Needed<A>>() || self.must_set_filter())
+        {
             self.node.changed.remove(Changed::FILTER);
             return Some(Action::Link(LinkCommand::SetFilter(self.filter())));
         }
@@ -113,7 +114,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let lines = &self.node.lines;
         lines.ready::<A>().is_some()
             || (self.errand != Errand::None && self.has_errand())
-            || self.access.wants_to_transmit()
+            || self.access.wants_to_transmit::<Needed<A>>()
             || !self.node.events.is_empty::<A>()
             || (A::PARTS.contains(Parts::INDICATOR_EVENTS)
                 && (self.shown != self.network_status() || self.module != self.module_status()))
@@ -215,10 +216,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// The line that carries the explicit connection, the unconnected port, and without the UCMM the broadcasts.
     fn send_explicit(&mut self) -> Option<Action<Event>> {
-        let mut field = [0; Frame::MAX_DATA];
-        let mut out = Writer::new(&mut field);
-        let sent = self.write_explicit(&mut out)?;
-        let frame = Identifier::explicit_response(self.access.mac_id()).frame(out.written())?;
+        let mut frame = Identifier::explicit_response(self.access.mac_id()).empty_frame();
+        let sent = self.write_explicit(&mut frame)?;
         Some(self.explicit_action(sent, frame))
     }
 
@@ -230,30 +229,33 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     /// Acknowledges of fragments first, so that they precede the response.
-    fn write_explicit(&mut self, out: &mut Writer<'_>) -> Option<Sent> {
+    fn write_explicit(&mut self, frame: &mut Frame) -> Option<Sent> {
         if !self.explicit.must_acknowledge()
             && self.is_answer_due(UnconnectedPort::Group2)
             && let Some(answer) = self.take_answer(UnconnectedPort::Group2)
         {
-            out.bytes(answer.field()).ok()?;
+            frame.append(answer.field())?;
             return Some(Sent::Unconnected);
         }
         if self.explicit.is_due() {
-            return Some(Sent::Piece(self.explicit.write(out)?));
+            return Some(Sent::Piece(self.explicit.write(frame)?));
         }
         let (sent, field) = if DYNAMIC == 0 { self.take_broadcast()? } else { return None };
-        out.bytes(&field).ok()?;
+        frame.append(&field)?;
         Some(sent)
     }
 
     /// A frame of the explicit line, or of that of the UCMM, is with the controller no longer.
     pub(super) fn explicit_done(&mut self, line: Line) {
-        let sent =
-            if line == Line::UCMM { self.node.lines.ucmm.take() } else { self.node.lines.explicit.take() };
+        let sent = if DYNAMIC > 0 && line == Line::UCMM {
+            self.node.lines.ucmm.take()
+        } else {
+            self.node.lines.explicit.take()
+        };
         match sent {
             Some(Sent::Piece(piece)) => self.explicit.handed(&mut self.node.timers, piece),
-            Some(Sent::Shutdown) => self.leave(),
-            Some(Sent::Unconnected | Sent::Heartbeat) | None => {}
+            Some(Sent::Shutdown) if A::PARTS.contains(Parts::SHUTDOWN_MESSAGE) => self.leave(),
+            Some(Sent::Shutdown | Sent::Unconnected | Sent::Heartbeat) | None => {}
         }
     }
 }

@@ -3,8 +3,9 @@
 use cip_core::connection::{ExplicitCause, ExplicitState, IoCause, IoState};
 use cip_core::message::AllocationChoice;
 
-use super::application::{Application, IoKind};
+use super::application::{Application, IoKind, Parts};
 use super::config::Options;
+use super::machine::changes;
 use super::node::{BOTH, Changed, Node, Parent, bits_of};
 
 impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
@@ -31,8 +32,8 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             self.end_deferred();
         }
         let parent_exists = match self.parent {
-            Parent::Predefined => self.explicit.state() != ExplicitState::NonExistent,
-            Parent::Dynamic(index) => self.is_open(index),
+            Parent::Dynamic(index) if DYNAMIC > 0 => self.is_open(index),
+            Parent::Predefined | Parent::Dynamic(_) => self.explicit.state() != ExplicitState::NonExistent,
         };
         let alone = !self.is_io_established() && self.explicit.state() == ExplicitState::NonExistent;
         if !parent_exists && (alone || self.options.contains(Options::DROP_CONFIGURING_WITH_EXPLICIT)) {
@@ -57,21 +58,28 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
                 self.drop_bits(bits_of(kind));
             }
         });
-        if !self.held.intersects(BOTH) {
+        if changes::<A>() && !self.held.intersects(BOTH) {
             self.drop_bits(AllocationChoice::ACK_SUPPRESSION);
+        }
+    }
+
+    /// What is allocated has changed, or whose it is: that is told, and nothing else follows.
+    pub(super) fn allocation_changed(&mut self) {
+        if A::PARTS.contains(Parts::REPORTS) {
+            self.changed.insert(Changed::ALLOCATION);
         }
     }
 
     fn drop_bits(&mut self, bits: AllocationChoice) {
         if self.held.intersects(bits) {
             self.held.remove(bits);
-            self.changed.insert(Changed::ALLOCATION);
+            self.allocation_changed();
         }
     }
 
     fn end_ownership(&mut self) {
         if self.master.take().is_some() {
-            self.changed.insert(Changed::ALLOCATION);
+            self.allocation_changed();
         }
         if !self.options.contains(Options::KEEP_TIMED_OUT) {
             self.release_timed_out();

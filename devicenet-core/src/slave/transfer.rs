@@ -225,16 +225,14 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
 
     /// The next frame, under the identifier of the connection.
     pub(super) fn take(&mut self, id: Identifier) -> Option<(Piece, Frame)> {
-        let mut field = [0; Frame::MAX_DATA];
-        let mut out = Writer::new(&mut field);
-        let piece = self.write(&mut out)?;
-        Some((piece, id.frame(out.written())?))
+        let mut frame = id.empty_frame();
+        Some((self.write(&mut frame)?, frame))
     }
 
-    /// Writes the data field of the next frame.
-    pub(super) fn write(&mut self, out: &mut Writer<'_>) -> Option<Piece> {
+    /// Appends the data field of the next frame.
+    pub(super) fn write(&mut self, frame: &mut Frame) -> Option<Piece> {
         if let Some(acknowledge) = self.acknowledge.take() {
-            out.bytes(&acknowledge).ok()?;
+            frame.append(&acknowledge)?;
             return Some(Piece::Acknowledge);
         }
         if !matches!(self.stage, Stage::Due | Stage::Again) {
@@ -243,15 +241,15 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
         self.stage = Stage::Handed;
         let data = match self.transmit.fragment(self.message.body()) {
             Some(fragment) => {
-                out.bytes(&[self.header | FRAGMENT, fragment.byte.into()]).ok()?;
+                frame.append(&[self.header | FRAGMENT, fragment.byte.into()])?;
                 fragment.data
             }
             None => {
-                out.u8(self.header).ok()?;
+                frame.append(&[self.header])?;
                 self.message.body()
             }
         };
-        out.bytes(data).ok()?;
+        frame.append(data)?;
         Some(Piece::Response)
     }
 
