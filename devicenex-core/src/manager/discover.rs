@@ -234,7 +234,12 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             };
         }
         if self.strangers.heard(at) {
-            self.raise(ManagerEvent::Unknown { device, at: Some(at) });
+            // Its own address is missed, if it has left it. There are devices with a cloned identity.
+            let own = self.slots.iter().find(|slot| slot.device == Some(device));
+            self.raise(match own.map(Slot::address) {
+                Some(planned) => ManagerEvent::Misplaced { device, at, planned },
+                None => ManagerEvent::Unknown { device, at: Some(at) },
+            });
         }
         let announcement = self.access().config().announcement;
         if announcement != 0 && self.timers.at(Timer::Strangers).is_none() {

@@ -47,7 +47,7 @@ pub enum ManagerEvent {
     Spare(DeviceIdentity),
     /// A device that stood by does not answer any more.
     StandbyLeft(DeviceIdentity),
-    /// A device that is missing at its planned address has another one.
+    /// A planned device has another address than the planned one.
     Misplaced {
         /// Who it is.
         device: DeviceIdentity,

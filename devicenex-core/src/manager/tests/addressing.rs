@@ -128,6 +128,19 @@ fn who_has_no_place_stands_by() {
     assert_eq!(bus.tells(), ["no longer stands by: vendor 4660, product 7, revision 1, serial 0x11223345"]);
 }
 
+/// A device that leaves its address is not unknown; neither is one with a cloned identity. Told once for each address.
+#[test]
+fn a_planned_device_at_another_address_is_misplaced() {
+    let mut bus = Bus::adopted(0);
+    bus.tells();
+    for direction in [Direction::Request, Direction::Request, Direction::Response] {
+        bus.hello(9, direction, PLANNED);
+    }
+    assert_eq!(bus.tells(), ["at OA 9 instead of 67: vendor 4660, product 7, revision 1, serial 0x11223344"]);
+    bus.is(67, DeviceState::Running);
+    assert!(bus.acknowledges().iter().all(|frame| !frame.starts_with("1D")), "it is not missing");
+}
+
 /// Of roles for a product, a device gets the one that it had; then the one that is for it alone; then the first.
 #[test]
 fn a_device_gets_the_place_that_fits_it_best() {
