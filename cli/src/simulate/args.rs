@@ -12,8 +12,8 @@ use crate::text::unsigned;
 #[derive(Args, Clone, Debug, Default)]
 #[command(after_long_help = "\
 A scenario is a TOML file: nodes, what happens to them, faults of the bus, expectations. Without one, the built-in plant is \
-simulated: a master, a slave of every kind, a duplicate MAC ID, a cable, a replacement; its figures come last. I/O frames that say \
-nothing new are counted; --all-frames tells them. The same scenario and seed give \
+simulated: a master, a slave of every kind, a duplicate MAC ID, a cable, a replacement; its figures come last. I/O frames and \
+answers that say nothing new are counted; --all-frames tells them. The same scenario and seed give \
 the same output, byte for byte. docs/scenarios.md describes every table and key; --print-plant prints one to start from.
 
 Exit codes:
@@ -55,7 +55,8 @@ pub struct SimulateArgs {
     /// once, where a listener with `devicenet record` counts those that it sees
     #[arg(long, short = 'o', value_name = "FILE")]
     pub record: Option<PathBuf>,
-    /// Print every I/O frame of the trace, also those with the same data as the last of their kind
+    /// Print every I/O frame of the trace, also those with the same data as the last of their kind; and every connectionless
+    /// request of DeviceNeX, also those that are answered as the last time
     #[arg(long, conflicts_with = "summary")]
     pub all_frames: bool,
     /// Only events of this kind, named as in the JSON output; several with commas, or given more than once. In the words of the

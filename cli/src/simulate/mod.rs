@@ -14,6 +14,7 @@ mod level;
 mod load;
 mod machines;
 mod picture;
+mod polls;
 mod record;
 mod run;
 mod said;
@@ -50,6 +51,7 @@ use crate::output::{self, Output};
 use crate::scenario::{Node, Role, Scenario, TimeRange};
 use devicenet_core::MacId;
 use devicenet_core::access::Access;
+use devicenex_core::OperationalAddress;
 use json::JsonView;
 use link_core::{Instant, Machine};
 pub(crate) use machines::release;
@@ -241,6 +243,9 @@ fn conclude(output: &mut Output, outcome: &Outcome, with_summary: bool, json: bo
     if with_summary {
         out.extend_from_slice(outcome.summary.table(scenario.bus.bit_rate).as_bytes());
     }
+    if let Some(words) = without_manager(scenario, &outcome.summary) {
+        let _ = writeln!(out, "\n{words}");
+    }
     if verdict.held + verdict.failures.len() + verdict.unjudged == 0 {
         return;
     }
@@ -257,6 +262,21 @@ fn conclude(output: &mut Output, outcome: &Outcome, with_summary: bool, json: bo
         1 => writeln!(out, ", 1 lies after the end of the run"),
         more => writeln!(out, ", {more} lie after the end of the run"),
     };
+}
+
+/// Devices that nobody gives an address.
+fn without_manager(scenario: &Scenario, summary: &Summary) -> Option<String> {
+    let has_manager = scenario.nodes.iter().any(|node| matches!(node.role, Role::Manager(_)));
+    let none = OperationalAddress::NONE.number();
+    let waiting: Vec<&str> =
+        (summary.nodes.iter().filter(|node| node.oa == Some(none))).map(|node| node.node.as_str()).collect();
+    let (who, them) = match waiting.as_slice() {
+        [] => return None,
+        [one] => (format!("{one} has"), "it"),
+        [one, other] => (format!("{one} and {other} have"), "them"),
+        [one, others @ ..] => (format!("{one} and {} others have", others.len()), "them"),
+    };
+    (!has_manager).then(|| format!("no node is a manager: {who} no address, and nobody gives {them} one"))
 }
 
 /// Opens the server, and tells where. A scenario without an external node gets one.

@@ -15,6 +15,7 @@ use transport_mock::record::{FrameRecord, Outcome};
 
 use super::event::NodeEvent;
 use super::level::Level;
+use super::polls::{Held, Poll, Polls};
 use super::said::Said;
 use super::selection::{Selection, kind_of_event};
 use super::shared::SharedBuffer;
@@ -30,6 +31,7 @@ pub(super) struct TextView {
     /// The attempts that failed since a frame got through, or something was changed, on each segment.
     storms: Vec<Option<Storm>>,
     exchange: Exchanged,
+    polls: Polls,
     /// What is named here is told, whether it is news or not.
     selection: Selection,
     /// When something was last seen.
@@ -46,6 +48,8 @@ struct Exchanged {
     told: HashMap<(usize, u32, Option<u8>), Known>,
     /// How many were not told since the last heading.
     silent: u64,
+    /// How many requests with their answers were not.
+    silent_polls: u64,
 }
 
 struct Known {
@@ -82,6 +86,7 @@ impl TextView {
             trace,
             storms: Vec::new(),
             exchange: Exchanged::default(),
+            polls: Polls::default(),
             selection: Selection::default(),
             last: Instant::ZERO,
             is_first: true,
@@ -135,7 +140,35 @@ impl TextView {
         self.storms[record.segment] = Some(storm);
     }
 
+    /// Whether it is a request, or an answer, that was heard before and need not be told now.
+    fn is_poll(&mut self, nodes: &Nodes<'_>, record: &FrameRecord<'_>, said: &Said<'_>) -> bool {
+        let Said::DeviceNex(reading) = said else { return false };
+        if self.exchange.all {
+            return false;
+        }
+        match self.polls.look(record.segment, reading) {
+            Poll::News => return false,
+            Poll::Again => self.polls.hold(Held {
+                at: record.end,
+                who: senders(nodes, record.senders),
+                frame: *record.frame,
+                words: reading.to_string(),
+            }),
+            Poll::Same => self.exchange.silent_polls += 1,
+        }
+        true
+    }
+
+    /// Tells the requests that are held back, before anything that is later.
+    fn tell_held(&mut self) {
+        for Held { at, who, frame, words } in self.polls.take_held() {
+            let content = crate::recording::Content::Classic(frame);
+            self.out.write(|out| self.trace.entry(out, at, &who, &content, Emphasis::Normal, &words));
+        }
+    }
+
     fn line(&mut self, nodes: &Nodes<'_>, record: &FrameRecord<'_>, emphasis: Emphasis, words: &str) {
+        self.tell_held();
         let who = senders(nodes, record.senders);
         let content = crate::recording::Content::Classic(*record.frame);
         self.out.write(|out| self.trace.entry(out, record.end, &who, &content, emphasis, words));
@@ -158,9 +191,15 @@ impl TextView {
     /// Tells how many I/O frames were not told.
     fn told_nothing(&mut self, at: Instant) {
         let silent = core::mem::take(&mut self.exchange.silent);
-        if silent > 0 {
-            let words = format!("{} with the same data as before", count(silent, "more I/O frame"));
-            self.out.write(|out| self.trace.event(out, at, "-", Emphasis::Normal, &words));
+        let polls = core::mem::take(&mut self.exchange.silent_polls);
+        for (silent, what, how) in [
+            (silent, "more I/O frame", "with the same data as before"),
+            (polls, "more connectionless request", "with the same answer as before"),
+        ] {
+            if silent > 0 {
+                let words = format!("{} {how}", count(silent, what));
+                self.out.write(|out| self.trace.event(out, at, "-", Emphasis::Normal, &words));
+            }
         }
     }
 
@@ -172,6 +211,7 @@ impl TextView {
         emphasis: Emphasis,
         words: &str,
     ) {
+        self.tell_held();
         self.flush();
         let name = node.map_or("-", |node| nodes.name(node));
         self.out.write(|out| self.trace.event(out, at, name, emphasis, words));
@@ -185,7 +225,10 @@ impl View for TextView {
                 self.event(nodes, *at, Some(*node), Emphasis::Problem, rule);
             }
             Sight::Frame { record, reading } => {
-                if reading.is_some_and(|reading| self.exchange.is_known(record, reading)) {
+                let is_known = reading.is_some_and(|reading| {
+                    self.exchange.is_known(record, reading) || self.is_poll(nodes, record, reading)
+                });
+                if is_known {
                     // Whatever failed before it is over.
                     self.flush();
                     self.storms.iter_mut().skip(record.segment).take(1).for_each(|storm| *storm = None);
@@ -196,6 +239,10 @@ impl View for TextView {
             Sight::Event { at, node, event } => {
                 if let Some(whose) = begins_to_run(event) {
                     self.exchange.forget(whose);
+                    self.polls.forget(whose);
+                }
+                if begins_anew(event) {
+                    self.polls.forget_all();
                 }
                 let is_asked_for = self.selection.names(kind_of_event(event));
                 if is_asked_for || event.is_news() {
@@ -215,6 +262,7 @@ impl View for TextView {
                 self.storms.clear();
             }
             Sight::Note { at, text } => {
+                self.tell_held();
                 self.flush();
                 self.told_nothing(*at);
                 self.storms.clear();
@@ -288,6 +336,7 @@ fn io_of_devicenex(reading: &nex::Reading<'_>) -> Option<Io> {
 
 impl Drop for TextView {
     fn drop(&mut self) {
+        self.tell_held();
         self.flush();
         self.told_nothing(self.last);
     }
@@ -308,6 +357,11 @@ fn begins_to_run(event: &NodeEvent) -> Option<u8> {
         },
         _ => None,
     }
+}
+
+/// A manager looks at its plant for the first time, or once more.
+fn begins_anew(event: &NodeEvent) -> bool {
+    matches!(event, NodeEvent::Manager(event) if **event == ManagerEvent::Started)
 }
 
 /// The width of the node column: room for every name, and for two that send together unless their names are long. It is

@@ -63,6 +63,41 @@ nodes = ["far", "far-ear"]
     assert!(whole.contains("two nodes check MAC ID 10"), "{whole}");
 }
 
+/// Devices without an address wait for ever where nobody is a manager; without that line they seem to be broken.
+#[test]
+fn a_plant_without_a_manager_says_so() {
+    let device = |name: &str, serial: u8, more: &str| {
+        format!(
+            "[[node]]\nname = \"{name}\"\nprotocol = \"devicenex\"\nrole = \"device\"\n\
+             identity = {{ vendor = 0x1234, serial = {serial} }}\n{more}"
+        )
+    };
+    let bus = "[bus]\nduration = \"5s\"\n[[node]]\nname = \"ear\"\nrole = \"external\"\n";
+    let [one, two, three] = [("a", 1), ("b", 2), ("c", 3)].map(|(name, serial)| device(name, serial, ""));
+    let placed = device("placed", 4, "oa = 5\n");
+    let manager = device("manager", 5, "oa = 1\n").replace("role = \"device\"", "role = \"manager\"");
+    for (nodes, expected) in [
+        (one.clone() + &placed, Some("no node is a manager: a has no address, and nobody gives it one")),
+        (
+            one.clone() + &two,
+            Some("no node is a manager: a and b have no address, and nobody gives them one"),
+        ),
+        (
+            one.clone() + &two + &three,
+            Some("no node is a manager: a and 2 others have no address, and nobody gives them one"),
+        ),
+        (placed, None),
+        (one + &manager, None),
+    ] {
+        let scenario = Scratch::new("no-manager.toml", &(bus.to_owned() + &nodes));
+        for options in [&["simulate"][..], &["simulate", "--summary"]] {
+            let output = devicenet(&[options, &[scenario.path()]].concat());
+            let told = stdout(&output).lines().find(|line| line.starts_with("no node is"));
+            assert_eq!(told, expected, "{}", stdout(&output));
+        }
+    }
+}
+
 #[test]
 fn json_has_the_fields_of_decode_and_the_states() {
     let output = devicenet(&["simulate", "--json"]);
