@@ -16,6 +16,7 @@ mod exchange;
 mod faults;
 mod health;
 mod network_access;
+mod plant;
 mod reproducible;
 mod results;
 mod roles;

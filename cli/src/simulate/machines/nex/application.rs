@@ -1,12 +1,12 @@
 //! The device behind a simulated DeviceNeX device: input data that a scenario sets, and outputs that it keeps.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use cip_core::code::{AttributeId, ClassId, InstanceId};
+use cip_core::code::{AttributeId, ClassId, GeneralStatus, InstanceId};
 use cip_core::codec::Writer;
 use cip_core::connection::End;
 use cip_core::identity::DeviceIdentity;
-use cip_core::object::{AttributeRule, Failure, Identity, Object, ObjectSet, Resets, Size};
+use cip_core::object::{AttributeRule, Effect, Effects, Failure, Identity, Object, ObjectSet, Resets, Size};
 use devicenex_core::device::{Application, Fragmented, Offer};
 use devicenex_core::message::{ConnectionInstance, Predefined, Production};
 
@@ -20,6 +20,8 @@ pub(super) struct Block {
     pub(super) input: Vec<u8>,
     /// What it has received, by instance.
     outputs: BTreeMap<u16, Vec<u8>>,
+    /// The connections that are established: they alone write their outputs.
+    owners: BTreeSet<u16>,
     consume: usize,
 }
 
@@ -29,12 +31,23 @@ impl Block {
             identity: node.node.device.clone(),
             input: node.input.clone(),
             outputs: BTreeMap::new(),
+            owners: BTreeSet::new(),
             consume: node.consume.into(),
         }
     }
 
     pub(super) fn output(&self, connection: ConnectionInstance) -> &[u8] {
         self.outputs.get(&connection.number().0).map(Vec::as_slice).unwrap_or_default()
+    }
+
+    /// While a connection owns its outputs, they cannot be set by explicit messages.
+    pub(super) fn own(&mut self, connection: ConnectionInstance, is_owned: bool) {
+        let number = connection.number().0;
+        if is_owned {
+            self.owners.insert(number);
+        } else {
+            self.owners.remove(&number);
+        }
     }
 }
 
@@ -76,14 +89,19 @@ impl Application for Block {
     }
 }
 
-/// The Assembly object of a device. What it has received is written by connections only.
+/// The Assembly object of a device. Outputs are set by explicit messages as long as their connection is not established.
 ///
 /// | Instance | Data |
 /// |---|---|
 /// | 100 | the input data |
 /// | 152, 153 | the outputs of the polled connections, with 11 and 29 bits |
 /// | 162, 163 | those of the multicast connections that consume |
-struct Assemblies<'a>(&'a Block);
+struct Assemblies<'a>(&'a mut Block);
+
+/// The connection whose outputs an assembly has.
+pub(super) fn connection_of_assembly(instance: InstanceId) -> Option<ConnectionInstance> {
+    Some(ConnectionInstance::of(InstanceId(instance.0.checked_sub(OUTPUTS)?)))
+}
 
 impl Assemblies<'_> {
     fn data(&self, instance: InstanceId) -> Option<&[u8]> {
@@ -104,7 +122,14 @@ impl Object for Assemblies<'_> {
 
     fn attributes(&self, instance: InstanceId) -> Option<&'static [AttributeRule]> {
         const READ: &[AttributeRule] = &[AttributeRule::get(3, 0).sized(Size::Any), AttributeRule::get(4, 2)];
-        self.data(instance).map(|_| READ)
+        const WRITTEN: &[AttributeRule] =
+            &[AttributeRule::get_set(3, 0).sized(Size::Any), AttributeRule::get(4, 2)];
+        self.data(instance).map(|_| if instance.0 == INPUT { READ } else { WRITTEN })
+    }
+
+    /// The input data cannot be set; they are not without the service.
+    fn has_set(&self, instance: InstanceId) -> bool {
+        !instance.is_class()
     }
 
     fn next_instance(&self, instance: InstanceId) -> Option<InstanceId> {
@@ -118,6 +143,25 @@ impl Object for Assemblies<'_> {
             _ => out.u16(data.len() as u16)?,
         }
         Ok(())
+    }
+
+    fn set(
+        &mut self,
+        instance: InstanceId,
+        _: AttributeId,
+        value: &[u8],
+        _: &mut Writer<'_>,
+    ) -> Result<Effects, Failure> {
+        let number = instance.0.saturating_sub(OUTPUTS);
+        let Some(outputs) = self.0.outputs.get_mut(&number) else {
+            return Err(GeneralStatus::OBJECT_DOES_NOT_EXIST.into());
+        };
+        Size::Bytes(outputs.len() as u16).check(value)?;
+        if self.0.owners.contains(&number) {
+            return Err(GeneralStatus::OBJECT_STATE_CONFLICT.into());
+        }
+        outputs.copy_from_slice(value);
+        Ok(Effect::ASSEMBLY_DATA.into())
     }
 }
 

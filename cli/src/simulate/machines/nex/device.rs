@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use cip_core::code::ClassId;
+use cip_core::connection::IoState;
 use devicenex_core::OperationalAddress;
 use devicenex_core::access::{Access, Role};
 use devicenex_core::device::{Config, Device, DeviceEvent};
@@ -9,7 +11,7 @@ use devicenex_core::message::{ConnectionInstance, PortByte};
 use link_core::{Action, Deadline, Input, Instant, Machine};
 
 use super::access_config;
-use super::application::Block;
+use super::application::{Block, connection_of_assembly};
 use crate::scenario::DeviceNode;
 use crate::simulate::event::NodeEvent;
 
@@ -97,6 +99,12 @@ impl DeviceMachine {
                 return None;
             }
             DeviceEvent::Mode(connection, _) => self.due.push(connection),
+            DeviceEvent::Io { connection, to, .. } => {
+                self.device.application_mut().own(connection, to == IoState::Established);
+            }
+            DeviceEvent::Changed { class: ClassId::ASSEMBLY, instance, .. } => {
+                self.due.extend(connection_of_assembly(instance));
+            }
             _ => {}
         }
         Some(NodeEvent::Device(event))
