@@ -434,7 +434,7 @@ impl Cycle {
 /// A length that no frame has: a field has a value that cannot be.
 const IMPOSSIBLE: usize = 1 << 30;
 /// Of the decoder.
-const CONNECTIONS: usize = 32;
+const CONNECTIONS: usize = 256;
 /// The problems that this program knows as well.
 const COUNTED: [&str; 7] = [
     "two_sources",

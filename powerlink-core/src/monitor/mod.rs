@@ -82,14 +82,14 @@ use crate::wire::{Body, FeatureFlags, Flags, NmtStateCode};
 use sdo::Connections;
 use slot::Slot;
 
-/// A monitor for a whole network: 32 SDO connections, transfers in several parts of up to 4096 bytes. About 300 kilobytes.
+/// A monitor for a whole network: 32 SDO transfers in several parts at a time, of up to 4096 bytes. About 320 kilobytes.
 pub type Monitor = SizedMonitor<32, 4096>;
 
-/// The passive decoder. `N` is the number of SDO connections, `B` the longest SDO transfer in several parts whose data are put
-/// together, in bytes. [`Monitor`] has sizes for a computer.
+/// The passive decoder. `N` is the number of SDO transfers in several parts at a time whose data are put together, `B` the longest of
+/// them, in bytes. [`Monitor`] has sizes for a computer.
 ///
-/// [`observe`](Self::observe) takes bounded time: it looks at the two nodes of a frame, and for SDO at `N` connections; an NMT
-/// command to all looks at all nodes.
+/// [`observe`](Self::observe) takes bounded time: it looks at the two nodes of a frame, and for SDO at 256 connections, as many as are
+/// followed at a time; an NMT command to all looks at all nodes.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct SizedMonitor<const N: usize, const B: usize> {
     /// By node ID.
@@ -107,7 +107,7 @@ pub struct SizedMonitor<const N: usize, const B: usize> {
 pub struct Lost {
     /// SDO connections that were given up for others.
     pub connections: u64,
-    /// SDO transfers whose data were longer than the storage.
+    /// SDO transfers whose data were longer than the storage, or for which there were too many at a time.
     pub transfers: u64,
 }
 

@@ -8,25 +8,35 @@ use crate::NodeId;
 use crate::dictionary::ObjectAddress;
 use crate::wire::{Con, Sdo, SdoCommand, SdoCommandId, SdoSequence, Segmentation};
 
-/// `N` connections, each with the data of one transfer.
+/// The connections of a network, and room for the data of `N` transfers in several parts at a time.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct Connections<const N: usize, const B: usize> {
-    slots: [Connection<B>; N],
+    slots: [Connection; CONNECTIONS],
+    buffers: [Buffer<B>; N],
     /// Connections given up for others.
     pub(super) evicted: u64,
-    /// Transfers that were longer than the storage.
+    /// Transfers that were longer than the storage, or lost it to others.
     pub(super) not_stored: u64,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-struct Connection<const B: usize> {
+struct Connection {
     ends: Option<Ends>,
     /// The number of its last frame.
     last: u64,
     /// The last numbers of client and server.
     sent: [Option<u8>; 2],
     transfer: Option<Transfer>,
-    buffer: [u8; B],
+}
+
+/// The data of a transfer in several parts.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+struct Buffer<const B: usize> {
+    /// Whose they are.
+    of: Option<Ends>,
+    /// The number of the last frame that added some.
+    last: u64,
+    bytes: [u8; B],
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -57,7 +67,12 @@ struct Parts {
 
 impl<const N: usize, const B: usize> Connections<N, B> {
     pub(super) const fn new() -> Self {
-        Self { slots: [const { Connection::new() }; N], evicted: 0, not_stored: 0 }
+        Self {
+            slots: [const { Connection::new() }; CONNECTIONS],
+            buffers: [const { Buffer { of: None, last: 0, bytes: [0; B] } }; N],
+            evicted: 0,
+            not_stored: 0,
+        }
     }
 
     /// Follows a frame from one node to another. Returns the data of a transfer that it completes.
@@ -69,7 +84,8 @@ impl<const N: usize, const B: usize> Connections<N, B> {
     ) -> Option<Message<'_>> {
         let is_response = sdo.command.map(|command| command.is_response);
         let (client, server) = if is_response == Some(true) { (to, from) } else { (from, to) };
-        let connection = self.find(Ends { client, server })?;
+        let Self { slots, buffers, evicted, not_stored } = self;
+        let connection = find(slots, evicted, Ends { client, server })?;
         connection.last = reading.n;
         let sequence = sdo.sequence;
         if (sequence.receive.connection, sequence.send.connection) == (Con::None, Con::Initialisation) {
@@ -84,17 +100,17 @@ impl<const N: usize, const B: usize> Connections<N, B> {
             return None;
         }
         let completed = if command.is_response {
-            connection.response(reading, &command)
+            connection.response(reading, &command, buffers)
         } else {
-            connection.request(reading, &command)
+            connection.request(reading, &command, buffers)
         }?;
         if !completed.is_stored {
-            self.not_stored = self.not_stored.saturating_add(1);
+            *not_stored = not_stored.saturating_add(1);
             reading.note = Some(Note::NotStored);
             return None;
         }
-        let slot = self.slots.iter().find(|slot| slot.is_between(client, server))?;
-        Some(Message { command: command.command, data: slot.buffer.get(..completed.len)? })
+        let buffer = buffers.iter().find(|buffer| buffer.of == connection.ends)?;
+        Some(Message { command: command.command, data: buffer.bytes.get(..completed.len)? })
     }
 
     /// A frame between two nodes was not captured whole: its number and its part are not known.
@@ -104,25 +120,36 @@ impl<const N: usize, const B: usize> Connections<N, B> {
             connection.transfer = None;
         }
     }
-
-    /// The connection of two nodes; for a new one the place of that which was used least recently.
-    fn find(&mut self, ends: Ends) -> Option<&mut Connection<B>> {
-        let known = self.slots.iter().position(|slot| slot.is_between(ends.client, ends.server));
-        if let Some(index) = known {
-            return self.slots.get_mut(index);
-        }
-        let slot = self.slots.iter_mut().min_by_key(|slot| slot.ends.map(|_| slot.last))?;
-        if slot.ends.is_some() {
-            self.evicted = self.evicted.saturating_add(1);
-        }
-        slot.begin(ends);
-        Some(slot)
-    }
 }
 
-impl<const B: usize> Connection<B> {
+/// The connection of two nodes; for a new one the place of that which was used least recently.
+fn find<'s>(slots: &'s mut [Connection], evicted: &mut u64, ends: Ends) -> Option<&'s mut Connection> {
+    let known = slots.iter().position(|slot| slot.is_between(ends.client, ends.server));
+    if let Some(index) = known {
+        return slots.get_mut(index);
+    }
+    let slot = slots.iter_mut().min_by_key(|slot| slot.ends.map(|_| slot.last))?;
+    if slot.ends.is_some() {
+        *evicted = evicted.saturating_add(1);
+    }
+    slot.begin(ends);
+    Some(slot)
+}
+
+/// The room of a connection; for a transfer that begins, that which was used least recently.
+fn room<const B: usize>(buffers: &mut [Buffer<B>], of: Ends, begins: bool) -> Option<&mut Buffer<B>> {
+    let known = buffers.iter().position(|buffer| buffer.of == Some(of));
+    if let Some(index) = known {
+        return buffers.get_mut(index);
+    }
+    let oldest = buffers.iter_mut().filter(|_| begins).min_by_key(|buffer| buffer.of.map(|_| buffer.last))?;
+    oldest.of = Some(of);
+    Some(oldest)
+}
+
+impl Connection {
     const fn new() -> Self {
-        Self { ends: None, last: 0, sent: [None; 2], transfer: None, buffer: [0; B] }
+        Self { ends: None, last: 0, sent: [None; 2], transfer: None }
     }
 
     fn is_between(&self, one: NodeId, other: NodeId) -> bool {
@@ -182,7 +209,12 @@ impl<const B: usize> Connection<B> {
         self.transfer.as_mut().filter(|transfer| transfer.transaction == command.transaction)
     }
 
-    fn request(&mut self, reading: &mut Reading<'_>, command: &SdoCommand<'_>) -> Option<Parts> {
+    fn request<const B: usize>(
+        &mut self,
+        reading: &mut Reading<'_>,
+        command: &SdoCommand<'_>,
+        buffers: &mut [Buffer<B>],
+    ) -> Option<Parts> {
         if command.begins() && !command.is_abort {
             let object = object_of(command);
             reading.object = object;
@@ -198,13 +230,18 @@ impl<const B: usize> Connection<B> {
                 parts,
             });
             let address = if object.is_some() { ADDRESS } else { 0 };
-            return self.collect(command, command.data.get(address..).unwrap_or_default());
+            return self.collect(command, command.data.get(address..).unwrap_or_default(), buffers);
         }
         reading.object = self.transfer_of(command)?.object;
-        self.collect(command, command.data)
+        self.collect(command, command.data, buffers)
     }
 
-    fn response(&mut self, reading: &mut Reading<'_>, command: &SdoCommand<'_>) -> Option<Parts> {
+    fn response<const B: usize>(
+        &mut self,
+        reading: &mut Reading<'_>,
+        command: &SdoCommand<'_>,
+        buffers: &mut [Buffer<B>],
+    ) -> Option<Parts> {
         let transfer = self.transfer_of(command).filter(|transfer| transfer.command == command.command)?;
         reading.object = transfer.object;
         if !core::mem::replace(&mut transfer.is_answered, true) {
@@ -217,18 +254,29 @@ impl<const B: usize> Connection<B> {
         if command.is_abort {
             transfer.parts = None;
         }
-        self.collect(command, command.data)
+        self.collect(command, command.data, buffers)
     }
 
     /// Adds a part, and returns what there is after the last.
-    fn collect(&mut self, command: &SdoCommand<'_>, data: &[u8]) -> Option<Parts> {
+    fn collect<const B: usize>(
+        &mut self,
+        command: &SdoCommand<'_>,
+        data: &[u8],
+        buffers: &mut [Buffer<B>],
+    ) -> Option<Parts> {
         let transfer =
             self.transfer.as_mut().filter(|transfer| transfer.transaction == command.transaction)?;
         let parts = transfer.parts.as_mut().filter(|parts| parts.is_response == command.is_response)?;
+        let begins = matches!(command.segmentation, Segmentation::Initiate { .. });
+        let buffer = room(buffers, self.ends?, begins);
         let end = parts.len.saturating_add(data.len());
-        match self.buffer.get_mut(parts.len..end) {
-            Some(room) if parts.is_stored => {
-                room.copy_from_slice(data);
+        let place = buffer.and_then(|buffer| {
+            buffer.last = self.last;
+            buffer.bytes.get_mut(parts.len..end)
+        });
+        match place {
+            Some(place) if parts.is_stored => {
+                place.copy_from_slice(data);
                 parts.len = end;
             }
             _ => parts.is_stored = false,
@@ -254,6 +302,8 @@ fn object_of(command: &SdoCommand<'_>) -> Option<ObjectAddress> {
     Some(ObjectAddress::new(u16::from_le_bytes([*low, *high]), *sub))
 }
 
+/// More than a network has nodes.
+pub(super) const CONNECTIONS: usize = 256;
 const NUMBER: u8 = 0x3F;
 /// From here on a number is an old one, not one ahead.
 const HALF: u8 = 0x20;

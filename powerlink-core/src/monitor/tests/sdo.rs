@@ -99,16 +99,58 @@ fn transfers_in_several_parts_are_put_together() {
     assert!(last.words.ends_with("last part, 1 bytes, completes 3 bytes"), "{}", last.words);
 }
 
+/// Part of a transfer of a client to node 1.
+fn write_part<const N: usize, const B: usize>(
+    monitor: &mut SizedMonitor<N, B>,
+    n: u8,
+    from: u8,
+    segmentation: Segmentation,
+    data: &[u8],
+) -> (Option<Note>, Option<Vec<u8>>) {
+    let command = SdoCommand { segmentation, ..SdoCommand::request(1, SdoCommandId::FILE_WRITE, data) };
+    let bytes = emitted(group::ASND, mac(from), 1, from, valid(0, n, Some(command)));
+    let reading = monitor.observe(Instant::ZERO, n.into(), (&*bytes).into());
+    (reading.note, reading.message.map(|message| message.data.to_vec()))
+}
+
 #[test]
 fn what_has_no_room_is_noted_and_counted() {
     let mut monitor = SizedMonitor::<1, 2>::new();
-    let mut observe = |n: u8, from: u8, segmentation, data: &[u8]| {
-        let command = SdoCommand { segmentation, ..SdoCommand::request(1, SdoCommandId::FILE_WRITE, data) };
-        let bytes = emitted(group::ASND, mac(from), 1, from, valid(0, n, Some(command)));
-        monitor.observe(Instant::ZERO, n.into(), (&*bytes).into()).note
-    };
-    assert_eq!(observe(1, 240, Segmentation::Initiate { total: 3 }, &[1, 2]), None);
-    assert_eq!(observe(2, 240, Segmentation::Complete, &[3]), Some(Note::NotStored));
-    assert_eq!(observe(1, 2, Segmentation::Expedited, &[]), None);
-    assert_eq!(monitor.lost(), Lost { connections: 1, transfers: 1 });
+    let first = Segmentation::Initiate { total: 3 };
+    assert_eq!(write_part(&mut monitor, 1, 240, first, &[1, 2]), (None, None));
+    assert_eq!(write_part(&mut monitor, 2, 240, Segmentation::Complete, &[3]), (Some(Note::NotStored), None));
+    assert_eq!(monitor.lost(), Lost { connections: 0, transfers: 1 });
+}
+
+/// The room of the transfer that was heard least recently is taken for a new one.
+#[test]
+fn transfers_share_the_room() {
+    let mut monitor = SizedMonitor::<2, 8>::new();
+    let first = Segmentation::Initiate { total: 2 };
+    for (n, from) in [(1, 2), (2, 3), (3, 4)] {
+        assert_eq!(write_part(&mut monitor, n, from, first, &[from]), (None, None));
+    }
+    let mut last = |n, from| write_part(&mut monitor, n, from, Segmentation::Complete, &[0xFF]);
+    assert_eq!(last(4, 2), (Some(Note::NotStored), None));
+    assert_eq!(last(5, 3), (None, Some(std::vec![3, 0xFF])));
+    assert_eq!(last(6, 4), (None, Some(std::vec![4, 0xFF])));
+    assert_eq!(monitor.lost(), Lost { connections: 0, transfers: 1 });
+}
+
+/// A request of each controlled node to each of two others: the first connections are given up.
+#[test]
+fn connections_that_are_too_many_are_counted() {
+    let mut network = Network::new();
+    for server in [240, 253] {
+        for client in 1..=239 {
+            network.sdo(server, client, valid(0, 1, Some(SdoCommand::request(1, READ, &[0x18, 0x10, 1, 0]))));
+        }
+    }
+    assert_eq!(network.monitor.lost(), Lost { connections: 2 * 239 - 256, transfers: 0 });
+    // One that is still known, and one that is not.
+    let answer =
+        |network: &mut Network, client| network.sdo(client, 253, valid(1, 1, Some(response(1, READ, &[7]))));
+    // Each took an invitation before it.
+    assert_eq!(answer(&mut network, 239).request, Some(4 * 239));
+    assert_eq!(network.sdo(1, 240, valid(1, 1, Some(response(1, READ, &[7])))).request, None);
 }
