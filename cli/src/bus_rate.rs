@@ -7,6 +7,7 @@ use link_core::{BitRate, Frame, Instant};
 
 use crate::bus_time;
 use crate::exit::Failure;
+use crate::output;
 
 /// The bit rate of a bus, and whether it is known: the load of the bus depends on it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -70,14 +71,43 @@ impl fmt::Display for BusRate {
     }
 }
 
-/// The frames of a bus do not fit into the bit rate that the user has said.
-pub(crate) fn too_low(file: &str, said: BitRate, bus: &str, needed: BitRate) -> Failure {
-    Failure::Usage(format!("{file}: {}", why_too_low(said, bus, needed)))
+/// What the frames of a bus make of the bit rate that the user has said.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Doubt {
+    /// Once there were too many for it, and not by far: their time stamps may have been late.
+    Once,
+    /// It cannot be: they need so much at least.
+    TooLow(BitRate),
 }
 
-/// `--bit-rate is too low: ..`
-pub(crate) fn why_too_low(said: BitRate, bus: &str, needed: BitRate) -> String {
-    format!("--bit-rate is too low: {said} cannot carry the frames of {bus}, which need {needed} at least")
+impl Doubt {
+    /// `--bit-rate is too low: ..`
+    pub(crate) fn why(self, said: BitRate, bus: &str) -> String {
+        match self {
+            Self::Once => format!(
+                "--bit-rate is in doubt: once, the frames of {bus} came closer together than {said} can carry; unless their time \
+                 stamps were late it is too low, so it counts as not known"
+            ),
+            Self::TooLow(needed) => format!(
+                "--bit-rate is too low: {said} cannot carry the frames of {bus}, which need {needed} at least"
+            ),
+        }
+    }
+
+    /// Tells of it where a recording is read.
+    ///
+    /// # Errors
+    /// The recording cannot have come at that bit rate.
+    pub(crate) fn tell(self, file: &str, said: BitRate, bus: &str) -> Result<(), Failure> {
+        let why = format!("{file}: {}", self.why(said, bus));
+        match self {
+            Self::Once => {
+                output::warn(why);
+                Ok(())
+            }
+            Self::TooLow(_) => Err(Failure::Usage(why)),
+        }
+    }
 }
 
 /// Deduces the least bit rate at which a bus can have carried its frames, and whether one that somebody has said is enough. Frames
@@ -99,19 +129,38 @@ struct Backlog {
     rate: BitRate,
     /// As time.
     waits: Duration,
-    /// It was more than there can be.
-    is_refuted: bool,
+    /// It is more than there can be, and has been since the bus was idle.
+    is_too_much: bool,
+    /// How often it was.
+    episodes: u32,
+    /// It was so much that no time stamp explains it.
+    is_far_too_much: bool,
 }
 
 impl Backlog {
     const fn new(rate: BitRate) -> Self {
-        Self { rate, waits: Duration::ZERO, is_refuted: false }
+        Self { rate, waits: Duration::ZERO, is_too_much: false, episodes: 0, is_far_too_much: false }
     }
 
     fn see(&mut self, passed: Duration, bits: u64) {
         let length = Duration::from_nanos(bits * 1_000_000_000 / u64::from(self.rate.0.max(1)));
-        self.waits = self.waits.saturating_sub(passed) + length;
-        self.is_refuted |= self.waits > LATE;
+        let waited = self.waits.saturating_sub(passed);
+        self.waits = waited + length;
+        self.is_too_much &= !waited.is_zero();
+        if self.waits > LATE && !core::mem::replace(&mut self.is_too_much, true) {
+            self.episodes = self.episodes.saturating_add(1);
+        }
+        self.is_far_too_much |= self.waits > FAR_TOO_LATE;
+    }
+
+    /// It was more than there can be, at least once.
+    const fn is_refuted(&self) -> bool {
+        self.episodes > 0
+    }
+
+    /// The same, and a late time stamp is not the reason.
+    const fn is_certain(&self) -> bool {
+        self.episodes > 1 || self.is_far_too_much
     }
 }
 
@@ -139,16 +188,17 @@ impl LeastRate {
         self.fitting().unwrap_or(RATES[0])
     }
 
-    /// The rate that is needed at least, if the one that somebody has said is too low.
-    pub(crate) fn needed(&self) -> Option<BitRate> {
-        self.said.filter(|said| said.is_refuted)?;
-        self.fitting()
+    /// The rate that somebody has said, and what there is against it.
+    pub(crate) fn doubt(&self) -> Option<(BitRate, Doubt)> {
+        let said = self.said.as_ref().filter(|said| said.is_refuted())?;
+        let needed = self.fitting()?;
+        Some((said.rate, if said.is_certain() { Doubt::TooLow(needed) } else { Doubt::Once }))
     }
 
     /// The lowest that is not refuted.
     fn fitting(&self) -> Option<BitRate> {
         // A rate is refuted by what refutes a higher one.
-        let refuted = self.backlogs.iter().rposition(|backlog| backlog.is_refuted);
+        let refuted = self.backlogs.iter().rposition(Backlog::is_refuted);
         RATES.get(refuted.map_or(0, |place| place + 1)).copied()
     }
 }
@@ -157,6 +207,8 @@ impl LeastRate {
 const RATES: [BitRate; 3] = [BitRate::K125, BitRate::K250, BitRate::K500];
 /// So late may a time stamp be: adapters hand over several frames at once, and some stamp them only then.
 const LATE: Duration = Duration::from_millis(20);
+/// So late is none.
+const FAR_TOO_LATE: Duration = Duration::from_millis(100);
 
 #[cfg(test)]
 mod tests {
@@ -188,25 +240,47 @@ mod tests {
         assert_eq!(deduced(BitRate::K500, 20, 1), BitRate::K125);
     }
 
-    /// Bursts at 250 kbit/s.
+    /// All the time at 250 kbit/s.
     #[test]
     fn a_rate_that_somebody_has_said_is_refuted_by_frames_that_do_not_fit() {
         let frame = Frame::new(standard_id(0x3C1), &[0x55; 8]).unwrap();
         let length = u64::from(bus_time::bits(&frame)) * 4_000;
-        for (said, needed) in
+        for (said, is_too_low) in
             [(100_000, true), (125_000, true), (200_000, true), (245_000, false), (250_000, false)]
         {
-            let mut least = LeastRate::new(Some(BitRate(said)));
-            assert_eq!(least.needed(), None);
-            for n in 0..300 {
+            let said = BitRate(said);
+            let mut least = LeastRate::new(Some(said));
+            assert_eq!(least.doubt(), None);
+            for n in 0..1_000 {
                 least.see(Instant::from_nanos(n * length), &frame);
             }
-            assert_eq!(least.needed(), needed.then_some(BitRate::K250), "{said}");
+            assert_eq!(least.doubt(), is_too_low.then_some((said, Doubt::TooLow(BitRate::K250))));
         }
         // Where no rate fits, the stamps are to blame.
         let mut least = LeastRate::new(Some(BitRate::K125));
         (0..1_000).for_each(|_| least.see(Instant::from_millis(1), &frame));
-        assert_eq!(least.needed(), None);
+        assert_eq!(least.doubt(), None);
+    }
+
+    /// A frame of 0.9 ms every 2 ms, and an adapter that tells some of them late, all at once.
+    #[test]
+    fn a_time_stamp_that_is_late_once_refutes_nothing() {
+        let frame = Frame::new(standard_id(0x3C1), &[0x55; 8]).unwrap();
+        let of_stalls: [(&[u64], u64, Option<Doubt>); 4] = [
+            (&[], 60, None),
+            (&[1_000], 40, None),
+            (&[1_000], 60, Some(Doubt::Once)),
+            (&[1_000, 3_000], 60, Some(Doubt::TooLow(BitRate::K250))),
+        ];
+        for (stalls, length, doubt) in of_stalls {
+            let mut least = LeastRate::new(Some(BitRate::K125));
+            for due in (0..5_000).step_by(2) {
+                let stall = stalls.iter().find(|&&begin| (begin..begin + length).contains(&due));
+                let stamp = stall.map_or(due, |begin| begin + length);
+                least.see(Instant::from_millis(stamp), &frame);
+            }
+            assert_eq!(least.doubt(), doubt.map(|doubt| (BitRate::K125, doubt)), "{stalls:?} {length}");
+        }
     }
 
     #[test]

@@ -16,7 +16,6 @@ use super::scan_list::{self, ScanLists};
 use super::sheets::Sheets;
 use super::summary::Summary;
 use crate::args::DecodeArgs;
-use crate::bus_rate;
 use crate::exit::Failure;
 use crate::health;
 use crate::output;
@@ -159,8 +158,10 @@ impl Decoder {
         let is_within = self.filter.is_within(frame.at);
         if let View::Summary { summary, .. } = &mut self.view
             && is_within
+            && summary.see_time(bus, frame)
+            && let Some(doctor) = self.doctors.get_mut(bus)
         {
-            summary.see_time(bus, frame);
+            doctor.set_bit_rate(None);
         }
         let verdict = match (is_within && self.filter.accepts(&meaning), meaning.has_problem()) {
             (false, _) => Verdict::Hidden,
@@ -230,12 +231,16 @@ impl Decoder {
         out.extend_from_slice(text.as_bytes());
     }
 
-    /// Why there can be no summary: what the user has said of the bus cannot be.
-    pub(super) fn refusal(&self, channels: &Channels, file: &str) -> Option<Failure> {
-        let View::Summary { summary, .. } = &self.view else { return None };
-        let (said, bus, needed) = summary.refuted_rate()?;
-        let bus = printable(channels.iter().nth(bus).unwrap_or("the bus"));
-        Some(bus_rate::too_low(file, said, &bus, needed))
+    /// Tells what there is against the bit rate that the user has said.
+    ///
+    /// # Errors
+    /// It cannot be, so there can be no summary.
+    pub(super) fn doubt_bit_rate(&self, channels: &Channels, file: &str) -> Result<(), Failure> {
+        let View::Summary { summary, .. } = &self.view else { return Ok(()) };
+        summary.doubts().try_for_each(|(bus, said, doubt)| {
+            let bus = printable(channels.iter().nth(bus).unwrap_or("the bus"));
+            doubt.tell(file, said, &bus)
+        })
     }
 
     /// Whether something is or was wrong, as the summary says; `None` without one, and before [`finish`](Self::finish).

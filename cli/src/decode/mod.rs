@@ -253,7 +253,7 @@ impl Session {
     /// Shows what was still to be shown, however reading has ended, and tells whether the summary says that something is wrong.
     fn close(mut self, recording: &Recording) -> (Option<bool>, Result<(), Failure>) {
         let mut output = self.output.borrow_mut();
-        let refused = self.decoder.refusal(recording.channels(), &self.file).map_or(Ok(()), Err);
+        let refused = self.decoder.doubt_bit_rate(recording.channels(), &self.file);
         if refused.is_ok() {
             self.decoder.finish(&mut output.buffer, recording.channels(), &self.file, self.tally.bad_lines);
         }

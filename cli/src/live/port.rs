@@ -13,8 +13,7 @@ use transport_mock::{Ended, Ignore, NetworkPort};
 
 use super::endpoint::Endpoint;
 use super::recorded::Recorded;
-#[cfg(target_os = "linux")]
-use crate::bus_rate;
+use crate::bus_rate::Doubt;
 use crate::exit::Failure;
 use crate::scenario::Time;
 use crate::simulate::NodeEvent;
@@ -198,15 +197,21 @@ impl LivePort {
         }
     }
 
-    /// The frames do not fit into the bit rate that the user has said. A recording cannot have come so; an interface may have been late
-    /// for once, and is listened to on.
-    pub(super) fn doubt_bit_rate(&self, said: BitRate, needed: BitRate) -> Result<(), Failure> {
+    /// Tells what there is against the bit rate that the user has said. An interface may have been late more than once, and is listened
+    /// to on.
+    ///
+    /// # Errors
+    /// A recording cannot have come so.
+    pub(super) fn doubt_bit_rate(&self, said: BitRate, doubt: Doubt) -> Result<(), Failure> {
         match &self.bus {
-            Bus::Recorded(recorded) => Err(recorded.too_low(said, needed)),
+            Bus::Recorded(recorded) => recorded.doubt_bit_rate(said, doubt),
             #[cfg(target_os = "linux")]
             Bus::Interface(port) => {
-                let why = bus_rate::why_too_low(said, port.interface().name(), needed);
-                crate::output::warn(format_args!("{why}; it is left out of account"));
+                let why = doubt.why(said, port.interface().name());
+                match doubt {
+                    Doubt::Once => crate::output::warn(why),
+                    Doubt::TooLow(_) => crate::output::warn(format_args!("{why}; it counts as not known")),
+                }
                 Ok(())
             }
             Bus::Simulated(_) => Ok(()),

@@ -10,7 +10,7 @@ use link_core::machine::Deadline;
 use link_core::{BitRate, Input, Instant, LinkEvent};
 
 use super::port::PortError;
-use crate::bus_rate;
+use crate::bus_rate::Doubt;
 use crate::exit::Failure;
 use crate::recording::{ChannelId, Content, RecordedFrame, Recording};
 use crate::simulate;
@@ -116,10 +116,10 @@ impl Recorded {
         self.bad_entries
     }
 
-    /// Its frames do not fit into the bit rate that the user has said.
-    pub(super) fn too_low(&self, said: BitRate, needed: BitRate) -> Failure {
+    /// Tells what there is against the bit rate that the user has said.
+    pub(super) fn doubt_bit_rate(&self, said: BitRate, doubt: Doubt) -> Result<(), Failure> {
         let bus = self.name_of(self.channel.flatten());
-        bus_rate::too_low(&self.file, said, &bus.unwrap_or("the bus".into()), needed)
+        doubt.tell(&self.file, said, &bus.unwrap_or("the bus".into()))
     }
 
     /// Says how many lines or records could not be read, if there are any.

@@ -97,10 +97,14 @@ fn a_live_pipe_is_shown_at_once() {
     assert!(child.wait().unwrap().code().is_some());
 }
 
-/// A hundred frames of 111 bits and more in 60 ms.
+/// So many frames of 111 bits and more, every 0.6 ms.
+fn burst(frames: u32) -> String {
+    (0..frames).map(|n| format!("(1.{:06}) can7 455#5555555555555555\n", n * 600)).collect()
+}
+
 #[test]
 fn a_bit_rate_that_cannot_carry_the_frames_is_refused() {
-    let log: String = (0..300).map(|n| format!("(1.{:06}) can7 455#5555555555555555\n", n * 600)).collect();
+    let log = burst(500);
     for json in [&[][..], &["--json"]] {
         let summary =
             |rate: &[&str]| run_with_input(&[&["decode", "--summary", "-"], json, rate].concat(), &log);
@@ -117,4 +121,18 @@ fn a_bit_rate_that_cannot_carry_the_frames_is_refused() {
             assert_eq!((stderr(&output), output.status.code()), ("", Some(0)), "{rate:?}");
         }
     }
+}
+
+/// Time stamps may be late.
+#[test]
+fn a_bit_rate_that_does_not_carry_the_frames_once_counts_as_not_known() {
+    let output = run_with_input(&["decode", "--summary", "-", "--bit-rate", "125k"], &burst(150));
+    assert_exit(&output, 0);
+    assert_eq!(
+        stderr(&output),
+        "warning: <stdin>: --bit-rate is in doubt: once, the frames of can7 came closer together than 125 kbit/s can carry; unless \
+         their time stamps were late it is too low, so it counts as not known\n"
+    );
+    let words = "at 250 kbit/s or more, stuff bits";
+    assert!(stdout(&output).contains(words), "{}", stdout(&output));
 }

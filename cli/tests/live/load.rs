@@ -62,6 +62,15 @@ fn the_load_of_an_unknown_bit_rate_is_the_most_that_it_can_be() {
     );
     let (rate, source, _, is_judged) = told(&["--bit-rate", "125k"]);
     assert_eq!((rate, source.as_str(), is_judged), (125_000, "known", true));
+    // The same, behind forty that an adapter told at once: then it is not judged either.
+    let late: String = (0..40).map(|_| frame(0)).collect();
+    std::fs::write(path, late + &(0..5_000).map(|n| frame(1_000_000 + n * 1_200)).collect::<String>())
+        .unwrap();
+    let (rate, source, _, is_judged) = told(&["--bit-rate", "125k"]);
+    assert_eq!((rate, source.as_str(), is_judged), (250_000, "least", false));
+    let summary = devicenet(&["decode", "--summary", "--json", "--bit-rate", "125k", path]).json();
+    assert_eq!((&summary[0]["bit_rate"], &summary[0]["bit_rate_source"]), (&250_000.into(), &"least".into()));
+    assert!(summary.iter().all(|line| line["rule"] != "bus_load"), "{summary:?}");
     // The same, and two hundred frames within the time of sixty.
     let burst: String = (0..200).map(|n| frame(6_000_000 + n * 250)).collect();
     std::fs::write(path, slow + &burst).unwrap();

@@ -15,7 +15,7 @@ use devicenex_core::monitor as nex;
 use link_core::{BitRate, Instant};
 
 use super::meaning::Meaning;
-use crate::bus_rate::{BusRate, LeastRate};
+use crate::bus_rate::{BusRate, Doubt, LeastRate};
 use crate::bus_time;
 use crate::histogram::Histogram;
 use crate::recording::{Content, RecordedFrame};
@@ -110,18 +110,23 @@ impl Summary {
 
     /// That of a bus: nobody says it for one of several.
     fn rate(&self, bus: &Bus) -> BusRate {
-        self.bit_rate.map_or_else(|| BusRate::AtLeast(bus.least.rate()), BusRate::Said)
+        match self.bit_rate {
+            Some(said) if bus.least.doubt().is_none() => BusRate::Said(said),
+            Some(_) | None => BusRate::AtLeast(bus.least.rate()),
+        }
     }
 
-    /// The bit rate that somebody has said, the first bus whose frames need more, and what they need at least.
-    pub(super) fn refuted_rate(&self) -> Option<(BitRate, usize, BitRate)> {
-        let needed = (0..).zip(&self.buses).find_map(|(bus, seen)| Some((bus, seen.least.needed()?)));
-        needed.and_then(|(bus, needed)| Some((self.bit_rate?, bus, needed)))
+    /// The buses whose frames are against the bit rate that somebody has said: which, that rate, and what there is against it.
+    pub(super) fn doubts(&self) -> impl Iterator<Item = (usize, BitRate, Doubt)> {
+        let doubts = self.buses.iter().enumerate();
+        doubts.filter_map(|(index, bus)| bus.least.doubt().map(|(said, doubt)| (index, said, doubt)))
     }
 
     /// Takes note of when a frame was on a bus, whether it is counted or not: a load is a part of the whole recording.
-    pub(super) fn see_time(&mut self, bus: usize, frame: &RecordedFrame) {
+    /// Returns whether the bit rate that somebody has said is in doubt since then.
+    pub(super) fn see_time(&mut self, bus: usize, frame: &RecordedFrame) -> bool {
         let bus = self.bus(bus);
+        let was_in_doubt = bus.least.doubt().is_some();
         if let Content::Classic(classic) = &frame.content {
             bus.least.see(frame.at, classic);
         }
@@ -132,6 +137,7 @@ impl Summary {
             bus.digits = frame.digits;
             bus.span = Some((frame.at, frame.at));
         }
+        !was_in_doubt && bus.least.doubt().is_some()
     }
 
     /// Counts a frame of a bus.

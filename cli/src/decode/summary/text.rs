@@ -24,7 +24,7 @@ impl Summary {
                 rate.at_most(),
                 percent(bus.load(&bus.total, rate)),
                 rate,
-                if rate.known().is_some() { "" } else { " (--bit-rate says which)" },
+                if rate.known().or(self.bit_rate).is_some() { "" } else { " (--bit-rate says which)" },
             );
             if bus.errors.frames > 0 {
                 let one = bus.errors.frames == 1;

@@ -23,7 +23,7 @@ use devicenet_core::doctor::{Doctor, Severity};
 use devicenet_core::monitor::{Kind, Monitor, MonitorConfig, Problem, Reading};
 use link_core::{BitRate, Frame, Input, Instant, LinkEvent};
 
-use crate::bus_rate::{BusRate, LeastRate};
+use crate::bus_rate::{BusRate, Doubt, LeastRate};
 use crate::bus_time;
 use crate::exit::Failure;
 use crate::histogram::Histogram;
@@ -49,8 +49,10 @@ pub(super) struct Model {
     bit_rate: BusRate,
     /// Of a bus whose bit rate neither a scenario nor a controller tells.
     least: LeastRate,
-    /// What the user has said of it, and what its frames need: news.
-    refuted: Option<(BitRate, BitRate)>,
+    /// What there is against the bit rate that the user has said.
+    doubt: Option<Doubt>,
+    /// The same, and that rate, until it is told.
+    news_of_doubt: Option<(BitRate, Doubt)>,
     /// When it began to listen.
     begin: Option<Instant>,
     now: Instant,
@@ -85,7 +87,8 @@ impl Model {
             doctor,
             bit_rate: bit_rate.unwrap_or(BusRate::AtLeast(least.rate())),
             least,
-            refuted: None,
+            doubt: None,
+            news_of_doubt: None,
             begin: None,
             now: Instant::ZERO,
             link: LinkState::Down,
@@ -105,8 +108,7 @@ impl Model {
     /// Looks at a port after it has told of an input, and tells what follows.
     ///
     /// # Errors
-    /// A recording does not fit into the bit rate that the user has said. Of an interface that is a warning: it may have been late for
-    /// once.
+    /// A recording does not fit into the bit rate that the user has said.
     pub(super) fn see_port(
         &mut self,
         port: &mut LivePort,
@@ -123,8 +125,8 @@ impl Model {
         }
         self.counters.unread = port.bad_entries();
         self.see(at, port.entry(), input, &mut tell);
-        match self.refuted.take() {
-            Some((said, needed)) => port.doubt_bit_rate(said, needed),
+        match self.news_of_doubt.take() {
+            Some((said, doubt)) => port.doubt_bit_rate(said, doubt),
             None => Ok(()),
         }
     }
@@ -200,20 +202,18 @@ impl Model {
 
     /// What a bus whose bit rate only the user tells, or nobody, has shown of it.
     fn deduce(&mut self, at: Instant, frame: &Frame) {
-        match self.bit_rate {
-            BusRate::Known(_) => {}
-            BusRate::AtLeast(_) => {
-                self.least.see(at, frame);
-                self.is_at_least(self.least.rate());
-            }
-            BusRate::Said(said) => {
-                self.least.see(at, frame);
-                if let Some(needed) = self.least.needed() {
-                    self.is_at_least(needed);
-                    self.doctor.set_bit_rate(None);
-                    self.refuted = Some((said, needed));
-                }
-            }
+        if matches!(self.bit_rate, BusRate::Known(_)) {
+            return;
+        }
+        self.least.see(at, frame);
+        if let Some((said, doubt)) = self.least.doubt()
+            && self.doubt.replace(doubt) != Some(doubt)
+        {
+            self.news_of_doubt = Some((said, doubt));
+            self.doctor.set_bit_rate(None);
+        }
+        if self.bit_rate.said().is_none() || self.doubt.is_some() {
+            self.is_at_least(self.least.rate());
         }
     }
 
@@ -347,7 +347,7 @@ mod tests {
         for n in 1..=1_000 {
             model.see(Instant::from_nanos(n * length), None, Input::Frame(frame), |_| {});
         }
-        assert_eq!(model.refuted, Some((said, BitRate::K250)));
+        assert_eq!(model.news_of_doubt, Some((said, Doubt::TooLow(BitRate::K250))));
         assert_eq!(model.bit_rate, BusRate::AtLeast(BitRate::K250));
         assert_eq!(model.doctor.config().bit_rate, None);
         let load = model.picture().total.all;
