@@ -16,7 +16,7 @@ pub(crate) enum BusRate {
     Known(BitRate),
     /// The user has said it, and nothing refutes it.
     Said(BitRate),
-    /// The frames do not fit into less, so that a load computed with it is the most that it can be.
+    /// The frames do not fit into less, so that a load of theirs computed with it is the most that it can be.
     AtLeast(BitRate),
 }
 
@@ -52,11 +52,40 @@ impl BusRate {
         }
     }
 
-    /// What stands before a load: it is no more than the most that it can be.
-    pub(crate) const fn at_most(self) -> &'static str {
+    /// What a load that is computed with it is of the real one, in a time with errors or without: of their length only the least is known.
+    pub(crate) const fn bound(self, has_errors: bool) -> Bound {
+        match (self, has_errors) {
+            (Self::Known(_) | Self::Said(_), _) => Bound::Exact,
+            (Self::AtLeast(_), false) => Bound::AtMost,
+            (Self::AtLeast(_), true) => Bound::About,
+        }
+    }
+}
+
+/// What a load is of the real one.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Bound {
+    Exact,
+    AtMost,
+    About,
+}
+
+impl Bound {
+    /// Before the load.
+    pub(crate) const fn words(self) -> &'static str {
         match self {
-            Self::Known(_) | Self::Said(_) => "",
-            Self::AtLeast(_) => "at most ",
+            Self::Exact => "",
+            Self::AtMost => "at most ",
+            Self::About => "about ",
+        }
+    }
+
+    /// The same where there is little room.
+    pub(crate) const fn sign(self) -> &'static str {
+        match self {
+            Self::Exact => "",
+            Self::AtMost => "≤",
+            Self::About => "≈",
         }
     }
 }

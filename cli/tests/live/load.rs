@@ -84,3 +84,27 @@ fn the_load_of_an_unknown_bit_rate_is_the_most_that_it_can_be() {
     let words = "at 500 kbit/s or more (--bit-rate says which), stuff bits and intermission included\n";
     assert!(text.contains("bus load at most 1") && text.contains(words), "{text}");
 }
+
+/// An error frame takes 17 bits at least, and at a bit rate that is only the least, the share of the time is neither the least nor the most.
+#[test]
+fn the_load_of_errors_is_told_as_what_it_is() {
+    let path = concat!(env!("CARGO_TARGET_TMPDIR"), "/errors.log");
+    let line = |n: u32| {
+        format!("({}.000000) can0 3C1#5555555555555555\n({0}.500000) can0 20000080#0000000000000000\n", n + 1)
+    };
+    std::fs::write(path, (0..10).map(line).collect::<String>()).unwrap();
+    let endpoint = format!("log:{path}");
+    let of_rate: [(&[&str], [&str; 3]); 2] = [
+        (&["--bit-rate", "125k"], ["bus load 0.", "take 0.01 % of the time at least: how", "load 0."]),
+        (&[], ["bus load about 0.", "take about 0.01 % of the time: how", "load about 0."]),
+    ];
+    for (rate, [load, errors, monitored]) in of_rate {
+        let summary = devicenet(&[&["decode", "--summary", path], rate].concat()).out();
+        assert!(
+            summary.contains(load) && summary.contains(&format!("\n10 error frames {errors} much")),
+            "{summary}"
+        );
+        let text = devicenet(&[&["monitor", &endpoint, "--text"], rate].concat()).out();
+        assert!(text.contains(&format!("error-active, {monitored}")), "{text}");
+    }
+}

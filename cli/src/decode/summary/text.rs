@@ -21,18 +21,23 @@ impl Summary {
                 count(bus.total.frames, "frame"),
                 bus.seconds(),
                 bus.total.problems,
-                rate.at_most(),
+                rate.bound(bus.errors.frames > 0).words(),
                 percent(bus.load(&bus.total, rate)),
                 rate,
                 if rate.known().or(self.bit_rate).is_some() { "" } else { " (--bit-rate says which)" },
             );
             if bus.errors.frames > 0 {
                 let one = bus.errors.frames == 1;
+                let share = percent(bus.load(&bus.errors, rate));
+                let share = match rate.known() {
+                    Some(_) => format!("{share} of the time at least"),
+                    // Longer errors at a higher rate.
+                    None => format!("about {share} of the time"),
+                };
                 out += &format!(
-                    "{} {} {} of it at least: how much of a frame {} ended is not recorded\n",
+                    "{} {} {share}: how much of a frame {} ended is not recorded\n",
                     count(bus.errors.frames, "error frame"),
                     if one { "takes" } else { "take" },
-                    percent(bus.load(&bus.errors, rate)),
                     if one { "it has" } else { "each has" },
                 );
             }

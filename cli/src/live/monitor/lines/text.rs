@@ -26,7 +26,7 @@ pub(super) fn summary(picture: &Picture, is_last: bool) -> String {
         "\n{:.3} s, {title}: {}, load {}{} of {}{}{}\n{}, {}, {} lost, {} with a problem{}{}\nverdict: {}\n",
         picture.at.as_secs_f64(),
         picture.link,
-        picture.bit_rate.at_most(),
+        picture.bit_rate.bound(counters.error_frames > 0).words(),
         say::percent(load.all),
         picture.bit_rate,
         if purposes.is_empty() { "" } else { ": " },

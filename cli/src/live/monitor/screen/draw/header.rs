@@ -97,7 +97,7 @@ fn figures_as<'a>(scene: &Scene<'_>, bar_width: usize, form: Form, width: usize)
     let Scene { theme, picture, .. } = scene;
     let counters = picture.counters;
     let load = picture.load.all;
-    let at_most = if picture.bit_rate.known().is_some() { "" } else { "≤" };
+    let bound = picture.bit_rate.bound(counters.error_frames > 0).sign();
     let warning = theme.severity(Severity::Warning);
     let mut spans = vec![
         Span::styled(" load ", theme.dim()),
@@ -105,7 +105,7 @@ fn figures_as<'a>(scene: &Scene<'_>, bar_width: usize, form: Form, width: usize)
         Span::styled(bar(load, bar_width), theme.bar(load)),
         Span::styled("▏", theme.dim()),
         Span::styled(
-            format!("{:>7}", format!("{at_most}{}", percent(load))),
+            format!("{:>7}", format!("{bound}{}", percent(load))),
             theme.bar(load).add_modifier(Modifier::BOLD),
         ),
     ];
