@@ -150,6 +150,15 @@ fn planned_connections() {
             "{ connection = \"poll\", watchdog = \"bark\" }",
             "18:50: there is no watchdog `bark`; expected `time_out`, `auto_delete` or `auto_reset`",
         ),
+        (
+            "{ connection = \"poll\" }, { connection = \"poll\" }",
+            "18:41: `poll` is planned twice; a device has each but `dynamic` once",
+        ),
+        (
+            "{ connection = \"dynamic\" }, { connection = \"dynamic\" }, { connection = \"dynamic\" }, \
+             { connection = \"dynamic\" }, { connection = \"dynamic\" }",
+            "18:128: there are 5 connections; expected at most 4 with one device",
+        ),
     ] {
         let plan = format!("[[node.planned]]\noa = 5\ndevice = \"sensor-1\"\nconnections = [{entry}]");
         refused(MANAGER, &plan, expected);

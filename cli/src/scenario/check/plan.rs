@@ -87,12 +87,11 @@ impl Checker<'_> {
             let Some(oa) = OperationalAddress::new(number).filter(|oa| !oa.is_none()) else {
                 return self.fail(&place.span(), "the addresses rise beyond 126; expected a lower `oa`");
             };
-            let planned = connections(raw).iter().map(|table| self.planned_io(table));
             roles.push(Planned {
                 oa,
                 device,
                 spares: self.spares(raw, nodes)?,
-                connections: planned.collect::<Result<_, _>>()?,
+                connections: self.planned_connections(raw)?,
                 reads: self.reads(raw)?,
             });
         }
@@ -152,6 +151,30 @@ impl Checker<'_> {
             serial: raw.serial.map_or(Ok(0), |serial| self.serial(&number(serial)))?,
         };
         Ok(vec![Pattern { device, any_serial: raw.serial.is_none() }])
+    }
+
+    fn planned_connections(&self, raw: &RawPlanned) -> Result<Vec<PlannedIo>, ScenarioError> {
+        let mut planned: Vec<PlannedIo> = Vec::new();
+        for table in connections(raw) {
+            let io = self.planned_io(table)?;
+            let connection = io.connection;
+            if planned.len() == CONNECTIONS {
+                let many = connections(raw).len();
+                return self.fail(
+                    &table.span(),
+                    format!("there are {many} connections; expected at most {CONNECTIONS} with one device"),
+                );
+            }
+            let is_there = planned.iter().any(|other| other.connection == connection);
+            if is_there && connection != NexConnection::Dynamic {
+                return self.fail(
+                    &table.span(),
+                    format!("`{connection}` is planned twice; a device has each but `dynamic` once"),
+                );
+            }
+            planned.push(io);
+        }
+        Ok(planned)
     }
 
     fn planned_io(&self, table: &Spanned<RawPlannedIo>) -> Result<PlannedIo, ScenarioError> {
@@ -270,4 +293,5 @@ const DEVICE: &str =
 /// As many addresses as there are beside the manager's.
 const MOST_PLANNED: usize = 126;
 const SPARES: usize = 4;
+const CONNECTIONS: usize = 4;
 const READS: usize = 4;
