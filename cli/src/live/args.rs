@@ -212,7 +212,7 @@ Ctrl-C ends at once.
 
 Exit codes:
   0  the node ran, until --for, Ctrl-C or the end of the scenario
-  1  it did, but in the end it was faulted: its MAC ID is in use, or it was bus-off
+  1  it did, but was faulted in the end (MAC ID in use, bus-off), or had no I/O with a slave
   2  wrong usage or bad file, or the scenario ended before it began
   3  the interface failed
   4  refused to transmit: no --allow-tx, listen-only, no confirmed bit rate, or another's slave

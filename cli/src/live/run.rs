@@ -6,6 +6,7 @@ use std::io;
 
 use devicenet_core::MacId;
 use devicenet_core::access::Fault;
+use devicenet_core::master::ScannerStatus;
 use link_core::{Input, Instant, LinkEvent, Port as _, drive};
 
 use super::args::RunArgs;
@@ -62,12 +63,16 @@ fn run(args: &RunArgs, role: &str, is_of_role: impl Fn(&Node) -> bool, json: boo
         Err(PortError::Over) => {
             port.note_early_end(endpoint, args.span);
             let fault = machine.access().fault();
+            let unserved = machine.unserved();
             // After the end of a scenario there is no time in which a slave could answer.
             if port.over().is_none() {
                 leave(machine.as_mut(), &mut port, &mut log)?;
             }
-            let Some(fault) = fault else { return Ok(Exit::Done) };
-            output::error(faulted(machine.access().mac_id(), fault, args));
+            match fault {
+                Some(fault) => output::error(faulted(machine.access().mac_id(), fault, args)),
+                None if unserved.is_empty() => return Ok(Exit::Done),
+                None => output::error(not_running(&unserved, args)),
+            }
             Ok(Exit::Findings)
         }
     }
@@ -84,6 +89,16 @@ fn faulted(own: MacId, fault: Fault, args: &RunArgs) -> String {
             "node {own} is faulted, its controller went bus-off on {endpoint}: check the bit rate, the cable and its terminators"
         ),
     }
+}
+
+/// Which slaves a master does not serve in the end, and what to do.
+fn not_running(slaves: &[(MacId, ScannerStatus)], args: &RunArgs) -> String {
+    let slaves: Vec<String> = slaves.iter().map(|(mac, status)| format!("{mac} (status {status})")).collect();
+    format!(
+        "in the end there was no I/O with {}: devicenet monitor {} says why, and what to check",
+        slaves.join(", "),
+        args.endpoint
+    )
 }
 
 /// Goes off the bus. A master releases its slaves first, as far as they let it.

@@ -51,6 +51,7 @@ use crate::output::{self, Output};
 use crate::scenario::{Node, Role, Scenario, TimeRange};
 use devicenet_core::MacId;
 use devicenet_core::access::Access;
+use devicenet_core::master::ScannerStatus;
 use devicenex_core::OperationalAddress;
 use json::JsonView;
 use link_core::{Instant, Machine};
@@ -85,6 +86,9 @@ pub(crate) trait Guest: Machine<Event = NodeEvent> {
 
     /// The others that have given it a connection.
     fn allocated(&self) -> Vec<MacId>;
+
+    /// The others that it should serve and does not, and why.
+    fn unserved(&self) -> Vec<(MacId, ScannerStatus)>;
 
     /// Its network access.
     fn access(&self) -> &Access;

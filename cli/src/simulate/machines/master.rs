@@ -274,6 +274,12 @@ impl Guest for MasterMachine {
         self.master.scan_list().map(|entry| entry.mac_id).filter(has_answered).collect()
     }
 
+    fn unserved(&self) -> Vec<(MacId, ScannerStatus)> {
+        let entries = self.master.scan_list().map(|entry| entry.mac_id);
+        let idle = entries.filter(|slave| self.master.state(*slave) != Some(SlaveState::Running));
+        idle.filter_map(|slave| Some((slave, self.master.status(slave)?))).collect()
+    }
+
     fn access(&self) -> &Access {
         self.master.access()
     }

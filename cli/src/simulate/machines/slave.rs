@@ -2,6 +2,7 @@
 
 use devicenet_core::MacId;
 use devicenet_core::access::Access;
+use devicenet_core::master::ScannerStatus;
 use devicenet_core::slave::{
     BitRateConfig, Config, Counters, Event, IoKind, Options, Slave, SlaveEvent, Switches,
 };
@@ -199,6 +200,10 @@ impl Guest for SlaveMachine {
     }
 
     fn allocated(&self) -> Vec<MacId> {
+        Vec::new()
+    }
+
+    fn unserved(&self) -> Vec<(MacId, ScannerStatus)> {
         Vec::new()
     }
 
