@@ -26,64 +26,72 @@ pub trait TimerKey<const N: usize>: Copy + 'static {
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Timers<K, const N: usize> {
-    now: Instant,
-    /// No timer expires before this moment: an early answer for what is asked most. It is no part of the state.
-    bound: Instant,
+    moments: Moments,
     /// [`Instant::MAX`] where a timer does not run: half the size of an `Option`.
     at: [Instant; N],
     key: PhantomData<K>,
+}
+
+/// What there is besides the timers, whatever their number.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Moments {
+    now: Instant,
+    /// No timer expires before this moment: an early answer for what is asked most. It is no part of the state.
+    bound: Instant,
 }
 
 impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
     /// No timer runs, and the time is zero.
     #[must_use]
     pub const fn new() -> Self {
-        Self { now: Instant::ZERO, bound: Instant::MAX, at: [Instant::MAX; N], key: PhantomData }
+        let moments = Moments { now: Instant::ZERO, bound: Instant::MAX };
+        Self { moments, at: [Instant::MAX; N], key: PhantomData }
     }
 
     /// Takes note of the present moment, and returns it; a `now` before the last one is the last one.
     pub fn advance(&mut self, now: Instant) -> Instant {
-        later(&mut self.now, now)
+        later(&mut self.moments.now, now)
     }
 
     /// The same without a call, for where every frame passes.
     #[inline]
     pub fn advance_inline(&mut self, now: Instant) -> Instant {
-        self.now = self.now.max(now);
-        self.now
+        self.moments.now = self.moments.now.max(now);
+        self.moments.now
     }
 
     /// The latest moment that was noted.
     #[must_use]
     pub const fn now(&self) -> Instant {
-        self.now
+        self.moments.now
     }
 
     /// Starts or restarts a timer. One that is set to [`Instant::MAX`] does not run.
     pub fn set(&mut self, key: K, at: Instant) {
         debug_assert!(key.index() < N, "the index {} of a timer is not one of {N}", key.index());
-        set(self.at.get_mut(key.index()), &mut self.bound, at);
+        set(self.at.get_mut(key.index()), &mut self.moments.bound, at);
     }
 
     /// Starts or restarts a timer that expires `span` from the latest moment that was noted.
     pub fn set_after(&mut self, key: K, span: Duration) {
-        self.set(key, self.now.saturating_add(span));
+        self.set(key, self.moments.now.saturating_add(span));
     }
 
     /// The same for a span in milliseconds, without the arithmetic of [`Duration`].
     pub fn set_after_millis(&mut self, key: K, millis: u32) {
-        let at = after(self.now, millis);
-        self.set(key, at);
+        debug_assert!(key.index() < N, "the index {} of a timer is not one of {N}", key.index());
+        start(self.at.get_mut(key.index()), &mut self.moments, millis);
     }
 
     /// The same without a call, for where every frame passes.
     #[inline]
     pub fn set_after_millis_inline(&mut self, key: K, millis: u32) {
-        let at = self.now.saturating_add_millis(millis);
+        let at = self.moments.now.saturating_add_millis(millis);
         if let Some(slot) = self.at.get_mut(key.index()) {
             *slot = at;
         }
-        self.bound = self.bound.min(at);
+        self.moments.bound = self.moments.bound.min(at);
     }
 
     /// Stops a timer.
@@ -108,13 +116,21 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
     /// Whether a timer runs that expires by `now`. Most of the time, that is one comparison.
     #[inline]
     pub fn is_due(&mut self, now: Instant) -> bool {
-        now >= self.bound && expired(&self.at, &mut self.bound, now).is_some()
+        now >= self.moments.bound && expired(&self.at, &mut self.moments.bound, now).is_some()
+    }
+
+    /// Whether a timer may expire by `now`, by one comparison. False is certain; true may be about a timer that was stopped or
+    /// started anew since, until [`take_expired`](Self::take_expired) has found that out.
+    #[inline]
+    #[must_use]
+    pub fn may_be_due(&self, now: Instant) -> bool {
+        now >= self.moments.bound
     }
 
     /// Stops and returns the timer that expired first by `now`; of several at the same moment, the first in
     /// [`TimerKey::ALL`].
     pub fn take_expired(&mut self, now: Instant) -> Option<K> {
-        let index = expired(&self.at, &mut self.bound, now)?;
+        let index = expired(&self.at, &mut self.moments.bound, now)?;
         *self.at.get_mut(index)? = Instant::MAX;
         K::ALL.get(index).copied()
     }
@@ -131,9 +147,9 @@ impl<K: TimerKey<N>, const N: usize> Timers<K, N> {
 
     /// Moves every stored instant, the noted present included, `span` towards zero.
     pub fn shift(&mut self, span: Duration) {
-        self.now = self.now.saturating_sub(span);
-        if self.bound != Instant::MAX {
-            self.bound = self.bound.saturating_sub(span);
+        self.moments.now = self.moments.now.saturating_sub(span);
+        if self.moments.bound != Instant::MAX {
+            self.moments.bound = self.moments.bound.saturating_sub(span);
         }
         for at in self.at.iter_mut().filter(|at| **at != Instant::MAX) {
             *at = at.saturating_sub(span);
@@ -149,15 +165,14 @@ fn later(latest: &mut Instant, now: Instant) -> Instant {
     *latest
 }
 
-/// In two halves, whose products fit into 32 bits: a small processor multiplies no more at once.
+/// The product in two halves, which fit into 32 bits: a small processor multiplies no more at once.
 #[inline(never)]
-fn after(now: Instant, millis: u32) -> Instant {
+fn start(timer: Option<&mut Instant>, moments: &mut Moments, millis: u32) {
     let high = u64::from((millis >> 16).wrapping_mul(NANOS_PER_MILLI >> 6)) << 16;
     let low = u64::from((millis & 0xFFFF).wrapping_mul(NANOS_PER_MILLI >> 6));
-    now.saturating_add_nanos(high.wrapping_add(low) << 6)
+    set(timer, &mut moments.bound, moments.now.saturating_add_nanos(high.wrapping_add(low) << 6));
 }
 
-#[inline(never)]
 fn set(timer: Option<&mut Instant>, bound: &mut Instant, at: Instant) {
     if let Some(timer) = timer {
         *timer = at;
@@ -208,6 +223,8 @@ pub trait TimerSet<K> {
     fn at(&self, key: K) -> Option<Instant>;
     /// [`Timers::is_due`]
     fn is_due(&mut self, now: Instant) -> bool;
+    /// [`Timers::may_be_due`]
+    fn may_be_due(&self, now: Instant) -> bool;
     /// [`Timers::take_expired`]
     fn take_expired(&mut self, now: Instant) -> Option<K>;
     /// [`Timers::next`]
@@ -245,6 +262,10 @@ impl<K: TimerKey<N>, const N: usize> TimerSet<K> for Timers<K, N> {
     fn is_due(&mut self, now: Instant) -> bool {
         self.is_due(now)
     }
+    #[inline]
+    fn may_be_due(&self, now: Instant) -> bool {
+        self.may_be_due(now)
+    }
     fn take_expired(&mut self, now: Instant) -> Option<K> {
         self.take_expired(now)
     }
@@ -258,7 +279,7 @@ impl<K: TimerKey<N>, const N: usize> TimerSet<K> for Timers<K, N> {
 
 impl<K, const N: usize> PartialEq for Timers<K, N> {
     fn eq(&self, other: &Self) -> bool {
-        (self.now, self.at) == (other.now, other.at)
+        (self.moments.now, self.at) == (other.moments.now, other.at)
     }
 }
 
@@ -266,7 +287,7 @@ impl<K, const N: usize> Eq for Timers<K, N> {}
 
 impl<K, const N: usize> Hash for Timers<K, N> {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        (self.now, self.at).hash(state);
+        (self.moments.now, self.at).hash(state);
     }
 }
 
@@ -349,6 +370,7 @@ mod tests {
         assert_eq!(timers, other);
         assert_eq!(timers.take_expired(ms(8)), None);
         assert!(!timers.is_due(ms(8)) && timers.is_due(ms(9)));
+        assert!(!timers.may_be_due(ms(8)) && timers.may_be_due(ms(9)));
         assert_eq!(timers.take_expired(ms(9)), Some(Key::A));
         assert_eq!(timers.take_expired(ms(9)), None);
     }
