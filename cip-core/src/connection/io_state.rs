@@ -86,6 +86,8 @@ pub type IoEdge = link_core::Edge<IoState, IoCause>;
 pub struct IoConnection<K = PredefinedConnection> {
     kind: K,
     state: IoState,
+    /// It follows from the kind, and is asked for with every message.
+    consumes: bool,
     settings: Settings,
 }
 
@@ -101,7 +103,7 @@ impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
 
     /// Not allocated; the kind has no meaning yet.
     pub const fn non_existent(kind: K) -> Self {
-        Self { kind, state: IoState::NonExistent, settings: DEFAULTS }
+        Self { kind, state: IoState::NonExistent, consumes: true, settings: DEFAULTS }
     }
 
     /// Which kind of connection it is; without a meaning while it is non-existent.
@@ -127,7 +129,7 @@ impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
     /// Allocates it with its defaults; 0x0B if it is allocated already. A connection that timed out counts as free.
     pub fn allocate(&mut self, kind: K) -> Result<(), GeneralStatus> {
         let _ = self.handle(IoCause::Allocated)?;
-        self.kind = kind;
+        self.promote(kind);
         self.settings = DEFAULTS;
         Ok(())
     }
@@ -136,6 +138,9 @@ impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
     /// the direction to the slave only.
     pub fn promote(&mut self, kind: K) {
         self.kind = kind;
+        // On a client without acknowledges nothing arrives whose absence could be noticed.
+        let trigger: TransportClassTrigger = kind.into();
+        self.consumes = trigger.is_server() || trigger.class() != 0;
     }
 
     /// Sets attribute 9: rounds it, stores it, and establishes the connection if it was being configured. Returns what is
@@ -246,15 +251,9 @@ impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
     #[inline]
     fn watchdog(&self, least: u32) -> Watchdog {
         match time_out(self.settings.expected_packet_rate, self.settings.multiplier) {
-            Some(millis) if self.consumes() => Watchdog::Start { millis: millis.max(least) },
+            Some(millis) if self.consumes => Watchdog::Start { millis: millis.max(least) },
             Some(_) | None => Watchdog::Stop,
         }
-    }
-
-    /// On a client without acknowledges nothing arrives whose absence could be noticed.
-    fn consumes(&self) -> bool {
-        let trigger: TransportClassTrigger = self.kind.into();
-        trigger.is_server() || trigger.class() != 0
     }
 }
 

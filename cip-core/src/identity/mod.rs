@@ -126,6 +126,18 @@ impl ProductName {
         heapless::Vec::from_slice(bytes).ok().map(Self)
     }
 
+    /// The name in the bytes. More than 32 of them do not compile: so the identity of a device can be a constant, in flash.
+    ///
+    /// ```
+    /// use cip_core::identity::ProductName;
+    ///
+    /// static NAME: ProductName = ProductName::from_array(*b"Example");
+    /// assert_eq!(Some(&NAME), ProductName::new("Example").as_ref());
+    /// ```
+    pub const fn from_array<const N: usize>(bytes: [u8; N]) -> Self {
+        Self(heapless::Vec::from_array(bytes))
+    }
+
     /// The characters.
     pub fn as_bytes(&self) -> &[u8] {
         &self.0
