@@ -178,9 +178,9 @@ impl Access {
         self.timers.next()
     }
 
-    /// Whether a wait is over at `now`.
-    pub(crate) fn deadline_is_over(&mut self, now: Instant) -> bool {
-        self.timers.is_due(now)
+    /// Whether a wait may be over at `now`.
+    pub(crate) fn may_be_due(&self, now: Instant) -> bool {
+        self.timers.may_be_due(now)
     }
 
     /// Whether the controller takes no part in the bus, so that it dropped by itself what it had to send.

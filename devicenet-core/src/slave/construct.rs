@@ -73,9 +73,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             let tells = A::PARTS.contains(Parts::EVENTS) || !A::PARTS.intersects(TELLING);
             assert!(tells, "what Application::PARTS has needs Parts::EVENTS");
         }
-        let device = application.identity().device;
-        let (vendor, serial) = (device.vendor, device.serial);
         let identity = application.identity();
+        let (vendor, serial) = (identity.device.vendor, identity.device.serial);
         // What was told last: without that part nothing ever is.
         let module = if A::PARTS.contains(Parts::INDICATOR_EVENTS) {
             ModuleStatus::of(identity.state.unwrap_or(DeviceState::OPERATIONAL), identity.status)

@@ -8,7 +8,7 @@ use super::allocation::Door;
 use super::application::{Application, Parts};
 use super::config::Options;
 use super::event::{Ignored, SlaveEvent};
-use super::machine::{Errand, Needed, Slave};
+use super::machine::{Errand, Needed, Slave, changes};
 use crate::access::MacIdSource;
 use crate::id::MacId;
 
@@ -99,6 +99,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// Starts anew, as after a power cycle; a stored bit rate takes effect.
     pub fn reset(&mut self, now: Instant) {
+        self.node.advance(now);
         self.reset_with(now, self.access.mac_id());
         self.follow();
     }
@@ -116,13 +117,14 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     fn reset_with(&mut self, now: Instant, mac: MacId) {
-        self.node.advance(now);
         self.look_for_errands();
         if has_rates::<A>() && self.port.active != self.port.stored {
             self.port.active = self.port.stored;
             self.errand = Errand::Mode;
         }
-        self.node.acknowledge = cip_core::object::AcknowledgeSettings::default();
+        if changes::<A>() {
+            self.node.acknowledge = cip_core::object::AcknowledgeSettings::default();
+        }
         self.access.reset_within::<Needed<A>>(now, mac);
     }
 

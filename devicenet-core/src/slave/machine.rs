@@ -226,7 +226,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// Serves every wait that is over at `until`.
     #[inline(never)]
     fn expire(&mut self, until: Instant) {
-        if self.access.deadline_is_over(until) {
+        if self.access.may_be_due(until) {
             self.tell_access(until, &Input::Tick);
         }
         while let Some(timer) = self.node.timers.take_expired(until) {
@@ -282,13 +282,13 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.follow();
     }
 
-    /// Whether a wait is over. While the bit rate is being detected, nothing else is waited for.
+    /// Whether a wait may be over. While the bit rate is being detected, nothing else is waited for.
     #[inline]
-    fn is_due(&mut self, now: Instant) -> bool {
-        let is_over = self.node.timers.is_due(now)
+    fn may_be_due(&mut self, now: Instant) -> bool {
+        let may_be_over = self.node.timers.may_be_due(now)
             || self.node.dynamic_timers.iter_mut().any(|timers| timers.is_due(now))
-            || self.access.deadline_is_over(now);
-        is_over && !(A::PARTS.contains(Parts::BIT_RATE_DETECTION) && self.detection.is_running())
+            || self.access.may_be_due(now);
+        may_be_over && !(A::PARTS.contains(Parts::BIT_RATE_DETECTION) && self.detection.is_running())
     }
 
     /// The body format of a connection that was opened dynamically.
@@ -302,8 +302,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
 
     fn input(&mut self, now: Instant, input: Input) {
         let now = self.node.advance_inline(now);
-        let is_due = self.is_due(now);
-        if is_due {
+        let may_be_due = self.may_be_due(now);
+        if may_be_due {
             self.catch_up(now);
         }
         match &input {
@@ -311,7 +311,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
             _ => self.other_input(now, &input),
         }
         // A wait that ends at this moment ends after its input.
-        if is_due {
+        if may_be_due {
             self.expire(now);
         }
         self.follow();
