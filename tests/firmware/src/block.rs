@@ -17,7 +17,6 @@ pub type Server<const PARTS: u16> = Group2OnlyServer<Block<PARTS>, 32>;
 /// Its application.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub struct Block<const PARTS: u16> {
-    device: DeviceIdentity,
     inputs: [u8; 2],
     outputs: [u8; 1],
 }
@@ -28,7 +27,8 @@ impl<const PARTS: u16> Application for Block<PARTS> {
     type Long = PollOnly;
 
     fn identity(&self) -> Identity<'_> {
-        Identity::new(&self.device)
+        // The compiler cannot know what a device was given in the factory.
+        Identity::new(black_box(&DEVICE))
     }
 
     fn produced(&self, _: IoKind) -> &[u8] {
@@ -40,26 +40,20 @@ impl<const PARTS: u16> Application for Block<PARTS> {
     }
 }
 
-impl<const PARTS: u16> Block<PARTS> {
-    /// A fictitious device.
-    #[must_use]
-    pub fn new() -> Self {
-        let device = DeviceIdentity {
-            vendor: VendorId(black_box(0x1234)),
-            device_type: DeviceType::GENERAL_PURPOSE_DISCRETE_IO,
-            product_code: 1,
-            revision: Revision { major: 1, minor: 1 },
-            serial: black_box(0x0000_2345),
-            name: ProductName::from_bytes(b"Example").unwrap_or_default(),
-        };
-        Self { device, inputs: black_box([0; 2]), outputs: [0] }
-    }
-}
-
 /// Runs it for ever.
 pub fn run<const PARTS: u16>() -> ! {
-    let block = Block::new();
-    let config = Config::new(&block.device, MacId::DEFAULT);
+    let config = Config::new(black_box(&DEVICE), MacId::DEFAULT);
+    let block = Block { inputs: black_box([0; 2]), outputs: [0] };
     let Ok(mut slave) = Server::<PARTS>::new(config, block) else { loop {} };
     drive(&mut slave)
 }
+
+/// A fictitious device.
+static DEVICE: DeviceIdentity = DeviceIdentity {
+    vendor: VendorId(0x1234),
+    device_type: DeviceType::GENERAL_PURPOSE_DISCRETE_IO,
+    product_code: 1,
+    revision: Revision { major: 1, minor: 1 },
+    serial: 0x0000_2345,
+    name: ProductName::from_array(*b"Example"),
+};
