@@ -1,5 +1,5 @@
 //! A session through the passive decoder of POWERLINK: it stays within bounds, every frame is accounted for, what it counts and which
-//! states it tells is what a [second, small program](model) says, what it puts together was sent, what it pairs came before, and the time of
+//! states it tells is what a second, small program says, what it puts together was sent, what it pairs came before, and the time of
 //! day makes no difference. The clock may go back.
 
 mod model;
@@ -15,7 +15,7 @@ use model::{Look, Model};
 use session::Sent;
 pub use session::session_bytes;
 
-/// A [session](session).
+/// The bytes are a session; its table stands in the private module `session`.
 pub fn run(data: &[u8]) {
     let sent = session::read(&mut Unstructured::new(data), MOST_FRAMES);
     let (mut monitor, mut later) = (Box::new(Monitor::new()), Box::new(Monitor::new()));
