@@ -78,6 +78,31 @@ impl fmt::Debug for Quoted<'_> {
     }
 }
 
+/// A number of bytes in words.
+///
+/// ```
+/// # use link_core::text::ByteCount;
+/// assert_eq!([0, 1, 8].map(|count| ByteCount(count).to_string()), ["0 bytes", "1 byte", "8 bytes"]);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ByteCount(pub usize);
+
+impl ByteCount {
+    /// The word behind the number.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        if self.0 == 1 { "byte" } else { "bytes" }
+    }
+}
+
+impl fmt::Display for ByteCount {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write_decimal(f, u64::try_from(self.0).unwrap_or(u64::MAX))?;
+        f.write_char(' ')?;
+        f.write_str(self.unit())
+    }
+}
+
 /// Writes two hexadecimal digits.
 pub fn write_hex8(f: &mut fmt::Formatter<'_>, byte: u8) -> fmt::Result {
     write_ascii(f, &digits(byte))

@@ -110,7 +110,7 @@
 //!     "PreOperational1 -> PreOperational2: SoC",
 //!     "PreOperational2 -> ReadyToOperate: NMTEnableReadyToOperate",
 //!     "ReadyToOperate -> Operational: NMTStartNode",
-//!     "node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 1 bytes",
+//!     "node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 1 byte",
 //!     "process data of channel 0",
 //! ]);
 //! assert_eq!(node.objects().outputs, 0x0F);

@@ -112,7 +112,7 @@ fn a_wrong_network_file_is_told_with_the_place() {
         (
             "[[node]]\nnode = 1\nwrite = [{ object = \"0x1/1\", value = 256, size = 1 }]",
             ":3:38",
-            "256 does not fit into 1 bytes",
+            "256 does not fit into 1 byte",
         ),
     ] {
         std::fs::write(&path, text).unwrap();

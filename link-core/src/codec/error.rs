@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use crate::text::ByteCount;
+
 /// Bytes that are not the message they should be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -56,9 +58,9 @@ impl fmt::Display for ParseError {
         write!(f, "{} at offset {}: ", self.field, self.offset)?;
         match self.kind {
             ParseErrorKind::Short { expected, found } => {
-                write!(f, "{expected} {} expected, {found} found", bytes(expected))
+                write!(f, "{} expected, {found} found", ByteCount(expected))
             }
-            ParseErrorKind::Trailing { found } => write!(f, "{found} trailing {}", bytes(found)),
+            ParseErrorKind::Trailing { found } => write!(f, "{found} trailing {}", ByteCount(found).unit()),
             ParseErrorKind::Value { found } => write!(f, "value 0x{found:02X} is not allowed"),
         }
     }
@@ -72,7 +74,3 @@ impl core::error::Error for ParseError {}
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Full;
-
-fn bytes(count: usize) -> &'static str {
-    if count == 1 { "byte" } else { "bytes" }
-}

@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use link_core::text::ByteCount;
+
 use super::state::{MnCause, MnState, NodeCause, NodePhase};
 use crate::dictionary::ObjectAddress;
 use crate::wire::{AbortCode, ErrorCode, NmtCommandId, ParseError};
@@ -171,7 +173,7 @@ impl fmt::Display for MnEvent {
             Self::NmtRequested { from, command, target } => {
                 write!(f, "{from} asks for {command} for {target}")
             }
-            Self::ObjectRead { node, at, len } => write!(f, "{at} of {node} read, {len} bytes"),
+            Self::ObjectRead { node, at, len } => write!(f, "{at} of {node} read, {}", ByteCount(*len)),
             Self::ObjectWritten { node, at } => write!(f, "{at} of {node} written"),
             Self::SdoFailed { node, at, code } => write!(f, "{at} of {node} failed: {code}"),
             Self::OtherManagingNode(mac) => write!(f, "another managing node: {mac}"),

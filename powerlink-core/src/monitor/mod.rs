@@ -40,7 +40,7 @@
 //! let poll = Body::Preq(Preq { flags: Flags::DATA_VALID, pdo_version: PdoVersion(0), data: &[0x0F] });
 //! assert_eq!(
 //!     show(1, MacAddress([2, 0, 0, 0, 0, 1]), 0xF0, NodeId(1), NodeId::MANAGING_NODE, poll),
-//!     "MN -> 1  PReq, EA=0 RD=1, 1 bytes"
+//!     "MN -> 1  PReq, EA=0 RD=1, 1 byte"
 //! );
 //! let soc = Body::Soc(Soc::default());
 //! assert_eq!(

@@ -2,7 +2,7 @@
 
 use core::fmt::{self, Display as _, Formatter};
 
-use link_core::text::{write_decimal, write_prefixed_hex};
+use link_core::text::{ByteCount, write_decimal, write_prefixed_hex};
 
 use super::{Kind, Note, Reading};
 use crate::NodeId;
@@ -114,8 +114,7 @@ fn write_unread(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fmt::Result {
         return Ok(());
     }
     f.write_str(", ")?;
-    write_decimal(f, u64::try_from(bytes).unwrap_or(u64::MAX))?;
-    f.write_str(" bytes")
+    ByteCount(bytes).fmt(f)
 }
 
 /// `SDO, rcon=2/0 scon=2/1, WriteByIndex 0x1006/0 NMT_CycleLen_U32, transaction 3, 4 bytes`
@@ -156,12 +155,12 @@ fn write_outcome(f: &mut Formatter<'_>, reading: &Reading<'_>, command: &SdoComm
         Segmentation::Complete => f.write_str(", last part")?,
     }
     match reading.value() {
-        Some(value) => write!(f, ", {} bytes", value.len())?,
+        Some(value) => write!(f, ", {}", ByteCount(value.len()))?,
         None if command.is_response => f.write_str(", ok")?,
         None => {}
     }
     match &reading.message {
-        Some(message) => write!(f, ", completes {} bytes", message.data.len()),
+        Some(message) => write!(f, ", completes {}", ByteCount(message.data.len())),
         None => Ok(()),
     }
 }

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use link_core::codec::{Full, ParseError, Reader, Wire, Writer};
+use link_core::text::ByteCount;
 
 use super::{AsyncRequest, Flags, NmtStateCode, RequestedService};
 use crate::NodeId;
@@ -260,7 +261,7 @@ impl fmt::Display for Preq<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ea = u8::from(self.flags.contains(Flags::EXCEPTION_ACKNOWLEDGE));
         let rd = u8::from(self.flags.contains(Flags::DATA_VALID));
-        write!(f, "PReq, EA={ea} RD={rd}, {} bytes", self.data.len())
+        write!(f, "PReq, EA={ea} RD={rd}, {}", ByteCount(self.data.len()))
     }
 }
 
@@ -269,7 +270,7 @@ impl fmt::Display for Pres<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let en = u8::from(self.flags.contains(Flags::EXCEPTION_NEW));
         let rd = u8::from(self.flags.contains(Flags::DATA_VALID));
-        write!(f, "PRes, {}, EN={en} RD={rd}, {}, {} bytes", self.state, self.request, self.data.len())
+        write!(f, "PRes, {}, EN={en} RD={rd}, {}, {}", self.state, self.request, ByteCount(self.data.len()))
     }
 }
 

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use link_core::codec::{Full, ParseError, Reader, Wire, Writer};
+use link_core::text::ByteCount;
 
 use super::{
     IdentResponse, MessageType, NmtCommand, NmtRequest, Preq, Pres, Sdo, ServiceId, Soa, Soc, StatusResponse,
@@ -291,8 +292,8 @@ impl fmt::Display for Body<'_> {
             Self::NmtRequest(request) => request.fmt(f),
             Self::NmtCommand(command) => command.fmt(f),
             Self::Sdo(sdo) => sdo.fmt(f),
-            Self::OtherAsnd(service, data) => write!(f, "{service}, {} bytes", data.len()),
-            Self::Other(message_type, data) => write!(f, "{message_type}, {} bytes", data.len()),
+            Self::OtherAsnd(service, data) => write!(f, "{service}, {}", ByteCount(data.len())),
+            Self::Other(message_type, data) => write!(f, "{message_type}, {}", ByteCount(data.len())),
         }
     }
 }

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use link_core::codec::{Full, ParseError, Reader, Wire, Writer};
+use link_core::text::ByteCount;
 
 use super::{AbortCode, SdoCommandId};
 
@@ -328,7 +329,7 @@ impl fmt::Display for SdoCommand<'_> {
             Segmentation::Segment => f.write_str(", part")?,
             Segmentation::Complete => f.write_str(", last part")?,
         }
-        write!(f, ", {} bytes", self.data.len())
+        write!(f, ", {}", ByteCount(self.data.len()))
     }
 }
 

@@ -22,7 +22,7 @@ fn each_message_has_its_kind_and_words() {
     let seen = network.send(255, 1, Body::IdentResponse(ident()));
     assert_eq!((seen.kind, seen.request, seen.problem), (Kind::AsndIdentResponse, Some(1), None));
     assert_eq!(network.soc(0).kind, Kind::Soc);
-    assert_eq!(network.preq(1, &[7]).words, "MN -> 1  PReq, EA=0 RD=1, 1 bytes");
+    assert_eq!(network.preq(1, &[7]).words, "MN -> 1  PReq, EA=0 RD=1, 1 byte");
     let seen = network.pres(1, NmtStateCode::PRE_OPERATIONAL_2);
     assert_eq!(
         (&*seen.words, seen.request),

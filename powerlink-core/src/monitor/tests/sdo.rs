@@ -96,7 +96,7 @@ fn transfers_in_several_parts_are_put_together() {
     network.sdo(1, 240, valid(0, 4, Some(SdoCommand::request(2, READ, &[0x08, 0x10, 0, 0]))));
     network.sdo(240, 1, valid(4, 1, Some(reply(Segmentation::Initiate { total: 3 }, b"ab"))));
     let last = network.sdo(240, 1, valid(4, 2, Some(reply(Segmentation::Complete, b"c"))));
-    assert!(last.words.ends_with("last part, 1 bytes, completes 3 bytes"), "{}", last.words);
+    assert!(last.words.ends_with("last part, 1 byte, completes 3 bytes"), "{}", last.words);
 }
 
 /// Part of a transfer of a client to node 1.

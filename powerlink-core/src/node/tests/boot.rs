@@ -64,7 +64,7 @@ fn data_that_do_not_count_are_not_used_in_operation() {
     let mut bench = Bench::in_state(NmtState::Operational, config());
     bench.soc();
     bench.preq(Flags::empty(), &[0x77]);
-    bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 1 bytes");
+    bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 1 byte");
     assert_eq!(bench.node.objects().output, 0);
 }
 

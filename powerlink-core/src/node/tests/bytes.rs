@@ -40,7 +40,7 @@ fn a_poll_longer_than_the_limit_is_answered_before_the_reset() {
     ] {
         let (mut bench, counters) = hears(state, &frame);
         let rd = u8::from(state == NmtState::Operational);
-        bench.says(&std::format!("node 1 -> all: PRes, {}, EN=0 RD={rd}, PR=0 RS=0, 1 bytes", state.code()));
+        bench.says(&std::format!("node 1 -> all: PRes, {}, EN=0 RD={rd}, PR=0 RS=0, 1 byte", state.code()));
         bench.is(to);
         assert_eq!(counters, NodeCounters { errors_untold: 0, ..NodeCounters::default() });
         let told = bench.events.contains(&NodeEvent::Error(ErrorCode::INVALID_FORMAT));

@@ -111,7 +111,7 @@ fn the_version_of_a_mapping() {
             let mut bench = Bench::in_state(NmtState::Operational, config);
             bench.soc();
             bench.preq_of_version(version, Flags::DATA_VALID, &[0x77]);
-            bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 1 bytes");
+            bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 1 byte");
             assert_eq!(bench.node.objects().output, if is_taken { 0x77 } else { 0 }, "{check:?} {version:?}");
             let error = NodeEvent::Error(ErrorCode::PDO_MAP_VERSION);
             assert_eq!(bench.events.contains(&error), !is_taken, "{check:?} {version:?}");
@@ -177,7 +177,7 @@ fn inputs_may_be_declared_invalid() {
         bench.node.set_inputs_valid(are_valid);
         bench.soc();
         bench.preq(Flags::DATA_VALID, &[0]);
-        bench.says(&std::format!("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD={rd}, PR=0 RS=0, 1 bytes"));
+        bench.says(&std::format!("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD={rd}, PR=0 RS=0, 1 byte"));
         bench.soa();
     }
 }

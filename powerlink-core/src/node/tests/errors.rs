@@ -123,7 +123,7 @@ fn a_preq_of_invalid_format() {
             }
             let rd = u8::from(state == NmtState::Operational);
             bench.says(&std::format!(
-                "node 1 -> all: PRes, {}, EN=0 RD={rd}, PR=0 RS=0, 1 bytes",
+                "node 1 -> all: PRes, {}, EN=0 RD={rd}, PR=0 RS=0, 1 byte",
                 state.code()
             ));
             if state == NmtState::PreOperational2 {
@@ -161,7 +161,7 @@ fn an_error_is_told_until_it_is_acknowledged() {
     bench.link(LinkEvent::Down);
     bench.soc();
     bench.preq(Flags::DATA_VALID, &[0]);
-    bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=1 RD=1, PR=0 RS=0, 1 bytes");
+    bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=1 RD=1, PR=0 RS=0, 1 byte");
     bench.asks(RequestedService::STATUS_REQUEST);
     bench.says("node 1 -> all: StatusResponse, NMT_OPERATIONAL, EC=0 EN=1, PR=0 RS=0, loss of link");
     bench.soc();
@@ -171,7 +171,7 @@ fn an_error_is_told_until_it_is_acknowledged() {
     bench.link(LinkEvent::Down);
     bench.soc();
     bench.preq(Flags::DATA_VALID | Flags::EXCEPTION_ACKNOWLEDGE, &[0]);
-    bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 1 bytes");
+    bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 1 byte");
 }
 
 #[test]

@@ -122,7 +122,7 @@ fn a_poll_at_the_moment_of_a_reaction_is_answered_first() {
     bench.forget();
     bench.now += CYCLE_TIME + Duration::from_micros(100);
     bench.preq(Flags::DATA_VALID, &[0]);
-    bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 1 bytes");
+    bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 1 byte");
     bench.is(NmtState::PreOperational1);
 }
 

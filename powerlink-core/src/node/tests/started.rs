@@ -84,7 +84,7 @@ fn what_waits_is_told_and_one_frame_goes_out_when_invited() {
     bench.node.request_command(NmtCommandId::RESET_NODE, NODE).unwrap();
     bench.soc();
     bench.preq(Flags::empty(), &[1]);
-    bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=7 RS=1, 1 bytes");
+    bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=7 RS=1, 1 byte");
     bench.asks(RequestedService::NMT_REQUEST_INVITE);
     bench.says("node 1 -> MN: NMTRequest, NMTResetNode for node 1");
     bench.asks(RequestedService::NMT_REQUEST_INVITE);
@@ -113,7 +113,7 @@ fn a_poll_is_answered_in_three_states() {
         }
         let is_operational = polled == NmtState::Operational;
         let rd = u8::from(is_operational);
-        bench.says(&std::format!("node 1 -> all: PRes, {}, EN=0 RD={rd}, PR=0 RS=0, 1 bytes", polled.code()));
+        bench.says(&std::format!("node 1 -> all: PRes, {}, EN=0 RD={rd}, PR=0 RS=0, 1 byte", polled.code()));
         assert_eq!((bench.last.len(), bench.last[24]), (60, 0x5A));
         let is_taken = polled != NmtState::PreOperational2;
         assert_eq!(bench.node.objects().output, if is_taken { 0x77 } else { 0 }, "{state}");
@@ -161,5 +161,5 @@ fn unpadded_frames_are_accepted() {
     ]);
     bench.forget();
     bench.bytes(&preq);
-    bench.says("node 1 -> all: PRes, NMT_PRE_OPERATIONAL_2, EN=0 RD=0, PR=0 RS=0, 1 bytes");
+    bench.says("node 1 -> all: PRes, NMT_PRE_OPERATIONAL_2, EN=0 RD=0, PR=0 RS=0, 1 byte");
 }

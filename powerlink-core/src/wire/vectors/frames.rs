@@ -119,7 +119,7 @@ pub(super) fn vectors() -> Vec<Vector> {
         // PReq to 1, RD=1, Size 1, data 0x20.
         Vector {
             frame: frame(CN, MN, NodeId(1), NodeId(240), preq(Flags::DATA_VALID, &[0x20])),
-            words: "MN -> node 1: PReq, EA=0 RD=1, 1 bytes",
+            words: "MN -> node 1: PReq, EA=0 RD=1, 1 byte",
             bytes: "0200000000010200000000f088ab0301f000010000000100200000000000000000000000000000000000000000000000000000000000000000000000",
         },
         // PReq to 2, RD=0, Size 10. Network of 2016.
@@ -155,7 +155,7 @@ pub(super) fn vectors() -> Vec<Vector> {
                 NodeId(1),
                 pres(NmtStateCode::OPERATIONAL, Flags::DATA_VALID, 0x00, &[0x01])
             ),
-            words: "node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 1 bytes",
+            words: "node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 1 byte",
             bytes: "01111e00000202000000000188ab04ff01fd010000000100010000000000000000000000000000000000000000000000000000000000000000000000",
         },
         // PRes of 1, PREOP2, PR=3, RS=1, Size 0.
@@ -331,7 +331,7 @@ pub(super) fn vectors() -> Vec<Vector> {
                 NodeId(1),
                 sdo((3, Con::Valid), (3, Con::Valid), Some(response(3, 0x02, &[4])))
             ),
-            words: "node 1 -> MN: SDO, rcon=2/3 scon=2/3, ReadByIndex response, transaction 3, 1 bytes",
+            words: "node 1 -> MN: SDO, rcon=2/3 scon=2/3, ReadByIndex response, transaction 3, 1 byte",
             bytes: "01111e00000402000000000188ab06f001050e0e00000003800201000000040000000000000000000000000000000000000000000000000000000000",
         },
         // SDO abort 0x06020000 (read of 0x2FFF/0), TID 8.
