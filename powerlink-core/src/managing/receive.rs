@@ -3,7 +3,7 @@
 use link_core::codec::{Reader, Wire};
 
 use super::event::{MnEvent, count};
-use super::machine::{ManagingNode, Step, Timer};
+use super::machine::{ManagingNode, Opening, Step, Timer};
 use super::schedule::Slot;
 use super::state::{MnCause, MnState, NodePhase};
 use crate::NodeId;
@@ -40,8 +40,13 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
         }
     }
 
-    /// There can be one only: it gives way, and listens until the other is quiet.
+    /// There can be one only: it gives way, and listens until the other is quiet. Of two that have just begun, that with the lower
+    /// MAC address goes on.
     fn other_managing_node(&mut self, header: &Header) {
+        let has_just_begun = self.state == MnState::PreOperational1 && self.opening == Opening::Quiet;
+        if has_just_begun && self.config.mac < header.source {
+            return self.raise(MnEvent::OtherManagingNode(header.source));
+        }
         // Told once while it listens.
         if self.state != MnState::NotActive || self.rounds == 0 {
             self.raise(MnEvent::OtherManagingNode(header.source));

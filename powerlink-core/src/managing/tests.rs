@@ -2,6 +2,7 @@
 
 use core::time::Duration;
 
+use link_core::ethernet::{Action, Input, Machine};
 use link_core::machine_laws;
 
 use super::*;
@@ -72,4 +73,37 @@ fn the_shortest_cycle_is_what_its_frames_take() {
 fn a_node_costs_what_it_needs() {
     let grows = size_of::<ManagingNode<'static, 2>>() - size_of::<ManagingNode<'static, 1>>();
     assert!(grows <= 480, "{grows} bytes");
+}
+
+/// Two that send at the same moment, again and again: what one sends, the other hears only when it has sent as well. That with the
+/// lower MAC address goes on, the other listens.
+#[test]
+fn two_that_begin_at_once_do_not_give_way_to_each_other_for_ever() {
+    let other = MacAddress([2, 0, 0, 0, 0, 0xF1]);
+    for macs in [[MAC, other], [other, MAC]] {
+        let mut now = link_core::Instant::ZERO;
+        let mut nodes = macs.map(|mac| ManagingNode::<1>::new(Config::new(mac), &[]).unwrap());
+        nodes.iter_mut().for_each(|node| node.start(now));
+        while now < link_core::Instant::from_millis(5_000) {
+            nodes.iter_mut().for_each(|node| node.input(now, Input::Tick));
+            let [one, two] = nodes.each_mut().map(|node| sent(node, now));
+            let [first, second] = &mut nodes;
+            two.iter().for_each(|bytes| first.input(now, Input::Frame(bytes)));
+            one.iter().for_each(|bytes| second.input(now, Input::Frame(bytes)));
+            now = nodes.iter().filter_map(|node| Some(node.deadline()?.at)).min().unwrap().max(now);
+        }
+        let states = nodes.map(|node| node.state());
+        let (one, two) = (MnState::Operational, MnState::NotActive);
+        assert_eq!(states, if macs == [MAC, other] { [one, two] } else { [two, one] });
+    }
+}
+
+fn sent(node: &mut ManagingNode<'_, 1>, now: link_core::Instant) -> std::vec::Vec<std::vec::Vec<u8>> {
+    let (mut buffer, mut frames) = ([0; link_core::ethernet::MAX_FRAME], std::vec::Vec::new());
+    while let Some(action) = node.poll(now, &mut buffer) {
+        if let Action::Transmit(bytes) = action {
+            frames.push(bytes.to_vec());
+        }
+    }
+    frames
 }
