@@ -5,11 +5,12 @@ use std::time::Duration;
 use devicenet_tests::powerlink::{Cn, Event, Net, Station, config, plan};
 use powerlink_core::NodeId;
 use powerlink_core::dictionary::ObjectAddress;
+use powerlink_core::error::Symptom;
 use powerlink_core::managing::{MnEvent, MnState, NodePhase, NodePlan, ObjectWrite};
 use powerlink_core::nmt::NmtState;
 use powerlink_core::node::NodeCounters;
 use powerlink_core::wire::{AbortCode, Body, ErrorCode, Frame, MessageType};
-use transport_mock::ethernet::{Fate, Record, SegmentConfig};
+use transport_mock::ethernet::{Fate, Keep, Passage, Record, SegmentConfig, StationConfig, StationId, nth};
 
 fn running(cns: u8) -> Net {
     let mut net = Net::new(cns);
@@ -225,24 +226,115 @@ fn frames_that_arrive_twice_or_with_errors_do_no_harm() {
     assert!(net.run_until_complete(2_000), "{}", net.trace());
 }
 
+/// Another managing node of the same nodes, which begins now. Its MAC address differs from the first one's (0xF0) in the last
+/// byte.
+fn second_managing_node(net: &mut Net, last: u8) -> StationId {
+    let mac = powerlink_core::MacAddress([2, 0, 0, 0, 0, last]);
+    let config = powerlink_core::managing::Config { mac, ..config() };
+    let mut mn = powerlink_core::managing::ManagingNode::new(config, &[plan(1), plan(2)]).unwrap();
+    mn.start(net.segment.now());
+    net.segment.add(StationConfig::named("second"), Station::Mn(Box::new(mn)))
+}
+
+fn state(net: &Net, station: StationId) -> MnState {
+    match net.segment.machine(station) {
+        Station::Mn(mn) => mn.state(),
+        Station::Cn(_) | Station::Dead => MnState::Off,
+    }
+}
+
+/// Two managing nodes that begin at the same moment: that with the lower MAC address goes on, the other one listens.
+#[test]
+fn of_two_managing_nodes_at_the_same_moment_the_lower_address_goes_on() {
+    for last in [0xEF, 0xF1] {
+        let mut net = Net::new(2);
+        let second = second_managing_node(&mut net, last);
+        net.run(2_000);
+        let states = [net.mn, second].map(|station| state(&net, station));
+        let first_goes_on = last > 0xF0;
+        let (one, other) = (MnState::Operational, MnState::NotActive);
+        assert_eq!(states, if first_goes_on { [one, other] } else { [other, one] }, "{}", net.trace());
+        assert_eq!(net.states(), [NmtState::Operational; 2]);
+    }
+}
+
+/// Two that began apart and are joined while both send: one of them goes on, whatever their addresses.
+#[test]
+fn two_networks_that_are_joined_have_one_managing_node() {
+    for last in [0xEF, 0xF1] {
+        for apart in 300..310 {
+            let mut net = Net::new(2);
+            let second = second_managing_node(&mut net, last);
+            net.segment.cut(second);
+            net.run(apart);
+            assert_eq!(state(&net, second), MnState::PreOperational1, "nobody answers it");
+            net.segment.plug(second);
+            net.run(2_000);
+            let states = [net.mn, second].map(|station| state(&net, station));
+            for expected in [MnState::NotActive, MnState::Operational] {
+                assert!(states.contains(&expected), "{last:02X}, {apart} ms: {}", net.trace());
+            }
+            assert_eq!(net.states(), [NmtState::Operational; 2]);
+        }
+    }
+}
+
+/// The cable of a node that is not polled is cut for so long, at any place of a cycle of 5 ms. What each error counter counts by
+/// it is at most one.
+#[test]
+fn a_node_that_is_not_polled_forgives_one_short_interruption() {
+    let plans = [NodePlan { is_async_only: true, ..plan(1) }, plan(2)];
+    let mut net =
+        Net::with(config(), &plans, SegmentConfig { keep: Keep::Nothing, ..SegmentConfig::default() });
+    assert!(net.run_until_complete(3_000), "{}", net.trace());
+    net.run(100);
+    let counted =
+        |cn: &mut Cn, _| Symptom::ALL.map(|symptom| cn.dictionary().counters.of(symptom).cumulative);
+    for span in [1, 10, 100, 1_000, 4_000] {
+        for place in (0..5_000).step_by(50) {
+            net.segment.run_for(Duration::from_micros(place));
+            let before = net.cn(1, counted);
+            net.segment.cut(net.id(1));
+            net.segment.run_for(Duration::from_micros(span));
+            net.segment.plug(net.id(1));
+            net.run(100);
+            let new: Vec<_> =
+                net.cn(1, counted).iter().zip(before).map(|(after, before)| after - before).collect();
+            assert_eq!(net.states(), [NmtState::Operational; 2], "{span} us at {place}: {new:?}");
+            let lost_preq = Symptom::ALL.iter().position(|&symptom| symptom == Symptom::LossOfPreq);
+            let is_one = |(at, &count): (usize, &u32)| Some(at) == lost_preq || count <= 1;
+            assert!(new.iter().enumerate().all(is_one), "{span} us at {place}: {new:?}");
+        }
+    }
+}
+
+/// A second one within eight good cycles is one too many, as for a polled node.
+#[test]
+fn a_node_that_is_not_polled_leaves_operation_after_two_lost_socs() {
+    let plans = [NodePlan { is_async_only: true, ..plan(1) }, plan(2)];
+    for (distance, stays) in [(1, false), (2, false), (3, true), (9, true)] {
+        let mut net = Net::with(config(), &plans, SegmentConfig::default());
+        assert!(net.run_until_complete(3_000), "{}", net.trace());
+        net.run(100);
+        let node = net.id(1);
+        let is_soc =
+            move |passage: &Passage<'_>| passage.to == node && passage.bytes[14] == MessageType::SOC.0;
+        net.segment.add_fault(nth(is_soc, 0..1, Fate::Lose));
+        net.segment.add_fault(nth(is_soc, distance..distance + 1, Fate::Lose));
+        net.segment.take_records();
+        net.run(100);
+        let left = net.trace().contains("cycle error");
+        assert_eq!(left, !stays, "{distance} cycles apart: {}", net.trace());
+    }
+}
+
 /// Two managing nodes: one gives way, and takes over when the other is gone.
 #[test]
 fn there_is_one_managing_node_at_a_time() {
     let mut net = running(2);
-    let second = {
-        let mac = powerlink_core::MacAddress([2, 0, 0, 0, 0, 0xF1]);
-        let config = powerlink_core::managing::Config { mac, ..config() };
-        let mut mn = powerlink_core::managing::ManagingNode::new(config, &[plan(1), plan(2)]).unwrap();
-        mn.start(net.segment.now());
-        Station::Mn(Box::new(mn))
-    };
-    let second = net.segment.add(transport_mock::ethernet::StationConfig::named("second"), second);
-    let state = |net: &Net| match net.segment.machine(second) {
-        Station::Mn(mn) => mn.state(),
-        _ => MnState::Off,
-    };
+    let second = second_managing_node(&mut net, 0xF1);
     net.run(1_000);
-    assert_eq!(state(&net), MnState::NotActive);
+    assert_eq!(state(&net, second), MnState::NotActive);
     assert_eq!(net.states(), [NmtState::Operational; 2]);
     net.kill_mn();
     let took_over = net.segment.run_while(
