@@ -100,7 +100,7 @@ impl Network {
             }
             3 => {
                 self.judge();
-                self.referee.power_cycle(anyone);
+                self.referee.power_cycle(self.net.segment.now(), anyone);
                 self.net.restart_cn(anyone);
             }
             4 => {
@@ -175,7 +175,7 @@ impl Network {
             let mut disturbed = disturbed.borrow_mut();
             disturbed.answers |= passage.to == mn && matches!(fate, Fate::Twice | Fate::Late(_));
             if fate == Fate::Twice {
-                disturbed.twice.push((passage.to, passage.bytes.to_vec()));
+                disturbed.twice.push((passage.to, passage.start, passage.bytes.to_vec()));
             }
             fate.clone()
         });

@@ -24,8 +24,8 @@ use transport_mock::ethernet::{FrameRecord, Record, StationId};
 /// What was done to frames on their way.
 #[derive(Default)]
 pub(super) struct Disturbed {
-    /// Frames that arrived twice, and where.
-    pub(super) twice: Vec<(StationId, Vec<u8>)>,
+    /// Frames that arrived twice, where, and when they were sent.
+    pub(super) twice: Vec<(StationId, Instant, Vec<u8>)>,
     /// The managing node got a frame late or twice: it may take that for the answer to another question.
     pub(super) answers: bool,
 }
@@ -45,7 +45,8 @@ struct Node {
     state: NmtState,
     /// When it was in `BasicEthernet` last.
     basic: Option<Instant>,
-    invitations: Vec<Invitation>,
+    /// What it was asked for, and when.
+    invitations: Vec<(Invitation, Instant)>,
     /// Outputs that were given to the managing node for it.
     given: HashSet<u8>,
     /// A PReq with RD was sent to it since it began.
@@ -71,9 +72,12 @@ impl Referee {
         Rc::clone(&self.disturbed)
     }
 
-    pub(super) fn power_cycle(&mut self, number: u8) {
+    /// What is on its way to the node meanwhile, its new life may answer.
+    pub(super) fn power_cycle(&mut self, at: Instant, number: u8) {
         let node = &mut self.nodes[usize::from(number) - 1];
-        *node = Node { given: std::mem::take(&mut node.given), ..Node::new(node.id) };
+        node.invitations.retain(|(_, sent)| at.saturating_since(*sent) < A_WHILE);
+        let (given, invitations) = (std::mem::take(&mut node.given), std::mem::take(&mut node.invitations));
+        *node = Node { given, invitations, ..Node::new(node.id) };
     }
 
     /// Another managing node does not know whom the last one asked.
@@ -95,11 +99,11 @@ impl Referee {
 
     pub(super) fn judge(&mut self, records: &[Record<Event>]) {
         let twice = std::mem::take(&mut self.disturbed.borrow_mut().twice);
-        for (to, bytes) in twice {
+        for (to, arrived, bytes) in twice {
             if let (Ok(frame), Some(node)) =
                 (Frame::parse(&bytes), self.nodes.iter().position(|node| node.id == to))
             {
-                self.invited(node, &frame);
+                self.invited(node, arrived, &frame);
             }
         }
         for record in records {
@@ -129,12 +133,12 @@ impl Referee {
             self.turn(record, frame);
         }
         if let Ok(frame) = frame {
-            (0..self.nodes.len()).for_each(|index| self.invited(index, &frame));
+            (0..self.nodes.len()).for_each(|index| self.invited(index, record.end, &frame));
         }
     }
 
-    /// Who is asked for what by a frame, whoever sent it.
-    fn invited(&mut self, index: usize, frame: &Frame<'_>) {
+    /// Who is asked for what by a frame, whoever sent it, and when.
+    fn invited(&mut self, index: usize, at: Instant, frame: &Frame<'_>) {
         let number = NodeId(index as u8 + 1);
         let invitation = match &frame.body {
             Body::Preq(preq) if frame.to == number => {
@@ -150,7 +154,7 @@ impl Referee {
             },
             _ => return,
         };
-        self.nodes[index].invitations.push(invitation);
+        self.nodes[index].invitations.push((invitation, at));
     }
 
     /// A controlled node sends.
@@ -170,7 +174,7 @@ impl Referee {
         {
             self.open = None;
         }
-        if let Some(place) = node.invitations.iter().position(|known| *known == invitation) {
+        if let Some(place) = node.invitations.iter().position(|(known, _)| *known == invitation) {
             node.invitations.swap_remove(place);
             return;
         }
