@@ -5,13 +5,8 @@ use crate::devicenet;
 /// The load of each node adds up to that of the bus, and so do the purposes: every frame has a sender and a purpose.
 #[test]
 fn loads_add_up() {
-    let run = devicenet(&["monitor", "sim:../../scenarios/plant.toml", "--json"]);
-    let run = if run.code() == 2 {
-        devicenet(&["monitor", "sim:../../scenarios/plant.toml", "--json"])
-    } else {
-        run
-    };
-    let objects = run.json();
+    let objects = devicenet(&["monitor", "sim:../../scenarios/plant.toml", "--json"]).json();
+    assert!(objects.iter().any(|object| object["event"] == "summary"));
     for summary in objects.iter().filter(|object| object["event"] == "summary") {
         let loads = summary["load_total"].as_object().unwrap();
         let all = loads["all"].as_f64().unwrap();
