@@ -58,7 +58,6 @@ use link_core::{Instant, Machine};
 pub(crate) use machines::release;
 pub(crate) use machines::{DeviceMachine, ManagerMachine, MasterMachine, SlaveMachine};
 use record::RecordView;
-pub(crate) use record::error_frame;
 use run::Run;
 use selection::{Selected, Selection};
 use shared::{FirstError, SharedBuffer};

@@ -279,7 +279,7 @@ fn of_recover() {
 fn of_record() {
     let path = file("fields.log");
     let run: &[&str] = &["record", "sim:drop.toml", "--json", "--output", path.to_str().unwrap()];
-    agree(&["## record"], &[run], &[], Some);
+    agree(&["## record"], &[run], &["state"], Some);
 }
 
 #[test]

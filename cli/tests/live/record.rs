@@ -147,6 +147,40 @@ fn frames_that_there_is_no_room_for_are_counted_and_told() {
     );
 }
 
+/// Classes and data as linux/can/error.h has them: a warning with counters, error-passive, bus-off, the restart, error-active again, and
+/// frames that the controller had no time to hand over.
+#[test]
+fn what_the_controller_tells_is_recorded_and_lost_frames_are_told() {
+    let recording = file("controller.log");
+    let errors = [
+        "20000204#0008000000006000",
+        "20000004#0020000000000000",
+        "20000040#0000000000000000",
+        "20000100#0000000000000000",
+        "20000004#0040000000000000",
+        "20000004#0001000000000000",
+        "20000004#0001000000000000",
+    ];
+    let log: String = (1..).zip(errors).map(|(n, error)| format!("({n}.000000) can0 {error}\n")).collect();
+    std::fs::write(&recording, format!("(0.500000) can0 40A#00\n{log}(8.500000) can0 40A#00\n")).unwrap();
+    let path = file("of-controller.log");
+    let endpoint = format!("log:{}", recording.display());
+    let arguments = ["--trigger", "silence=800ms", "--after", "20s", "--json", "-o", path.to_str().unwrap()];
+    let run = devicenet(&[&["record", &endpoint][..], &arguments].concat());
+    assert_eq!(run.code(), 1, "{}", run.err());
+    let written = run.json().into_iter().find(|object| object["event"] == "written").unwrap();
+    assert_eq!((&written["frames"], &written["lost"]), (&10.into(), &2.into()), "{written}");
+    assert!(run.err().contains("2 frames or more came faster than they were read"), "{}", run.err());
+    let words = |file: &std::path::Path| {
+        let events = devicenet(&["monitor", &format!("log:{}", file.display()), "--json"]).json();
+        let told = events.into_iter().filter(|event| event["event"] == "link" || event["event"] == "lost");
+        let told: Vec<String> = told.map(|event| format!("{} {}", event["state"], event["frames"])).collect();
+        assert_eq!(told.len(), 7, "{told:?}");
+        told
+    };
+    assert_eq!(words(&path), words(&recording));
+}
+
 #[test]
 fn another_slave_is_none_of_its_business() {
     let path = file("other.log");

@@ -58,6 +58,7 @@ pub fn record(args: &RecordArgs, json: bool) -> Result<Exit, Failure> {
         args,
         teller: Teller::new(json),
         ring: Ring::new(args.before.0, MOST_FRAMES),
+        controller: if port.is_down() { Controller::Down } else { Controller::Up },
         begin: now,
         zero: zero(&args.endpoint, now),
         capture: None,
@@ -66,6 +67,9 @@ pub fn record(args: &RecordArgs, json: bool) -> Result<Exit, Failure> {
         watch: Watch::new(triggers.clone()),
     };
     recorder.teller.start(args, &triggers)?;
+    if recorder.controller == Controller::Down {
+        recorder.teller.link(Duration::ZERO, &args.endpoint, true)?;
+    }
     let ended = recorder.run(&mut port);
     let finished = recorder.finish(port.now());
     port.warn_of_bad_entries();
@@ -145,7 +149,8 @@ struct Recorder<'a> {
     watch: Watch,
     teller: Teller,
     /// What came last, for as long as it may be wanted.
-    ring: Ring<Content>,
+    ring: Ring<Entry>,
+    controller: Controller,
     /// When listening began.
     begin: Instant,
     /// What to add to a moment of the port for the time of day.
@@ -157,6 +162,21 @@ struct Recorder<'a> {
     written: u32,
 }
 
+/// What a recording holds.
+struct Entry {
+    content: Content,
+    /// How many frames are missing before it, at least.
+    lost: u64,
+}
+
+/// What the interface does, as far as it was told.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Controller {
+    Up,
+    Down,
+    BusOff,
+}
+
 struct Capture {
     path: PathBuf,
     writer: Writer<BufWriter<Box<dyn Write>>>,
@@ -166,6 +186,8 @@ struct Capture {
     span: Option<(Instant, Instant)>,
     /// There was no room for so many.
     dropped: u64,
+    /// So many were lost before they were read, at least.
+    lost: u64,
 }
 
 impl Recorder<'_> {
@@ -186,8 +208,8 @@ impl Recorder<'_> {
         if self.capture.as_ref().is_some_and(|capture| capture.until < at) {
             self.finish(at)?;
         }
-        if let Some(content) = content(input) {
-            self.keep(at, content)?;
+        if let Some(entry) = self.entry(at, input)? {
+            self.keep(at, entry)?;
         }
         match self.watch.see(at, input) {
             // What happens while it is recorded is recorded.
@@ -198,11 +220,41 @@ impl Recorder<'_> {
         }
     }
 
-    fn keep(&mut self, at: Instant, content: Content) -> Result<(), Failure> {
-        if let Some(capture) = &mut self.capture {
-            return capture.write(self.zero, at, &content, &self.args.endpoint);
+    /// What a recording holds of an input. An interface that goes down or comes back has no place in one, and is told.
+    fn entry(&mut self, at: Instant, input: Input) -> Result<Option<Entry>, Failure> {
+        let event = match input {
+            Input::Frame(frame) => return Ok(Some(Entry { content: Content::Classic(frame), lost: 0 })),
+            Input::Link(event) => event,
+            Input::TxDone(..) | Input::Tick => return Ok(None),
+        };
+        let before = self.controller;
+        self.controller = match event {
+            LinkEvent::Up => Controller::Up,
+            LinkEvent::Down => Controller::Down,
+            LinkEvent::BusOff => Controller::BusOff,
+            _ => before,
+        };
+        let is_down = self.controller == Controller::Down;
+        if is_down != (before == Controller::Down) {
+            self.teller.link(self.since_begin(at), &self.args.endpoint, is_down)?;
         }
-        self.ring.push(at, content);
+        // Only a controller that was bus-off has restarted.
+        if event == LinkEvent::Up && before != Controller::BusOff {
+            return Ok(None);
+        }
+        let lost = match event {
+            // One that does not count has lost one at least.
+            LinkEvent::Overrun { lost } => lost.max(1).into(),
+            _ => 0,
+        };
+        Ok(ErrorFrame::of_event(event).map(|error| Entry { content: Content::Error(error), lost }))
+    }
+
+    fn keep(&mut self, at: Instant, entry: Entry) -> Result<(), Failure> {
+        if let Some(capture) = &mut self.capture {
+            return capture.write(self.zero, at, &entry, &self.args.endpoint);
+        }
+        self.ring.push(at, entry);
         Ok(())
     }
 
@@ -213,9 +265,9 @@ impl Recorder<'_> {
         let writer = create(&path).map_err(|error| unwritable(&path, error))?;
         let (before, dropped) = self.ring.take(at);
         let mut capture =
-            Capture { path, writer, until: at + self.args.after.0, frames: 0, span: None, dropped };
-        for (at, content) in before {
-            capture.write(self.zero, at, &content, &self.args.endpoint)?;
+            Capture { path, writer, until: at + self.args.after.0, frames: 0, span: None, dropped, lost: 0 };
+        for (at, entry) in before {
+            capture.write(self.zero, at, &entry, &self.args.endpoint)?;
         }
         self.capture = Some(capture);
         Ok(())
@@ -223,12 +275,12 @@ impl Recorder<'_> {
 
     /// Ends the recording that is under way.
     fn finish(&mut self, now: Instant) -> Result<(), Failure> {
-        let Some(Capture { path, writer, frames, span, dropped, .. }) = self.capture.take() else {
+        let Some(Capture { path, writer, frames, span, dropped, lost, .. }) = self.capture.take() else {
             return Ok(());
         };
         writer.finish().map_err(|error| unwritable(&path, error))?;
         self.written += 1;
-        let written = Written { n: self.captured, path: &path, frames, span, dropped };
+        let written = Written { n: self.captured, path: &path, frames, span, dropped, lost };
         self.teller.written(self.since_begin(now), written, self.args.before)
     }
 
@@ -242,7 +294,7 @@ impl Capture {
         &mut self,
         zero: Duration,
         at: Instant,
-        content: &Content,
+        Entry { content, lost }: &Entry,
         endpoint: &Endpoint,
     ) -> Result<(), Failure> {
         let channel = match endpoint {
@@ -251,6 +303,7 @@ impl Capture {
             Endpoint::Recording(_) => "log0",
         };
         self.frames += 1;
+        self.lost += lost;
         let stamp = at + zero;
         self.span = Some(self.span.map_or((stamp, stamp), |(first, _)| (first, stamp)));
         self.writer.write(stamp, DIGITS, channel, content).map_err(|error| unwritable(&self.path, error))
@@ -265,18 +318,6 @@ fn zero(endpoint: &Endpoint, now: Instant) -> Duration {
             wall.saturating_sub(now.saturating_since(Instant::ZERO))
         }
         Endpoint::Scenario(_) | Endpoint::Recording(_) => Duration::ZERO,
-    }
-}
-
-/// What a recording holds of it.
-fn content(input: Input) -> Option<Content> {
-    match input {
-        Input::Frame(frame) => Some(Content::Classic(frame)),
-        Input::Link(LinkEvent::BusError(kind)) => Some(Content::Error(simulate::error_frame(kind, None))),
-        Input::Link(LinkEvent::BusOff) => {
-            Some(Content::Error(ErrorFrame { class: CLASS_BUS_OFF, data: [0; 8] }))
-        }
-        Input::Link(_) | Input::TxDone(..) | Input::Tick => None,
     }
 }
 
@@ -297,7 +338,5 @@ fn unwritable(path: &Path, error: io::Error) -> Failure {
 /// Without `--trigger`: what an engineer is called for.
 const DEFAULT: [Trigger; 4] =
     [Trigger::TimeOut(None), Trigger::Duplicate, Trigger::BusOff, Trigger::BusError];
-/// `CAN_ERR_BUSOFF` of linux/can/error.h.
-const CLASS_BUS_OFF: u32 = 0x40;
 /// Nanoseconds.
 const DIGITS: u8 = 9;

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use crate::exit::Failure;
 use crate::live::args::RecordArgs;
+use crate::live::endpoint::Endpoint;
 use crate::live::trigger::Trigger;
 use crate::live::watch::Cause;
 use crate::output::{self, Output};
@@ -26,6 +27,8 @@ pub(super) struct Written<'a> {
     pub(super) span: Option<(Instant, Instant)>,
     /// What there was no room for, of the time before the trigger.
     pub(super) dropped: u64,
+    /// What was lost before it was read, at least.
+    pub(super) lost: u64,
 }
 
 /// Why listening has ended.
@@ -82,6 +85,21 @@ impl Teller {
         })
     }
 
+    /// The interface went down, or is up again.
+    pub(super) fn link(&mut self, t: Duration, endpoint: &Endpoint, is_down: bool) -> Result<(), Failure> {
+        if self.output.is_none() {
+            let at = Instant::ZERO + t;
+            match is_down {
+                true => output::note(format_args!(
+                    "{at:.3} s: {endpoint} is down, and waited for; as root: ip link set {endpoint} up"
+                )),
+                false => output::note(format_args!("{at:.3} s: {endpoint} is up")),
+            }
+        }
+        let state = if is_down { "down" } else { "up" };
+        self.object(|| json!({ "event": "link", "t": seconds(t), "state": state }))
+    }
+
     pub(super) fn trigger(&mut self, t: Duration, n: u32, path: &Path, cause: &Cause) -> Result<(), Failure> {
         if self.output.is_none() {
             let at = Instant::ZERO + t;
@@ -92,7 +110,7 @@ impl Teller {
     }
 
     pub(super) fn written(&mut self, t: Duration, written: Written<'_>, before: Time) -> Result<(), Failure> {
-        let Written { n, path, frames, span, dropped } = written;
+        let Written { n, path, frames, span, dropped, lost } = written;
         if self.output.is_none() {
             output::note(format_args!("{}: {}", shown(path, STDOUT), count(frames, "frame")));
         }
@@ -103,6 +121,13 @@ impl Teller {
                 count(dropped, "frame"),
             ));
         }
+        if lost > 0 {
+            output::warn(format_args!(
+                "{}: {} or more came faster than they were read, and are missing; each error frame of class 0x004 stands for some",
+                shown(path, STDOUT),
+                count(lost, "frame"),
+            ));
+        }
         self.object(|| {
             let mut object = json!({
                 "event": "written",
@@ -111,6 +136,7 @@ impl Teller {
                 "file": path.display().to_string(),
                 "frames": frames,
                 "dropped": dropped,
+                "lost": lost,
             });
             if let Some((first, last)) = span {
                 object["first"] = stamp(first);

@@ -31,6 +31,25 @@ fn a_master_and_its_slaves_are_watched() {
     drop((master, slaves));
 }
 
+/// Who waits for an event hears at once that there can be none.
+#[test]
+#[ignore = "needs vcan"]
+fn a_recorder_tells_of_an_interface_that_goes_down_and_comes_back() {
+    let bus = Interface::new("vcan62");
+    bus.set("down");
+    let file = crate::record::file("waited-for.log");
+    let mut recorder = Process::start(&["record", bus.0, "--json", "--output", file.to_str().unwrap()]);
+    for state in ["down", "up"] {
+        recorder.until(&format!("\"state\":\"{state}\""));
+        bus.set("up");
+    }
+    bus.set("down");
+    recorder.until("\"state\":\"down\"");
+    let ended = recorder.interrupted();
+    assert_eq!(ended.code, 3, "{}", ended.err);
+    assert!(ended.err.contains("vcan62 is down; as root: ip link set vcan62 up"), "{}", ended.err);
+}
+
 #[test]
 #[ignore = "needs vcan"]
 fn an_interface_that_is_down_in_the_end_is_told_after_the_summary() {
