@@ -47,8 +47,12 @@ fn ask(args: &AskArgs, value: Option<Vec<u8>>, json: bool) -> Result<Exit, Failu
         )));
     }
     let mut visitor = Visitor::new(endpoint, own);
+    let mut what = format!("to node {mac} Allocate, {service}_Attribute_Single {attribute}");
+    if let Some(value) = &value {
+        what += &format!(" = {}", attribute.words(value));
+    }
+    what += ", Release";
     let questions = vec![Question { path: *attribute, value }];
-    let mut what = format!("to node {mac} Allocate, {service}_Attribute_Single {attribute}, Release");
     match moves_to {
         Some(new) => {
             visitor.visit_if_absent(new, mac, questions);

@@ -28,6 +28,9 @@ fn an_attribute_is_read_in_words_and_as_json() {
 fn an_attribute_is_written_and_the_node_says_what_it_took() {
     let run = devicenet(&["set", "sim:two.toml", "11", "3/1/3", "1", LISTEN[0], LISTEN[1]]);
     assert_eq!((run.out().as_str(), run.code()), ("node 11  DeviceNet 1 Bus-off interrupt: done\n", 0));
+    let announced =
+        "to node 11 Allocate, Set_Attribute_Single DeviceNet 1 Bus-off interrupt = true, Release\n";
+    assert!(run.err().ends_with(announced), "{}", run.err());
     let run = devicenet(&["set", "sim:two.toml", "11", "3/1/3", "hex:02", LISTEN[0], LISTEN[1]]);
     assert_eq!(run.code(), 1, "what the node cannot have is sent as bytes, and refused by the node");
     assert_eq!(
