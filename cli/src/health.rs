@@ -1,13 +1,14 @@
 //! What a doctor is told of a network beforehand.
 
-use std::collections::BTreeMap;
-
 use core::time::Duration;
+use std::collections::BTreeMap;
+use std::path::Path;
 
 use devicenet_core::MacId;
 use devicenet_core::doctor::{Doctor, DoctorConfig, ExpectedNode, Intrusion};
 use link_core::BitRate;
 
+use crate::exit::Failure;
 use crate::scenario::{Role, Scenario};
 
 /// A doctor of a bus with this bit rate; where it is not known, the load is not judged. The scan lists of a scenario, and what is heard in the time of learning, say what
@@ -29,6 +30,22 @@ pub(crate) fn doctor(
         expect(&mut doctor, scenario);
     }
     doctor
+}
+
+/// The scenario of `--expect`.
+///
+/// # Errors
+/// When it cannot be read, or no scan list in it says who is expected.
+pub(crate) fn expected(path: &Path) -> Result<Scenario, Failure> {
+    let scenario = Scenario::load(path).map_err(|error| Failure::Usage(error.to_string()))?;
+    let has_scan_list = |role: &Role| matches!(role, Role::Master(master) if !master.scan.is_empty());
+    if !scenario.nodes.iter().any(|node| has_scan_list(&node.role)) {
+        return Err(Failure::Usage(format!(
+            "{}: there is no master with a scan list, which says who belongs to the bus: name a scenario that has one with --expect",
+            path.display()
+        )));
+    }
+    Ok(scenario)
 }
 
 /// Tells a doctor what the scan lists of a scenario say: which slaves there are, which devices they must be, and whose. The

@@ -30,9 +30,9 @@ use std::rc::Rc;
 
 use crate::args::DecodeArgs;
 use crate::exit::{Exit, Failure};
+use crate::health;
 use crate::output::{self, Attentive, Output};
 use crate::recording::{Content, Format, Notes, Opened, RecordedFrame, Recording, RecordingError};
-use crate::scenario::Scenario;
 use crate::standard::{is_standard, shown};
 use crate::text::count;
 use check::{check, check_can, network};
@@ -48,8 +48,7 @@ use protocol::{Ear, Heard, Why};
 pub fn run(args: &DecodeArgs, json: bool) -> Result<Exit, Failure> {
     check(args, json)?;
     let sheets = Sheets::read(&args.eds)?;
-    let expected = args.expect.as_deref().map(Scenario::load).transpose();
-    let expected = expected.map_err(|error| Failure::Usage(error.to_string()))?;
+    let expected = args.expect.as_deref().map(health::expected).transpose()?;
     let file = shown(&args.file, "<stdin>");
     let output = Rc::new(RefCell::new(Output::new()));
     let network = network(args);

@@ -181,6 +181,18 @@ fn what_excludes_each_other() {
     }
 }
 
+#[test]
+fn a_scenario_without_a_scan_list_says_of_nobody_that_it_belongs_here() {
+    let log = "../../../tests/captures/slave-01-startup-poll.log";
+    for command in [&["monitor", "sim:drop.toml"][..], &["decode", "--summary", log]] {
+        is_told(
+            &[command, &["--expect", "two.toml"]].concat(),
+            2,
+            "two.toml: there is no master with a scan list, which says who belongs to the bus",
+        );
+    }
+}
+
 /// The master of line.toml has a switch in its scan list that is not on this bus, and the others have other sizes: it tells so,
 /// and asks for a release only those that it had.
 #[test]

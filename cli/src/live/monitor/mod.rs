@@ -22,7 +22,6 @@ use crate::bus_rate::BusRate;
 use crate::exit::{Exit, Failure};
 use crate::health;
 use crate::output::{self, Output};
-use crate::scenario::Scenario;
 use crate::simulate;
 use crate::standard::shown;
 use model::{LinkState, Model};
@@ -33,8 +32,7 @@ use screen::Theme;
 /// # Errors
 /// [`Failure`] when the endpoint cannot be used or fails, or the output cannot be written.
 pub fn monitor(args: &MonitorArgs, json: bool) -> Result<Exit, Failure> {
-    let expected = args.expect.as_deref().map(Scenario::load).transpose();
-    let expected = expected.map_err(|error| Failure::Usage(error.to_string()))?;
+    let expected = args.expect.as_deref().map(health::expected).transpose()?;
     let mut port = LivePort::open_listen_only(&args.endpoint)?;
     let interrupted = simulate::interruption()?;
     port.set_interruption(interrupted);
