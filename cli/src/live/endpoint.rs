@@ -48,11 +48,14 @@ impl FromStr for Endpoint {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        // The kernel takes no interface with a colon in its name.
+        // The kernel takes no interface with a colon or a slash in its name.
         match text.split_once(':') {
             Some(("sim", file)) if !file.is_empty() => Ok(Self::Scenario(file.into())),
             Some(("log", file)) if !file.is_empty() => Ok(Self::Recording(file.into())),
             None if text == "-" => Err("standard input is a recording: write log:-".into()),
+            None if text.contains('/') => Err(format!(
+                "no interface has a / in its name: write log:{text} for a recording, sim:{text} for a scenario"
+            )),
             None if !text.is_empty() => Ok(Self::Interface(text.to_owned())),
             _ => Err("an interface such as can0, sim:FILE or log:FILE expected".into()),
         }
@@ -83,7 +86,7 @@ mod tests {
             assert_eq!(text.parse(), Ok(endpoint.clone()));
             assert_eq!(endpoint.to_string(), text);
         }
-        for text in ["", "-", ":", "sim:", "log:", "LOG:a.log", "can0:1"] {
+        for text in ["", "-", ":", "sim:", "log:", "LOG:a.log", "can0:1", "captures/a.log"] {
             assert!(text.parse::<Endpoint>().is_err(), "{text}");
         }
     }

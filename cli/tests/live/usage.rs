@@ -134,6 +134,11 @@ fn malformed_values() {
     for text in ["", "log:", "sim:", "LOG:two.log", "can0:1"] {
         is_told(&["monitor", text], 2, endpoint);
     }
+    is_told(
+        &["monitor", "no/such.log"],
+        2,
+        "no interface has a / in its name: write log:no/such.log for a recording, sim:no/such.log for a scenario",
+    );
     let record = ["record", "sim:two.toml", "--output", "not-recorded.log"];
     for (option, value, words) in [
         ("--trigger", "now", "expected timeout, timeout=MAC, duplicate, error, bus-off"),
