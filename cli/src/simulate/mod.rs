@@ -7,6 +7,7 @@ mod build;
 mod doors;
 mod event;
 mod exchange;
+mod exchanged;
 mod expectations;
 mod health;
 mod json;

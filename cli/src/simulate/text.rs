@@ -1,12 +1,9 @@
 //! The trace in words. What repeats itself is told once and counted.
 
 use core::fmt::Write as _;
-use std::collections::HashMap;
 
 use devicenet_core::master::{MasterEvent, SlaveEvent, SlaveState};
-use devicenet_core::monitor::{Kind, Reading};
 use devicenex_core::manager::{DeviceState, ManagerEvent, PlannedEvent};
-use devicenex_core::monitor as nex;
 use link_core::wire::Field;
 use link_core::{Frame, Instant};
 use transport_mock::Flag;
@@ -14,6 +11,7 @@ use transport_mock::bus::{BusError, Sender, SenderOutcome};
 use transport_mock::record::{FrameRecord, Outcome};
 
 use super::event::NodeEvent;
+use super::exchanged::Exchanged;
 use super::level::Level;
 use super::polls::{Held, Poll, Polls};
 use super::said::Said;
@@ -30,34 +28,13 @@ pub(super) struct TextView {
     trace: Trace,
     /// The attempts that failed since a frame got through, or something was changed, on each segment.
     storms: Vec<Option<Storm>>,
-    exchange: Exchanged,
+    exchanged: Exchanged,
     polls: Polls,
     /// What is named here is told, whether it is news or not.
     selection: Selection,
     /// When something was last seen.
     last: Instant,
     is_first: bool,
-}
-
-/// I/O frames are told when they have other data than the last of their kind; the others are counted.
-#[derive(Default)]
-struct Exchanged {
-    /// Whether all are told.
-    all: bool,
-    /// The last of each segment, identifier and fragment.
-    told: HashMap<(usize, u32, Option<u8>), Known>,
-    /// How many were not told since the last heading.
-    silent: u64,
-    /// How many requests with their answers were not.
-    silent_polls: u64,
-}
-
-struct Known {
-    frame: Frame,
-    /// What was wrong with it.
-    problem: Option<&'static str>,
-    /// Whose data they are: the MAC ID of the slave, the operational address of the sender.
-    of: Option<u8>,
 }
 
 /// Attempts that fail one after the other. Each is told if it fails otherwise than the one before, up to a limit; the
@@ -85,7 +62,7 @@ impl TextView {
             out,
             trace,
             storms: Vec::new(),
-            exchange: Exchanged::default(),
+            exchanged: Exchanged::default(),
             polls: Polls::default(),
             selection: Selection::default(),
             last: Instant::ZERO,
@@ -95,7 +72,7 @@ impl TextView {
 
     /// With every I/O frame, also those that say nothing new.
     pub(super) fn with_all_frames(mut self, all: bool) -> Self {
-        self.exchange.all = all;
+        self.exchanged.all = all;
         self
     }
 
@@ -143,7 +120,7 @@ impl TextView {
     /// Whether it is a request, or an answer, that was heard before and need not be told now.
     fn is_poll(&mut self, nodes: &Nodes<'_>, record: &FrameRecord<'_>, said: &Said<'_>) -> bool {
         let Said::DeviceNex(reading) = said else { return false };
-        if self.exchange.all {
+        if self.exchanged.all {
             return false;
         }
         match self.polls.look(record.segment, reading) {
@@ -154,7 +131,7 @@ impl TextView {
                 frame: *record.frame,
                 words: reading.to_string(),
             }),
-            Poll::Same => self.exchange.silent_polls += 1,
+            Poll::Same => self.exchanged.silent_polls += 1,
         }
         true
     }
@@ -190,8 +167,8 @@ impl TextView {
 
     /// Tells how many I/O frames were not told.
     fn told_nothing(&mut self, at: Instant) {
-        let silent = core::mem::take(&mut self.exchange.silent);
-        let polls = core::mem::take(&mut self.exchange.silent_polls);
+        let silent = core::mem::take(&mut self.exchanged.silent);
+        let polls = core::mem::take(&mut self.exchanged.silent_polls);
         for (silent, what, how) in [
             (silent, "more I/O frame", "with the same data as before"),
             (polls, "more connectionless request", "with the same answer as before"),
@@ -226,7 +203,7 @@ impl View for TextView {
             }
             Sight::Frame { record, reading } => {
                 let is_known = reading.is_some_and(|reading| {
-                    self.exchange.is_known(record, reading) || self.is_poll(nodes, record, reading)
+                    self.exchanged.is_known(record, reading) || self.is_poll(nodes, record, reading)
                 });
                 if is_known {
                     // Whatever failed before it is over.
@@ -238,7 +215,7 @@ impl View for TextView {
             }
             Sight::Event { at, node, event } => {
                 if let Some(whose) = begins_to_run(event) {
-                    self.exchange.forget(whose);
+                    self.exchanged.forget(whose);
                     self.polls.forget(whose);
                 }
                 if begins_anew(event) {
@@ -281,57 +258,6 @@ impl View for TextView {
             | Sight::Note { at, .. } => *at,
         };
     }
-}
-
-impl Exchanged {
-    /// Whether the frame says nothing that the last of its kind has not said.
-    fn is_known(&mut self, record: &FrameRecord<'_>, said: &Said<'_>) -> bool {
-        let io = match said {
-            Said::DeviceNet(reading) => io_of_devicenet(reading),
-            Said::DeviceNex(reading) => io_of_devicenex(reading),
-        };
-        let Some(Io { of, problem, is_fragment }) = io.filter(|_| !self.all) else { return false };
-        let fragment = if is_fragment { record.frame.data().first().copied() } else { None };
-        let key = (record.segment, record.frame.raw_id(), fragment);
-        let known = Known { frame: *record.frame, problem, of };
-        let last = self.told.insert(key, known);
-        let is_known = last.is_some_and(|last| last.frame == *record.frame && last.problem == problem);
-        self.silent += u64::from(is_known);
-        is_known
-    }
-
-    /// The data of a slave, or of a device, are new again.
-    fn forget(&mut self, whose: u8) {
-        self.told.retain(|_, known| known.of.is_some_and(|of| of != whose));
-    }
-}
-
-/// What there is to know of an I/O frame beside its data.
-struct Io {
-    of: Option<u8>,
-    problem: Option<&'static str>,
-    is_fragment: bool,
-}
-
-fn io_of_devicenet(reading: &Reading<'_>) -> Option<Io> {
-    let of = match reading.kind {
-        Kind::PollCommand | Kind::MulticastPollCommand | Kind::BitStrobeCommand => reading.dst,
-        Kind::PollResponse
-        | Kind::MulticastPollResponse
-        | Kind::BitStrobeResponse
-        | Kind::CosCyclic
-        | Kind::CosCyclicAck
-        | Kind::Io => reading.src,
-        _ => return None,
-    };
-    let problem = reading.problem.map(|problem| problem.code());
-    Some(Io { of: of.map(u8::from), problem, is_fragment: reading.frag.is_some() })
-}
-
-fn io_of_devicenex(reading: &nex::Reading<'_>) -> Option<Io> {
-    let of = reading.src.map(|source| source.number());
-    let problem = reading.problem.map(|problem| problem.code());
-    reading.kind.is_io().then_some(Io { of, problem, is_fragment: reading.frag.is_some() })
 }
 
 impl Drop for TextView {
