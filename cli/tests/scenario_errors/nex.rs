@@ -113,6 +113,15 @@ fn planned_devices() {
             "19:6: OA 5 is planned already; expected another",
         ),
         (
+            "oa = 5\ndevice = \"sensor\"\n[[node.planned]]\noa = 9\ndevice = \"sensor-2\"",
+            "20:10: this device is planned for OA 6 already; expected another, or every device of a product",
+        ),
+        (
+            "oa = 5\ndevice = \"sensor-1\"\n[[node.planned]]\noa = 9\n\
+             device = { vendor = 0x1234, product = 7, serial = 1 }",
+            "20:10: this device is planned for OA 5 already; expected another, or every device of a product",
+        ),
+        (
             "oa = 5\ndevice = { vendor = 1 }",
             "17:10: this is no device; expected the name of a node, or { vendor = 0x1234, product = 7, revision = 1, \
              serial = 0x00002345 }",

@@ -58,6 +58,17 @@ impl Checker<'_> {
                 if planned.iter().any(|other| other.oa == one.oa) {
                     return self.fail(&place, format!("OA {} is planned already; expected another", one.oa));
                 }
+                let is_same = |other: &&Planned| !one.device.any_serial && other.device == one.device;
+                if let Some(other) = planned.iter().find(is_same) {
+                    let device = entry.get_ref().device.as_ref().map_or(place, Spanned::span);
+                    return self.fail(
+                        &device,
+                        format!(
+                            "this device is planned for OA {} already; expected another, or every device of a product",
+                            other.oa
+                        ),
+                    );
+                }
                 planned.push(one);
                 tables.push(entry.get_ref());
             }
