@@ -13,6 +13,7 @@ use crate::powerlink::PowerlinkArgs;
 use crate::scenario::Time;
 use crate::simulate::SimulateArgs;
 use crate::standard::is_standard;
+use crate::text::unsigned;
 
 /// DeviceNet (CIP on CAN) on the command line
 #[derive(Parser, Clone, Debug)]
@@ -270,6 +271,12 @@ pub(crate) fn parse_bit_rate(text: &str) -> Result<u32, String> {
         .ok_or_else(|| "a bit rate between 1k and 1M expected, such as 125k, 250k or 500k".to_owned())
 }
 
+/// `7`, `0x2A`, `1_000`.
+pub(crate) fn parse_seed(text: &str) -> Result<u64, String> {
+    let number = unsigned(&text.replace('_', ""));
+    number.ok_or_else(|| format!("a number from 0 to {} expected, such as 7 or 0x2A", u64::MAX))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -287,6 +294,17 @@ mod tests {
         assert_eq!(parse_mac_id("0X3f"), Ok(63));
         for text in ["", "0x", "64", "0x40", "-1", "abc", "1.5"] {
             assert_eq!(parse_mac_id(text), Err("a MAC ID is 0 to 63".to_owned()), "{text}");
+        }
+    }
+
+    #[test]
+    fn seeds_in_decimal_and_hexadecimal() {
+        assert_eq!(parse_seed("7"), Ok(7));
+        assert_eq!(parse_seed("0x10"), Ok(16));
+        assert_eq!(parse_seed("0XffFFffFF_ffFFffFF"), Ok(u64::MAX));
+        for text in ["", "0x", "-1", "+1", "0x+1", "ten", "0x10000000000000000"] {
+            let words = "a number from 0 to 18446744073709551615 expected, such as 7 or 0x2A";
+            assert_eq!(parse_seed(text), Err(words.to_owned()), "{text}");
         }
     }
 

@@ -32,7 +32,7 @@ pub struct CompareArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(3..=63), default_value_t = 63)]
     pub devices: u8,
     /// The seed of the moments at which something happens
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", value_parser = crate::args::parse_seed, allow_hyphen_values = true, default_value_t = 1)]
     pub seed: u64,
     /// Draw the figures
     #[arg(long, value_name = "FILE")]

@@ -8,6 +8,7 @@ use transport_mock::bus::SenderOutcome;
 use transport_mock::record::Outcome;
 use transport_mock::{ErrorState, Network, NodeId, Record};
 
+use super::Plan;
 use crate::scenario::Scenario;
 use crate::simulate::{self, NodeEvent};
 
@@ -48,9 +49,11 @@ impl Traffic {
 
 impl Bench {
     #[expect(clippy::panic, reason = "the scenarios of a comparison are its own")]
-    pub(super) fn new(text: &str) -> Self {
-        let scenario = Scenario::parse("comparison", text, Path::new(""))
+    pub(super) fn new(plan: &Plan, text: &str) -> Self {
+        let mut scenario = Scenario::parse("comparison", text, Path::new(""))
             .unwrap_or_else(|error| panic!("{error}\n{text}"));
+        // A number of TOML has not room for every seed.
+        scenario.bus.seed = plan.seed;
         Self {
             network: simulate::network(&scenario),
             sent: Vec::new(),
@@ -137,3 +140,14 @@ impl Bench {
 const LOOK: Duration = Duration::from_millis(20);
 /// Bits between two frames.
 const INTERMISSION: u32 = 3;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_seed_can_be_had() {
+        let plan = Plan { bit_rate: BitRate::K500, devices: 3, seed: u64::MAX };
+        assert!(Bench::new(&plan, &plan.bus()).sent.is_empty());
+    }
+}

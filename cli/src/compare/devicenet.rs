@@ -35,7 +35,7 @@ fn fresh(plan: &Plan) -> Fresh {
     for device in 1..=plan.devices {
         text += &slave("device", device, 63, START);
     }
-    Fresh::of(Bench::new(&text), plan, SIGNS)
+    Fresh::of(Bench::new(plan, &text), plan, SIGNS)
 }
 
 /// 64 nodes, each with a MAC ID of its own on its switches.
@@ -136,7 +136,7 @@ fn replacement(plan: &Plan) -> Replacement {
         text += &slave("device", mac, mac, Instant::ZERO);
     }
     text += &slave("spare", 9, 63, Instant::ZERO);
-    let mut bench = Bench::new(&text);
+    let mut bench = Bench::new(plan, &text);
     bench.run_until(START + plan.patience(), |bench| runs(bench, 3));
     let cut = plan.moment(bench.network.now() + Duration::from_secs(1), 1);
     bench.run_to(cut);
@@ -158,7 +158,7 @@ fn replacement(plan: &Plan) -> Replacement {
 /// A line that exchanges I/O and misses one slave, and a device out of the box on line beside it.
 fn standby(plan: &Plan) -> Standby {
     let text = line_text(plan, plan.devices.min(62)) + &slave("idle", 99, 63, Instant::ZERO);
-    let mut bench = Bench::new(&text);
+    let mut bench = Bench::new(plan, &text);
     bench.run_until(START + plan.patience(), |bench| runs(bench, plan.devices.min(62).into()));
     let idle = bench.node("idle-99");
     Standby::of(bench, |bench| bench.network.machine(idle).map_or(0, SlaveMachine::received))
@@ -166,7 +166,7 @@ fn standby(plan: &Plan) -> Standby {
 
 /// So many slaves that run with their master.
 fn line(plan: &Plan, slaves: u8) -> Bench {
-    let mut bench = Bench::new(&line_text(plan, slaves));
+    let mut bench = Bench::new(plan, &line_text(plan, slaves));
     bench.run_until(START + plan.patience(), |bench| runs(bench, slaves.into()));
     bench.run_to(bench.network.now() + Duration::from_millis(100));
     bench

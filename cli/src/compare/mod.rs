@@ -138,8 +138,8 @@ fn short(value: Value) -> String {
 impl Plan {
     /// The bus, and a node that acknowledges, so that nobody is ever alone.
     fn bus(&self) -> String {
-        let Self { bit_rate: BitRate(rate), seed, .. } = self;
-        format!("[bus]\nbit_rate = {rate}\nseed = {seed}\nduration = \"1h\"\n{BYSTANDER}")
+        let BitRate(rate) = self.bit_rate;
+        format!("[bus]\nbit_rate = {rate}\nduration = \"1h\"\n{BYSTANDER}")
     }
 
     /// A moment within the next ten milliseconds: what happens at it does not keep time with the bus.

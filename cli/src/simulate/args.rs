@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::selection::EventKind;
+use crate::args::parse_seed;
 use crate::scenario::{LONGEST_RUN, Time};
-use crate::text::unsigned;
 
 /// `devicenet simulate`.
 #[derive(Args, Clone, Debug, Default)]
@@ -91,12 +91,6 @@ pub struct SimulateArgs {
     pub allow_remote: bool,
 }
 
-/// `7`, `0x2A`, `1_000`.
-fn parse_seed(text: &str) -> Result<u64, String> {
-    let number = unsigned(&text.replace('_', ""));
-    number.ok_or_else(|| format!("a number from 0 to {} expected, such as 7 or 0x2A", u64::MAX))
-}
-
 /// As the `duration` of a scenario.
 fn parse_until(text: &str) -> Result<Time, String> {
     let time: Time = text.parse().map_err(|error: crate::scenario::TimeError| error.to_string())?;
@@ -109,17 +103,6 @@ fn parse_until(text: &str) -> Result<Time, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn seeds_in_decimal_and_hexadecimal() {
-        assert_eq!(parse_seed("7"), Ok(7));
-        assert_eq!(parse_seed("0x10"), Ok(16));
-        assert_eq!(parse_seed("0XffFFffFF_ffFFffFF"), Ok(u64::MAX));
-        for text in ["", "0x", "-1", "+1", "0x+1", "ten", "0x10000000000000000"] {
-            let words = "a number from 0 to 18446744073709551615 expected, such as 7 or 0x2A";
-            assert_eq!(parse_seed(text), Err(words.to_owned()), "{text}");
-        }
-    }
 
     #[test]
     fn a_run_is_as_long_as_a_scenario_may_be() {
