@@ -50,7 +50,9 @@ pub struct PlannedDevice<const CONNECTIONS: usize> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct PlannedConnection {
-    /// Instance 2 to 13 of the predefined set; `None` for a dynamic one, which the device numbers.
+    /// Instance 2 to 13 of the predefined set; `None` for a dynamic one, which the device numbers. The manager has no I/O of
+    /// its own **\[D\]**: it makes a polled connection, 2 or 3, but sends no commands, so that one with an expected packet rate
+    /// times out.
     pub instance: Option<Predefined>,
     /// In ms; 0: for ever. The device may keep another one.
     pub expected_packet_rate: u16,
