@@ -11,6 +11,7 @@ mod changes;
 mod event;
 mod link;
 mod load;
+mod losses;
 mod picture;
 mod problems;
 mod purpose;
@@ -31,6 +32,7 @@ use crate::live::port::LivePort;
 use crate::verdict::{self, Verdict};
 use changes::Changes;
 use load::{History, Tally, Window};
+use losses::Losses;
 
 pub(super) use event::{Event, Happening, words};
 pub(super) use link::LinkState;
@@ -58,6 +60,7 @@ pub(super) struct Model {
     now: Instant,
     link: LinkState,
     counters: Counters,
+    losses: Losses,
     problems: Problems,
     total: Tally,
     /// Since the last report.
@@ -93,6 +96,7 @@ impl Model {
             now: Instant::ZERO,
             link: LinkState::Down,
             counters: Counters::default(),
+            losses: Losses::default(),
             problems: Problems::default(),
             total: Tally::default(),
             interval: Tally::default(),
@@ -156,6 +160,9 @@ impl Model {
                 false
             }
         };
+        if let Some(lost) = self.losses.due(self.now) {
+            tell(Event { at, what: Happening::Lost(lost) });
+        }
         if is_news || at >= self.look_at {
             self.look_at = at + LOOK_EVERY;
             self.changes.look(&self.monitor, self.now, |what| tell(Event { at, what }));
@@ -274,7 +281,7 @@ impl Model {
             LinkEvent::Overrun { lost } => {
                 // One that does not count has lost one at least.
                 self.counters.lost += u64::from(lost.max(1));
-                tell(Event { at, what: Happening::Lost(lost) });
+                self.losses.add(lost);
             }
             LinkEvent::ModeSet(mode) => self.bit_rate = BusRate::Known(mode.bit_rate),
             LinkEvent::Up
