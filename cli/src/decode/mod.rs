@@ -94,7 +94,7 @@ fn can(
 }
 
 /// What the reader should know besides the frames.
-fn note_the_rest(file: &str, notes: Notes, network: &str) {
+pub(crate) fn note_the_rest(file: &str, notes: Notes, network: &str) {
     let Notes { dropped, foreign } = notes;
     if dropped > 0 {
         let frames = if dropped == 1 { "frame was" } else { "frames were" };

@@ -127,10 +127,10 @@ impl LivePort {
         }
     }
 
-    /// Says how many that are, if there are any.
-    pub(super) fn warn_of_bad_entries(&self) {
+    /// Says what there was in a recording besides its frames.
+    pub(super) fn tell_the_rest(&self) {
         if let Bus::Recorded(recorded) = &self.bus {
-            recorded.warn_of_bad_entries();
+            recorded.tell_the_rest();
         }
     }
 

@@ -11,6 +11,7 @@ use link_core::{BitRate, Input, Instant, LinkEvent};
 
 use super::port::PortError;
 use crate::bus_rate::Doubt;
+use crate::decode::note_the_rest;
 use crate::exit::Failure;
 use crate::recording::{ChannelId, Content, RecordedFrame, Recording};
 use crate::simulate;
@@ -122,8 +123,9 @@ impl Recorded {
         doubt.tell(&self.file, said, &bus.unwrap_or("the bus".into()))
     }
 
-    /// Says how many lines or records could not be read, if there are any.
-    pub(super) fn warn_of_bad_entries(&self) {
+    /// Says what there was besides the frames: what the recorder lost, and how many lines or records could not be read.
+    pub(super) fn tell_the_rest(&self) {
+        note_the_rest(&self.file, self.recording.notes(), "CAN");
         if self.bad_entries > 0 {
             let what = count(self.bad_entries, self.recording.format().entry());
             crate::output::warn(format_args!("{}: {what} could not be read", self.file));

@@ -55,7 +55,7 @@ pub fn scan(args: &ScanArgs, json: bool) -> Result<Exit, Failure> {
         };
         let mut heard = Heard::new();
         let listened = heard.listen(&mut port, until);
-        port.warn_of_bad_entries();
+        port.tell_the_rest();
         listened?;
         if matches!(endpoint, Endpoint::Interface(_)) {
             permit::link(endpoint, &heard)?;

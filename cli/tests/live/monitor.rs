@@ -366,3 +366,23 @@ fn lines_that_cannot_be_read_are_counted_and_are_no_health() {
         );
     }
 }
+
+/// As `candump -d` writes it: neither a bad line nor a finding, for all commands alike.
+#[test]
+fn what_a_recording_says_was_lost_is_told() {
+    let path = crate::record::file("lost.log");
+    let log = "(1.0) can0 40A#00\nDROPCOUNT: dropped 3 CAN frames on 'can0' socket (total drops 3)\n(1.1) can0 40A#00\n";
+    std::fs::write(&path, log).unwrap();
+    let endpoint = format!("log:{}", path.display());
+    let told = "lost.log: 3 frames were lost when it was recorded, as it says itself\n";
+    let recording = crate::record::file("of-lost.log");
+    for arguments in [
+        &["monitor", &endpoint][..],
+        &["scan", &endpoint],
+        &["record", &endpoint, "--output", recording.to_str().unwrap()],
+        &["decode", path.to_str().unwrap()],
+    ] {
+        let run = devicenet(arguments);
+        assert_eq!((run.code(), run.err().contains(told)), (0, true), "{arguments:?} {}", run.err());
+    }
+}

@@ -57,7 +57,7 @@ pub fn monitor(args: &MonitorArgs, json: bool) -> Result<Exit, Failure> {
         let told = if is_nothing { Ok(()) } else { lines::last_words(&model.report()) };
         ended.and(told)
     };
-    port.warn_of_bad_entries();
+    port.tell_the_rest();
     if let Endpoint::Recording(path) = &args.endpoint
         && model.is_silent()
     {

@@ -72,7 +72,7 @@ pub fn record(args: &RecordArgs, json: bool) -> Result<Exit, Failure> {
     }
     let ended = recorder.run(&mut port);
     let finished = recorder.finish(port.now());
-    port.warn_of_bad_entries();
+    port.tell_the_rest();
     port.note_early_end(&args.endpoint, args.span);
     let end = match &ended {
         _ if finished.is_err() => End::Failed,
