@@ -105,7 +105,9 @@ fn the_end_comes_on_a_crowded_bus() {
         &["master", bus.0, "line.toml", "--allow-tx", "--listen", "0s", "--for", "300ms"],
     ] {
         let ended = Process::start(command).ended();
-        assert_eq!(ended.code, 0, "{command:?} {}", ended.err);
+        // In this time a master has no I/O with anybody.
+        let code = i32::from(command[0] == "master");
+        assert_eq!(ended.code, code, "{command:?} {}", ended.err);
     }
     // So it does when it is interrupted.
     let record = Process::start(&["record", bus.0, "--trigger", "bus-off", "-o", file.to_str().unwrap()]);
