@@ -101,14 +101,15 @@
 //! |---|---|
 //! | it sets the bit rate, and says Hello twice **\[P\]** | it is a [`Device`](crate::device::Device) in the role of a network manager, and answers about itself like any |
 //! | Mini-who as long as a device is missing **\[P\]** | every [`mini_who_interval`](Config::mini_who_interval), and at once when one is lost |
-//! | a device that obeys no ROAM yet gets none | one that answers a Mini-who stands by; one that joins is waited for |
-//! | one unanswered request is no loss | [`connect_tries`](Config::connect_tries), then a spare is looked for |
-//! | a network that runs is not disturbed | whoever has a planned address is asked who it is, its connections are read, and made only where they are not as planned |
+//! | a device that obeys no ROAM yet gets none **\[D\]** | one that answers a Mini-who stands by; one that joins is waited for |
+//! | one unanswered request is no loss **\[D\]** | [`connect_tries`](Config::connect_tries), then a spare is looked for |
+//! | a network that runs is not disturbed **\[D\]** | whoever has a planned address is asked who it is, its connections are read, and made only where they are not as planned |
 //! | consumers with an EPR of 0 are not touched when their producer is replaced **\[P\]** | the spare produces with the address of the lost device, so with the same connection ID; if that differs, they are told |
-//! | few frames in flight | one of addresses, one request, and those of its own node |
+//! | one manager works **\[D\]** | whoever sees the Mini-who or ROAM of another before it has sent its own leaves the work; of two that work the one with the lower half serial number goes on; when the other works again says [`takeover_after`](Config::takeover_after) |
+//! | few frames in flight **\[D\]** | one of addresses, one request, and those of its own node |
 //!
 //! What a device produces by itself is heard, and missed after four packet rates; every other connection is asked for its state,
-//! one each [`poll_interval`](Config::poll_interval). After that follow a time-out, [`DeviceState::Retrying`], and
+//! one each [`poll_interval`](Config::poll_interval) **\[D\]**. After that follow a time-out, [`DeviceState::Retrying`], and
 //! [`DeviceState::Lost`].
 //!
 //! | File | Subject |
