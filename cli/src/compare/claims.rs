@@ -95,7 +95,7 @@ fn nodes(net: &Half, nex: &Half) -> Claim {
 fn two_steps(net: &Half, nex: &Half) -> Claim {
     let (old, new) = (&net.establishment, &nex.establishment);
     let holds = new.of_producer.frames == 2 && new.of_consumer.frames == 2;
-    let consumer = if holds {
+    let consumer = if new.of_consumer.frames == 2 {
         "So does one that consumes.".to_owned()
     } else {
         format!(
@@ -127,7 +127,8 @@ fn two_steps(net: &Half, nex: &Half) -> Claim {
 fn peer_to_peer(net: &Half, nex: &Half) -> Claim {
     let (Traffic { frames, wire }, new) = (net.transfer.traffic, nex.transfer.traffic);
     let finding = format!(
-        "{} instead of {frames}: B tells A and C itself, without a master that asks and passes on.",
+        "{} instead of {frames}: B tells A and C itself, without a master that asks and passes on. That a frame holds more data \
+         does not show with two bytes.",
         if new.frames == 1 { "One frame".to_owned() } else { format!("{} frames", new.frames) }
     );
     let measures = vec![

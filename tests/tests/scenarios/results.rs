@@ -40,6 +40,9 @@ fn the_comparison_is_computed() {
     // What the page says of them.
     let holds: Vec<bool> = comparison.claims.iter().map(|claim| claim.holds).collect();
     assert_eq!(holds, [true, true, false, true, true, false]);
+    // Half of this claim is not measured, and the command says so as the page does.
+    assert!(comparison.claims[3].finding.contains("does not show with two bytes"));
+    assert!(document.contains("That a frame holds more data does not show with two bytes"));
 }
 
 /// The figures move with the bit rate and the number of devices; what they say stays.
