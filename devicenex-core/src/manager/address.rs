@@ -149,7 +149,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         slot.reads = 0;
         slot.holder = None;
         slot.forgive();
-        let was = slot.was.take();
+        let (address, was) = (slot.address(), slot.was.take());
         if let Some(device) = slot.device {
             self.tell(place, PlannedEvent::Addressed(device));
             if let Some(was) = was.filter(|was| *was != device) {
@@ -158,6 +158,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
             }
         }
         self.plan_mini_who();
+        self.end_return(address);
         self.advance_slot(place);
     }
 

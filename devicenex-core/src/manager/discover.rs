@@ -260,7 +260,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         self.raise(ManagerEvent::Misplaced { device, at, planned });
         if self.config.readdress {
             // If another request is under way, the next announcement of the device is the next chance.
-            let _ = self.begin_readdress(at, planned);
+            let _ = self.begin_return(at, planned);
         }
     }
 

@@ -45,7 +45,10 @@ enum Purpose {
     Application,
     /// Which of the attributes that are read of the device.
     Read(u8),
+    /// What the application asks for.
     Readdress(OperationalAddress),
+    /// A device that is not planned for this address goes to its own.
+    Return(OperationalAddress),
 }
 
 /// A request, as it was given.
@@ -149,17 +152,37 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         if to == self.own() {
             return Err(RequestError::NotANode(to));
         }
-        self.begin_readdress(from, to)
+        self.begin_readdress(from, to, Purpose::Readdress(to))
     }
 
-    pub(super) fn begin_readdress(
+    /// Has a device go to the address that is planned for it, over its explicit connection.
+    ///
+    /// # Errors
+    /// If another request is under way, or the manager is not on line.
+    pub(super) fn begin_return(
         &mut self,
         from: OperationalAddress,
         to: OperationalAddress,
     ) -> Result<(), RequestError> {
+        self.begin_readdress(from, to, Purpose::Return(to))
+    }
+
+    /// The device that is planned for an address has it: whoever was to leave it has left.
+    pub(super) fn end_return(&mut self, from: OperationalAddress) {
+        if self.talk.is_with(from) && matches!(self.talk.purpose, Purpose::Return(_)) {
+            self.abandon_talk();
+        }
+    }
+
+    fn begin_readdress(
+        &mut self,
+        from: OperationalAddress,
+        to: OperationalAddress,
+        purpose: Purpose,
+    ) -> Result<(), RequestError> {
         let value = [LINK_ADDRESS, to.number()];
         let request = Request::new(ServiceCode::SET_ATTRIBUTE_SINGLE, LINK, InstanceId(1), &value);
-        self.begin_talk(from, Purpose::Readdress(to), &request, true, 1)
+        self.begin_talk(from, purpose, &request, true, 1)
     }
 
     /// The response to the last request, if it was answered and no other has begun since.
@@ -329,7 +352,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
                 // A refusal is a response.
                 Ok(()) | Err(_) => ManagerEvent::Response(from),
             }),
-            Purpose::Readdress(to) => self.readdressed(from, to, result),
+            Purpose::Readdress(to) | Purpose::Return(to) => self.readdressed(from, to, result),
             Purpose::Read(number) => self.end_read(from, number, result),
         }
         if let Some(place) = self.place(from) {
@@ -366,7 +389,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         }
     }
 
-    /// The manager is off line, or leaves the work to another one.
+    /// Nobody waits for the answer any more, or nobody is there who would give it.
     pub(super) fn abandon_talk(&mut self) {
         if self.talk.stage != Stage::Idle {
             self.talk.conversation.cancel();

@@ -251,8 +251,10 @@ impl Network {
                     && NODES[..3].contains(&route.destination.number()) =>
             {
                 let state = self.manager.device(route.destination).expect("it is planned").state;
-                // Over an explicit connection whoever has the address of another is told its own, also while that other asks for it.
-                let has_another = matches!(state, DeviceState::Conflict | DeviceState::Joining);
+                // Over an explicit connection whoever has the address of another is told its own, also while that other asks
+                // for it, or the manager looks who has it now.
+                let has_another =
+                    matches!(state, DeviceState::Conflict | DeviceState::Joining | DeviceState::Probing);
                 let is_told = has_another && self.manager.config().readdress;
                 let is_explicit = matches!(frame.data(), [0x4B, byte, ..] if byte >> 4 & 7 == 5);
                 let may_be_asked = state.is_on_line() || is_told && is_explicit;

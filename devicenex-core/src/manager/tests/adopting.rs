@@ -6,9 +6,7 @@ use std::vec::Vec;
 use super::bus::*;
 use crate::id::Direction;
 use crate::manager::{DatabaseError, DeviceState, Manager, PlannedConnection};
-use crate::message::{DeviceIdentity, IdentifierLength, Predefined, Production};
-
-const CONSUMER: DeviceIdentity = DeviceIdentity { product_code: 3, serial: 0xA, ..PLANNED };
+use crate::message::{IdentifierLength, Predefined, Production};
 
 /// 67 runs, 5 has just announced itself.
 fn with_consumer(connection: PlannedConnection) -> Bus {

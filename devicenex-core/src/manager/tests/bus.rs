@@ -19,6 +19,8 @@ use crate::message::{DeviceIdentity, Hello, MiniWho, PortByte};
 pub(super) const PLANNED: DeviceIdentity = device(7, 0x1122_3344);
 pub(super) const SPARE: DeviceIdentity = device(7, 0x1122_3345);
 pub(super) const STRANGER: DeviceIdentity = device(8, 0x1122_3346);
+/// For which the plan of a consumer is.
+pub(super) const CONSUMER: DeviceIdentity = device(3, 0xA);
 
 const fn device(product_code: u16, serial: u32) -> DeviceIdentity {
     DeviceIdentity { vendor: VendorId(0x1234), product_code, major_revision: 1, serial }
@@ -53,7 +55,7 @@ pub(super) fn producer() -> PlannedDevice<4> {
 
 /// Consumes what 67 produces, with address 5.
 pub(super) fn consumer(rate: u16) -> PlannedDevice<4> {
-    let mut plan = PlannedDevice::new(oa(5), IdentityPattern::exact(device(3, 0xA)));
+    let mut plan = PlannedDevice::new(oa(5), IdentityPattern::exact(CONSUMER));
     let source = Source { address: oa(67), connection: 0 };
     plan.connections.push(PlannedConnection::consumer(source, rate)).unwrap();
     plan

@@ -11,9 +11,6 @@ use crate::id::Direction;
 use crate::manager::{
     DeviceState, IdentityPattern, ManagerEvent, PlannedConnection, PlannedDevice, PlannedEvent,
 };
-use crate::message::DeviceIdentity;
-
-const CONSUMER: DeviceIdentity = DeviceIdentity { product_code: 3, serial: 0xA, ..PLANNED };
 
 /// Answers the request that was sent last to the node: `class` are the first two digits of the identifier.
 #[track_caller]

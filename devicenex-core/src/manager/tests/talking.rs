@@ -4,8 +4,9 @@ use cip_core::code::{AttributeId, ClassId, InstanceId, ServiceCode};
 use cip_core::message::Request;
 
 use super::bus::*;
+use crate::id::Direction;
 use crate::manager::{
-    Attribute, DatabaseError, ManagerEvent, PlannedConnection, RequestError, RequestFailure,
+    Attribute, DatabaseError, DeviceState, ManagerEvent, PlannedConnection, RequestError, RequestFailure,
 };
 
 const NAME: Attribute =
@@ -57,6 +58,24 @@ fn a_device_is_given_another_address() {
     bus.hears("16035001: 90");
     let readdressed = ManagerEvent::Readdressed { from: oa(40), to: oa(67), result: Ok(()) };
     assert_eq!(bus.events.last(), Some(&readdressed));
+}
+
+/// Else it would be sent away from its own address.
+#[test]
+fn a_device_that_has_its_address_is_not_taken_for_the_one_that_had_it() {
+    let mut bus = Bus::on_line(config(), [producer(), consumer(0)]);
+    bus.wait_on_the_bus(800);
+    bus.hello(67, Direction::Response, CONSUMER);
+    bus.is(67, DeviceState::Conflict);
+    bus.input(link_core::Input::Tick);
+    assert_eq!(bus.acknowledges().last().unwrap(), "1D860200 [7] 4B D6 01 00 C4 09 01");
+    bus.hello(67, Direction::Response, PLANNED);
+    bus.is(67, DeviceState::Connecting);
+    bus.hears("1D038600: 4B D6 00 C4 09");
+    let set = "10 03 01 01 05";
+    assert!(bus.acknowledges().iter().all(|frame| !frame.ends_with(set)));
+    let result = Err(RequestFailure::Failed(cip_core::client::Failure::NoResponse));
+    assert!(bus.events.contains(&ManagerEvent::Readdressed { from: oa(67), to: oa(5), result }));
 }
 
 #[test]
