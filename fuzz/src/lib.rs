@@ -57,6 +57,7 @@ pub mod net_pl;
 pub mod nx_manager;
 pub mod nx_monitor;
 pub mod nx_node;
+mod passive;
 pub mod pl_cn;
 pub mod pl_monitor;
 pub mod pl_wire;

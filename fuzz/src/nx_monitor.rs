@@ -8,10 +8,11 @@ use cip_core::code::InstanceId;
 use devicenex_core::id::{Direction, Framing, Group, MessageId, Route};
 use devicenex_core::monitor::{FragmentationGuess, Kind, Monitor, MonitorConfig, Reading};
 use devicenex_core::{Identifier, OperationalAddress};
-use link_core::{Frame, Instant};
+use link_core::Frame;
 use serde_json::Value;
 
 use crate::monitor::session::{self, Sent};
+use crate::passive::{MOST_FRAMES, MUCH_LATER, START, contains};
 
 /// Byte 0: bit 0 fragmented I/O is not guessed, bit 1 the sizes of a connection are told. Then a [session](crate::monitor), whose
 /// exchanges are those of DeviceNeX.
@@ -176,17 +177,9 @@ fn address(number: u8) -> OperationalAddress {
     OperationalAddress::from_low_bits(number)
 }
 
-fn contains(data: &[u8], piece: &[u8]) -> bool {
-    piece.is_empty() || data.windows(piece.len()).any(|window| window == piece)
-}
-
-const MOST_FRAMES: usize = 256;
 const LONGEST_MESSAGE: usize = 512;
 /// A message of 512 bytes in hexadecimal, and words around it.
 const LONGEST_LINE: usize = 4096;
-/// Not zero, before which there is no moment.
-const START: Instant = Instant::from_millis(1_000);
-const MUCH_LATER: Instant = Instant::from_millis(1_700_000_000_000);
 
 #[cfg(test)]
 mod tests {
@@ -203,20 +196,6 @@ mod tests {
                         .concat();
                 run(&session);
             }
-        }
-    }
-
-    #[test]
-    fn any_bytes_are_a_session() {
-        let mut state = 1_u32;
-        for length in [0, 1, 2, 7, 64, 300, 1000] {
-            let bytes: Vec<u8> = (0..length)
-                .map(|_| {
-                    state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                    (state >> 24) as u8
-                })
-                .collect();
-            run(&bytes);
         }
     }
 }

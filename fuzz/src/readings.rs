@@ -5,6 +5,8 @@ use devicenet_core::monitor::{Kind, Reading};
 use link_core::Frame;
 use serde_json::{Map, Value};
 
+use crate::passive::contains;
+
 /// Judges a reading of `frame`; returns its line.
 pub(crate) fn judge(reading: &Reading<'_>, frame: &Frame) -> String {
     assert_eq!(reading.frame, *frame);
@@ -79,10 +81,6 @@ fn values(object: &Map<String, Value>, value: Option<&[u8]>) {
 
 fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-fn contains(data: &[u8], piece: &[u8]) -> bool {
-    piece.is_empty() || data.windows(piece.len()).any(|window| window == piece)
 }
 
 /// A number that is not finite becomes null.

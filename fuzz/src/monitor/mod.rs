@@ -12,8 +12,8 @@ use core::time::Duration;
 use arbitrary::Unstructured;
 use devicenet_core::MacId;
 use devicenet_core::monitor::{FragmentationGuess, Monitor, MonitorConfig, Predefined, Reading};
-use link_core::Instant;
 
+use crate::passive::{MOST_FRAMES, MUCH_LATER, START, is_made_of};
 use crate::readings;
 use findings::Practice;
 use session::Sent;
@@ -76,31 +76,14 @@ fn check_message(reading: &Reading<'_>, sent: &[Sent]) {
     if message.data.is_empty() {
         return;
     }
-    // How much of the message, from its front, is still to be explained, by any choice of frames so far.
-    let mut left = vec![message.data.len()];
     let mut after = reading.at.saturating_since(START);
     let on_this_identifier = sent.iter().rev().filter(|sent| sent.frame.id() == reading.frame.id());
-    for (index, Sent { at, frame }) in on_this_identifier.enumerate() {
-        if after - *at > FRAGMENT_TIMEOUT {
-            break;
-        }
+    let in_time = on_this_identifier.map_while(|Sent { at, frame }| {
+        let is_in_time = after - *at <= FRAGMENT_TIMEOUT;
         after = *at;
-        let shorter: Vec<_> = left
-            .iter()
-            .flat_map(|&len| (1..=2).filter_map(move |skip| Some((len, frame.data().get(skip..)?))))
-            .filter_map(|(len, piece)| message.data[..len].strip_suffix(piece).map(<[u8]>::len))
-            .collect();
-        if index == 0 {
-            left.clear();
-        }
-        left.extend(shorter);
-        left.sort_unstable();
-        left.dedup();
-        if left.first() == Some(&0) {
-            return;
-        }
-    }
-    panic!("{:02X?} was never sent: {reading}", message.data);
+        is_in_time.then(|| (1..=2).filter_map(move |skip| frame.data().get(skip..)))
+    });
+    assert!(is_made_of(message.data, in_time), "{:02X?} was never sent: {reading}", message.data);
 }
 
 /// The records agree with what was sent.
@@ -125,18 +108,14 @@ fn check_summary(monitor: &Monitor, sent: &[Sent]) {
     }
 }
 
-const MOST_FRAMES: usize = 256;
 const LONGEST_MESSAGE: usize = 512;
 const FRAGMENT_TIMEOUT: Duration = Duration::from_secs(3);
-/// Not zero, before which there is no moment.
-const START: Instant = Instant::from_millis(1_000);
-const MUCH_LATER: Instant = Instant::from_millis(1_700_000_000_000);
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use devicenet_core::Identifier;
-    use link_core::Frame;
+    use link_core::{Frame, Instant};
 
     fn session(frames: &[(u16, &[u8])]) -> Vec<u8> {
         let frames = frames.iter().enumerate().map(|(index, &(id, data))| {
