@@ -6,6 +6,7 @@ use super::config::Config;
 use super::database::{DatabaseError, PlannedDevice};
 use super::event::Counters;
 use super::machine::{Manager, NOWHERE, Work};
+use super::slot::Slot;
 use super::state::{Cause, DeviceState};
 use crate::access::Access;
 use crate::id::OperationalAddress;
@@ -26,7 +27,8 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
     /// Adds a device to the database. A manager that works already asks at once who has its address.
     ///
     /// # Errors
-    /// If the address is taken or none, if a connection cannot be made as planned, or if there is no room.
+    /// If the address is taken or none, if the device has another one already, if a connection cannot be made as planned, or if
+    /// there is no room.
     pub fn add_device(
         &mut self,
         now: Instant,
@@ -40,6 +42,11 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         }
         if self.place(address).is_some() {
             return Err(DatabaseError::Planned(address));
+        }
+        let is_same =
+            |slot: &&Slot<CONNECTIONS>| plan.identity.serial.is_some() && slot.plan.identity == plan.identity;
+        if let Some(slot) = self.slots.iter().find(is_same) {
+            return Err(DatabaseError::Identity(slot.address()));
         }
         let place = self.insert(plan, DeviceState::Idle).ok_or(DatabaseError::Full(DEVICES))?;
         if self.is_working() {

@@ -105,6 +105,11 @@ pub enum DatabaseError {
     /// It is planned already.
     #[error("OA {0} is in the database: remove that device first")]
     Planned(OperationalAddress),
+    /// A device has one address.
+    #[error(
+        "this device is planned for OA {0}: remove it there first, or plan for any device of its product"
+    )]
+    Identity(OperationalAddress),
     /// No room.
     #[error("the database has room for {0} devices")]
     Full(usize),

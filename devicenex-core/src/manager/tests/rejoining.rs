@@ -67,6 +67,7 @@ fn it_takes_its_own_address_back() {
 fn it_takes_the_next_address_that_is_free() {
     let mut near = producer();
     near.address = oa(2);
+    near.identity.serial = Some(2);
     let mut bus = Bus::on_line(config(), [producer(), near]);
     for last in [1, 3, 4] {
         bus.displace();

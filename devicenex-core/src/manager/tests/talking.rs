@@ -4,9 +4,10 @@ use cip_core::code::{AttributeId, ClassId, InstanceId, ServiceCode};
 use cip_core::message::Request;
 
 use super::bus::*;
-use crate::id::Direction;
+use crate::id::{Direction, OperationalAddress};
 use crate::manager::{
-    Attribute, DatabaseError, DeviceState, ManagerEvent, PlannedConnection, RequestError, RequestFailure,
+    Attribute, DatabaseError, DeviceState, IdentityPattern, ManagerEvent, PlannedConnection, PlannedDevice,
+    RequestError, RequestFailure,
 };
 
 const NAME: Attribute =
@@ -130,7 +131,12 @@ fn what_cannot_be_planned() {
     let mut bus = Bus::on_line(config(), [producer()]);
     let now = bus.now;
     assert_eq!(bus.manager.add_device(now, producer()), Err(DatabaseError::Planned(oa(67))));
-    let at = |address| crate::manager::PlannedDevice { address, ..producer() };
+    let at = |address: OperationalAddress| {
+        let identity = IdentityPattern { serial: Some(address.number().into()), ..producer().identity };
+        PlannedDevice { address, identity, ..producer() }
+    };
+    let elsewhere = PlannedDevice { address: oa(9), ..producer() };
+    assert_eq!(bus.manager.add_device(now, elsewhere), Err(DatabaseError::Identity(oa(67))));
     assert_eq!(bus.manager.add_device(now, at(oa(127))), Err(DatabaseError::NoAddress));
     assert_eq!(bus.manager.add_device(now, at(oa(1))), Err(DatabaseError::OwnAddress(oa(1))));
     let mut twice = at(oa(9));
