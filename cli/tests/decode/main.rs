@@ -13,6 +13,7 @@ mod damage;
 mod frames;
 mod nex;
 mod powerlink;
+mod powerlink_tshark;
 mod selection;
 mod summary;
 mod usage;
