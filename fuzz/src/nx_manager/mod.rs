@@ -21,7 +21,7 @@ use arbitrary::Unstructured;
 use cip_core::code::{AttributeId, ClassId, InstanceId, ServiceCode};
 use cip_core::message::Request;
 use devicenex_core::Identifier;
-use devicenex_core::id::{Direction, Layout};
+use devicenex_core::id::{Direction, Layout, OperationalAddress};
 use devicenex_core::manager::{Attribute, Config, DeviceState, Manager, ManagerEvent};
 use devicenex_core::message::{DeviceIdentity, Hello, MiniWho, PortByte, Roam};
 use link_core::{
@@ -51,6 +51,8 @@ struct Network {
     asked: BTreeMap<u8, Frame>,
     /// The devices that said Hello without an address.
     homeless: BTreeSet<DeviceIdentity>,
+    /// Where the manager has told of a device that belongs elsewhere.
+    misplaced: BTreeSet<OperationalAddress>,
     /// The mode that the controller is to be set to.
     mode: Option<Mode>,
     /// The application asks whom it likes.
@@ -81,6 +83,7 @@ impl Network {
             in_flight: BTreeMap::new(),
             asked: BTreeMap::new(),
             homeless: BTreeSet::new(),
+            misplaced: BTreeSet::new(),
             mode: None,
             commanded: false,
         }
@@ -220,7 +223,12 @@ impl Network {
             Action::Withdraw(TxToken(token)) => {
                 assert!(self.in_flight.contains_key(&token), "nothing to withdraw");
             }
-            Action::Event(event) => assert!(!event.to_string().is_empty()),
+            Action::Event(event) => {
+                assert!(!event.to_string().is_empty());
+                if let ManagerEvent::Misplaced { at, .. } = event {
+                    self.misplaced.insert(at);
+                }
+            }
             // A controller that does as it is told.
             Action::Link(LinkCommand::SetMode(mode)) => self.mode = Some(mode),
             Action::Link(_) => {}
@@ -251,11 +259,9 @@ impl Network {
                     && NODES[..3].contains(&route.destination.number()) =>
             {
                 let state = self.manager.device(route.destination).expect("it is planned").state;
-                // Over an explicit connection whoever has the address of another is told its own, also while that other asks
-                // for it, or the manager looks who has it now.
-                let has_another =
-                    matches!(state, DeviceState::Conflict | DeviceState::Joining | DeviceState::Probing);
-                let is_told = has_another && self.manager.config().readdress;
+                // Over an explicit connection whoever has the address of another is told its own, whatever becomes of that other
+                // meanwhile.
+                let is_told = self.misplaced.contains(&route.destination) && self.manager.config().readdress;
                 let is_explicit = matches!(frame.data(), [0x4B, byte, ..] if byte >> 4 & 7 == 5);
                 let may_be_asked = state.is_on_line() || is_told && is_explicit;
                 assert!(may_be_asked && self.manager.works(), "{frame}: {state:?}");
