@@ -5,7 +5,7 @@ use super::Symptom;
 /// One error counter object: how often in all, and whether it is too often now.
 ///
 /// A symptom adds 8 to the threshold counter, a good cycle takes 1 away. At the threshold the node reacts, and the counter
-/// starts at 0 again. With the default of 15 the second symptom within eight good cycles is one too many.
+/// starts at 0 again. With the default of 15 a second symptom with at most one good cycle between is one too many.
 ///
 /// ```
 /// use powerlink_core::error::ErrorCounter;
@@ -145,7 +145,7 @@ mod tests {
         }
     }
 
-    /// EPSG DS 301: with 15, the second symptom within eight good cycles; openPOWERLINK: one in ten cycles does nothing.
+    /// Of EPSG DS 301 with 15: 8 - good + 8 must reach it; openPOWERLINK: one in ten cycles does nothing.
     #[test]
     fn good_cycles_between_two_symptoms() {
         for good in 0..12 {
