@@ -51,10 +51,8 @@ pub(super) struct Model {
     bit_rate: BusRate,
     /// Of a bus whose bit rate neither a scenario nor a controller tells.
     least: LeastRate,
-    /// What there is against the bit rate that the user has said.
-    doubt: Option<Doubt>,
-    /// The same, and that rate, until it is told.
-    news_of_doubt: Option<(BitRate, Doubt)>,
+    /// The bit rate that the user has said, and what there is against it.
+    doubt: Option<(BitRate, Doubt)>,
     /// When it began to listen.
     begin: Option<Instant>,
     now: Instant,
@@ -91,7 +89,6 @@ impl Model {
             bit_rate: bit_rate.unwrap_or(BusRate::AtLeast(least.rate())),
             least,
             doubt: None,
-            news_of_doubt: None,
             begin: None,
             now: Instant::ZERO,
             link: LinkState::Down,
@@ -128,10 +125,11 @@ impl Model {
             self.doctor.can_fd(at, n);
         }
         self.counters.unread = port.bad_entries();
+        let told = self.doubt;
         self.see(at, port.entry(), input, &mut tell);
-        match self.news_of_doubt.take() {
-            Some((said, doubt)) => port.doubt_bit_rate(said, doubt),
-            None => Ok(()),
+        match self.doubt {
+            Some((said, doubt)) if told != self.doubt => port.doubt_bit_rate(said, doubt),
+            _ => Ok(()),
         }
     }
 
@@ -213,10 +211,9 @@ impl Model {
             return;
         }
         self.least.see(at, frame);
-        if let Some((said, doubt)) = self.least.doubt()
-            && self.doubt.replace(doubt) != Some(doubt)
-        {
-            self.news_of_doubt = Some((said, doubt));
+        let doubt = self.least.doubt();
+        if doubt.is_some() && doubt != self.doubt {
+            self.doubt = doubt;
             self.doctor.set_bit_rate(None);
         }
         if self.bit_rate.said().is_none() || self.doubt.is_some() {
@@ -354,7 +351,7 @@ mod tests {
         for n in 1..=1_000 {
             model.see(Instant::from_nanos(n * length), None, Input::Frame(frame), |_| {});
         }
-        assert_eq!(model.news_of_doubt, Some((said, Doubt::TooLow(BitRate::K250))));
+        assert_eq!(model.doubt, Some((said, Doubt::TooLow(BitRate::K250))));
         assert_eq!(model.bit_rate, BusRate::AtLeast(BitRate::K250));
         assert_eq!(model.doctor.config().bit_rate, None);
         let load = model.picture().total.all;
