@@ -16,6 +16,8 @@ mod powerlink;
 mod powerlink_tshark;
 mod selection;
 mod summary;
+#[path = "../live/tshark.rs"]
+mod tshark;
 mod usage;
 
 use std::io::ErrorKind::BrokenPipe;

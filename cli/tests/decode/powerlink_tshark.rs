@@ -6,17 +6,12 @@ use powerlink_core::wire::{NmtStateCode, RequestedService};
 use serde_json::Value;
 
 use super::powerlink::{BOOT, boot};
-use super::{capture, json_lines, stdout};
+use super::{capture, json_lines, stdout, tshark};
 
 /// Message type, nodes, services, targets, states, sizes, flags of each frame.
 #[test]
 fn tshark_agrees() {
-    if Command::new("tshark").arg("--version").output().is_err() {
-        assert!(
-            std::env::var_os("DEVICENET_REQUIRE_TSHARK").is_none(),
-            "DEVICENET_REQUIRE_TSHARK is set, and there is no tshark"
-        );
-        eprintln!("SKIPPED tshark_agrees: there is no tshark");
+    if !tshark::is_here("tshark_agrees") {
         return;
     }
     let fields = [

@@ -18,6 +18,7 @@ mod recover;
 mod scan;
 #[cfg(target_os = "linux")]
 mod terminal;
+mod tshark;
 mod usage;
 
 use std::process::{Command, Output};

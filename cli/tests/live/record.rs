@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use crate::{Run, devicenet};
+use crate::{Run, devicenet, tshark};
 
 /// A file of a test's own that is not there yet.
 pub(crate) fn file(name: &str) -> PathBuf {
@@ -46,12 +46,7 @@ fn a_slave_that_drops_out_is_caught_with_five_seconds_before_and_after() {
 /// until its master gives it up.
 #[test]
 fn tshark_reads_the_recording() {
-    if Command::new("tshark").arg("--version").output().is_err() {
-        assert!(
-            std::env::var_os("DEVICENET_REQUIRE_TSHARK").is_none(),
-            "DEVICENET_REQUIRE_TSHARK is set, and there is no tshark"
-        );
-        eprintln!("SKIPPED tshark_reads_the_recording: there is no tshark");
+    if !tshark::is_here("tshark_reads_the_recording") {
         return;
     }
     let path = file("tshark.pcapng");
