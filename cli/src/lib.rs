@@ -32,6 +32,7 @@ pub mod exit;
 pub mod health;
 mod histogram;
 pub mod live;
+mod losses;
 pub mod output;
 pub mod powerlink;
 pub mod recording;

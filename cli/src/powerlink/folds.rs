@@ -98,7 +98,7 @@ const FOLDED: [&str; 6] =
 /// How many different ones of a name are told apart.
 const DIFFERENT: usize = 4;
 /// How long equal ones are only counted.
-pub(super) const WHILE: Duration = Duration::from_secs(1);
+const WHILE: Duration = Duration::from_secs(1);
 
 #[cfg(test)]
 mod tests {

@@ -9,9 +9,10 @@ use powerlink_core::NodeId;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::folds::{Folds, Told, WHILE};
+use super::folds::{Folds, Told};
+use crate::losses::Losses;
 use crate::output::Output;
-use crate::text::{LOWER, push_hex};
+use crate::text::{self, LOWER, push_hex};
 
 pub(super) struct Log {
     output: Output,
@@ -21,10 +22,7 @@ pub(super) struct Log {
     /// The same in JSON.
     node: u8,
     folds: Folds,
-    /// Frames that were lost, and are not told yet.
-    lost: u64,
-    /// When others were, less than a while ago.
-    lost_told: Option<Instant>,
+    losses: Losses,
 }
 
 impl Log {
@@ -35,8 +33,7 @@ impl Log {
             name: node.to_string(),
             node: node.0,
             folds: Folds::default(),
-            lost: 0,
-            lost_told: None,
+            losses: Losses::default(),
         }
     }
 
@@ -56,23 +53,19 @@ impl Log {
     pub(super) fn time(&mut self, now: Instant) -> io::Result<()> {
         let due = self.folds.due(now);
         self.held_back(now, due)?;
-        let is_due = |told: Instant| now.saturating_since(told) >= WHILE;
-        if self.lost_told.is_some_and(is_due) { self.lost(now) } else { Ok(()) }
+        match self.losses.due(now) {
+            Some(count) => self.lost(now, count),
+            None => Ok(()),
+        }
     }
 
     fn held_back(&mut self, now: Instant, told: Vec<Told>) -> io::Result<()> {
         told.into_iter().try_for_each(|told| self.line(now, &told.name, told.fields, &told.words))
     }
 
-    /// How many frames were lost since this was told last.
-    fn lost(&mut self, now: Instant) -> io::Result<()> {
-        let count = core::mem::take(&mut self.lost);
-        self.lost_told = (count > 0).then_some(now);
-        match count {
-            0 => Ok(()),
-            1 => self.line(now, "lost", fields([("frames", count.into())]), "1 frame lost"),
-            _ => self.line(now, "lost", fields([("frames", count.into())]), &format!("{count} frames lost")),
-        }
+    fn lost(&mut self, now: Instant, count: u32) -> io::Result<()> {
+        let words = format!("{} lost", text::count(count.into(), "frame"));
+        self.line(now, "lost", fields([("frames", count.into())]), &words)
     }
 
     /// News of the interface. What is not sent is counted: there may be much of it.
@@ -81,8 +74,8 @@ impl Log {
             LinkEvent::Up => self.line(now, "link", fields([("state", "up".into())]), "link up"),
             LinkEvent::Down => self.line(now, "link", fields([("state", "down".into())]), "link down"),
             LinkEvent::FramesLost { count } => {
-                self.lost += u64::from(count);
-                if self.lost_told.is_none() { self.lost(now) } else { self.time(now) }
+                self.losses.add(count);
+                self.time(now)
             }
             LinkEvent::CrcError | LinkEvent::Collision | LinkEvent::NotSent => Ok(()),
         }
@@ -119,7 +112,9 @@ impl Log {
     ) -> io::Result<()> {
         let rest = self.folds.rest(now);
         self.held_back(now, rest)?;
-        self.lost(now)?;
+        if let Some(count) = self.losses.rest() {
+            self.lost(now, count)?;
+        }
         let counters = serde_json::to_value(counters).unwrap_or_default();
         let counted: Vec<String> = counters
             .as_object()

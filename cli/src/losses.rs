@@ -6,25 +6,30 @@ use link_core::Instant;
 
 /// What was lost and is not told yet.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub(super) struct Losses {
+pub(crate) struct Losses {
     /// 0 of those that were not counted.
     untold: Option<u32>,
     told_at: Option<Instant>,
 }
 
 impl Losses {
-    pub(super) fn add(&mut self, lost: u32) {
+    pub(crate) fn add(&mut self, lost: u32) {
         self.untold = Some(self.untold.unwrap_or_default().saturating_add(lost));
     }
 
     /// What is to be told now: the first loss at once, and then once a second what has come meanwhile.
-    pub(super) fn due(&mut self, now: Instant) -> Option<u32> {
+    pub(crate) fn due(&mut self, now: Instant) -> Option<u32> {
         if self.told_at.is_some_and(|told_at| now.saturating_since(told_at) < PAUSE) {
             return None;
         }
-        let lost = self.untold.take()?;
+        let lost = self.rest()?;
         self.told_at = Some(now);
         Some(lost)
+    }
+
+    /// What is not told yet, however little time has passed.
+    pub(crate) fn rest(&mut self) -> Option<u32> {
+        self.untold.take()
     }
 }
 
@@ -47,5 +52,13 @@ mod tests {
         assert_eq!(losses.due(at(1_100)), Some(12));
         losses.add(0);
         assert_eq!((losses.due(at(2_100)), losses.due(at(4_000))), (Some(0), None), "not counted");
+        losses.add(1);
+        assert_eq!((losses.due(at(4_000)), losses.rest()), (Some(1), None));
+        losses.add(2);
+        assert_eq!(
+            (losses.due(at(4_999)), losses.rest(), losses.rest()),
+            (None, Some(2), None),
+            "at the end"
+        );
     }
 }
