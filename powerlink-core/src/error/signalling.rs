@@ -132,8 +132,8 @@ impl Signalling {
     }
 }
 
-/// The errors that wait while the managing node has not read the last ones.
-const EMERGENCY_QUEUE: usize = 8;
+/// The errors that wait while the managing node has not read the last ones: as many as a StatusResponse can tell.
+const EMERGENCY_QUEUE: usize = MAX_ENTRIES;
 
 #[cfg(test)]
 mod tests {
@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn a_full_queue_says_so() {
         let mut signalling = Signalling::new(2);
-        let kept = (0..10).filter(|&code| signalling.report(error(code))).count();
+        let kept = (0..20).filter(|&code| signalling.report(error(code))).count();
         assert_eq!(kept, EMERGENCY_QUEUE);
     }
 }

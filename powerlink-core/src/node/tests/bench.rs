@@ -261,9 +261,14 @@ impl Bench {
 
     /// SDO of the managing node, from the sequence layer on.
     pub(super) fn sdo(&mut self, hex: &str) {
+        self.sdo_of(NodeId::MANAGING_NODE, hex);
+    }
+
+    /// SDO of any client, from the sequence layer on.
+    pub(super) fn sdo_of(&mut self, client: NodeId, hex: &str) {
         let body: Vec<u8> = hex.split(' ').map(|byte| u8::from_str_radix(byte, 16).unwrap()).collect();
         let service = crate::wire::ServiceId::SDO;
-        self.of_mn(group::ASND, NODE, Body::OtherAsnd(service, &body));
+        self.hears(group::ASND, NODE, client, Body::OtherAsnd(service, &body));
     }
 
     /// The managing node writes an object, with an invitation for each answer.
