@@ -309,9 +309,17 @@ pub fn plan(number: u8) -> NodePlan<'static> {
 /// If the number is none of a node.
 #[must_use]
 pub fn node(number: u8) -> Cn {
+    node_at(MacAddress([2, 0, 0, 0, 0, number]), number)
+}
+
+/// The same at another MAC address.
+///
+/// # Panics
+/// If the number is none of a node.
+#[must_use]
+pub fn node_at(mac: MacAddress, number: u8) -> Cn {
     let identity =
         Identity { vendor_id: VENDOR, product_code: 7, revision: 0x0001_0000, serial_number: number.into() };
-    let mac = MacAddress([2, 0, 0, 0, 0, number]);
     let config = node::Config::new(NodeId(number), mac, Device::new(identity)).expect("a controlled node");
     ControlledNode::new(config, Io::default()).expect("nothing is mapped")
 }

@@ -93,8 +93,15 @@ impl Fold {
 }
 
 /// Those that frames of strangers cause.
-const FOLDED: [&str; 6] =
-    ["bad_frame", "foreign_poll", "sdo_refused", "sdo_aborted", "other_managing_node", "unknown_node"];
+const FOLDED: [&str; 7] = [
+    "bad_frame",
+    "foreign_poll",
+    "sdo_refused",
+    "sdo_aborted",
+    "other_managing_node",
+    "unknown_node",
+    "address_conflict",
+];
 /// How many different ones of a name are told apart.
 const DIFFERENT: usize = 4;
 /// How long equal ones are only counted.

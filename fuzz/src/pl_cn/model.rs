@@ -34,7 +34,7 @@ pub(super) enum Why {
 
 /// What is compared with afterwards.
 pub(super) struct Before {
-    counters: [u32; 13],
+    counters: [u32; 14],
     cumulative: Vec<u32>,
     outputs: (u8, u32),
     mapped: usize,
@@ -415,11 +415,12 @@ fn own_frame(bytes: &[u8]) {
     assert!(!matches!(frame.body, Body::Other(..) | Body::OtherAsnd(..)), "{frame}");
 }
 
-fn fields(counters: &NodeCounters) -> [u32; 13] {
+fn fields(counters: &NodeCounters) -> [u32; 14] {
     let NodeCounters {
         bad_frames,
         other_destinations,
         foreign_polls,
+        address_conflicts,
         echoes,
         unknown,
         commands_ignored,
@@ -435,6 +436,7 @@ fn fields(counters: &NodeCounters) -> [u32; 13] {
         bad_frames,
         other_destinations,
         foreign_polls,
+        address_conflicts,
         echoes,
         unknown,
         commands_ignored,

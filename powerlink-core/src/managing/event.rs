@@ -105,6 +105,13 @@ pub enum MnEvent {
     },
     /// There is another managing node.
     OtherManagingNode(MacAddress),
+    /// Two nodes have one node ID: a PRes or ASnd of another than the one that was identified, which was ignored.
+    AddressConflict {
+        /// The node ID.
+        node: NodeId,
+        /// The MAC address of the other one.
+        source: MacAddress,
+    },
     /// A node that is in no plan answers.
     UnknownNode(NodeId),
     /// A frame could not be read, and was dropped.
@@ -132,6 +139,8 @@ pub struct MnCounters {
     pub unanswered: u32,
     /// Asynchronous frames without an invitation, or after its time.
     pub uninvited: u32,
+    /// PRes and ASnd of another node than the one that was identified under the node ID.
+    pub address_conflicts: u32,
     /// Frames of nodes in no plan.
     pub unknown_nodes: u32,
     /// Frames that could not be read.
@@ -177,6 +186,9 @@ impl fmt::Display for MnEvent {
             Self::ObjectWritten { node, at } => write!(f, "{at} of {node} written"),
             Self::SdoFailed { node, at, code } => write!(f, "{at} of {node} failed: {code}"),
             Self::OtherManagingNode(mac) => write!(f, "another managing node: {mac}"),
+            Self::AddressConflict { node, source } => {
+                write!(f, "another node has the node ID of {node}: {source}")
+            }
             Self::UnknownNode(node) => write!(f, "{node} is in no plan"),
             Self::BadFrame(error) => write!(f, "bad frame: {error}"),
             Self::BufferTooShort => f.write_str("frame not sent: the buffer is too short"),

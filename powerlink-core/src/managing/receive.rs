@@ -6,6 +6,7 @@ use super::event::{MnEvent, count};
 use super::machine::{ManagingNode, Opening, Step, Timer};
 use super::schedule::Slot;
 use super::state::{MnCause, MnState, NodePhase};
+use super::station::Station;
 use crate::NodeId;
 use crate::wire::{
     AsyncRequest, ErrorCode, Flags, FrameError, Header, IdentResponse, MessageType, NmtCommandId, NmtRequest,
@@ -69,8 +70,23 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
         index.filter(|_| self.state.is_active())
     }
 
+    /// Of two nodes with one ID the one that was identified counts, until it is lost.
+    fn is_of_another(&mut self, index: usize, header: &Header) -> bool {
+        let is_known = |station: &Station<DATA>| station.phase != NodePhase::Absent;
+        let mac = self.stations.get(index).filter(|station| is_known(station)).map(|station| station.mac);
+        if mac.is_none_or(|mac| mac == header.source) {
+            return false;
+        }
+        count(&mut self.counters.address_conflicts);
+        self.raise(MnEvent::AddressConflict { node: header.from, source: header.source });
+        true
+    }
+
     fn pres(&mut self, header: &Header, pres: &Pres<'_>) {
         let Some(index) = self.sender(header.from) else { return };
+        if self.is_of_another(index, header) {
+            return;
+        }
         if self.step != Step::Poll(index) || self.due.is_some() {
             return count(&mut self.counters.late_pres);
         }
@@ -121,6 +137,9 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
             return Ok(());
         }
         let Some(index) = self.sender(header.from) else { return Ok(()) };
+        if self.is_of_another(index, header) {
+            return Ok(());
+        }
         let is_invited = self.is_answered(header.from, service);
         match service {
             ServiceId::IDENT_RESPONSE => self.ident(index, header.source, &IdentResponse::read(reader)?),

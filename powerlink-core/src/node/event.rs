@@ -2,11 +2,11 @@
 
 use core::fmt;
 
-use crate::NodeId;
 use crate::dictionary::ObjectAddress;
 use crate::indicator::StatusLed;
 use crate::nmt::{Cause, NmtState};
 use crate::wire::{AbortCode, ErrorCode, NmtCommandId, ParseError, SdoCommandId};
+use crate::{MacAddress, NodeId};
 
 /// What happened.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -73,6 +73,11 @@ pub enum NodeEvent {
         /// Who.
         from: NodeId,
     },
+    /// Another node has this node's ID: a PRes or ASnd under it that the node did not send.
+    AddressConflict {
+        /// The MAC address of the other one.
+        source: MacAddress,
+    },
     /// A frame could not be read, and was dropped.
     BadFrame(ParseError),
     /// The buffer of the caller is too short for a frame, which was not sent.
@@ -90,6 +95,8 @@ pub struct NodeCounters {
     pub other_destinations: u32,
     /// PReq for the node that are not of the managing node.
     pub foreign_polls: u32,
+    /// PRes and ASnd of another node with this node's ID.
+    pub address_conflicts: u32,
     /// Own frames that came back.
     pub echoes: u32,
     /// Messages of a type or service that a controlled node does not know.
@@ -138,6 +145,7 @@ impl fmt::Display for NodeEvent {
             Self::SdoRefused { client } => write!(f, "SDO connection of {client} refused: there is no room"),
             Self::Error(code) => write!(f, "error: {code}"),
             Self::ForeignPoll { from } => write!(f, "PReq of {from} ignored: it is not the managing node"),
+            Self::AddressConflict { source } => write!(f, "another node has the same node ID: {source}"),
             Self::BadFrame(error) => write!(f, "bad frame: {error}"),
             Self::BufferTooShort => f.write_str("frame not sent: the buffer is too short"),
         }

@@ -61,6 +61,9 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
             count(&mut self.counters.other_destinations);
             return None;
         }
+        if header.from == self.config.node {
+            self.address_conflict(&header);
+        }
         let result = match header.message_type {
             MessageType::PREQ => self.preq(&header, &mut reader),
             MessageType::SOC => Soc::read(&mut reader).map(|soc| self.soc(&soc)),
@@ -82,6 +85,15 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
             self.bad_frame(error);
         }
         None
+    }
+
+    /// A frame under the ID of this node from another MAC address. What it means for the cycle it means nevertheless.
+    #[cold]
+    fn address_conflict(&mut self, header: &Header) {
+        if matches!(header.message_type, MessageType::PRES | MessageType::ASND) {
+            count(&mut self.counters.address_conflicts);
+            self.raise(NodeEvent::AddressConflict { source: header.source });
+        }
     }
 
     /// In the initialisation the node only hears that it is to be reset once more.

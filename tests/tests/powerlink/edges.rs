@@ -163,10 +163,10 @@ fn stopped_in_the_handshake(taken: &mut Taken) {
 
 /// A SoC of a managing node that is not there.
 fn foreign_soc() -> Vec<u8> {
-    emitted(group::SOC, NodeId::MANAGING_NODE, Body::Soc(Soc::default()))
+    emitted(0x57, group::SOC, NodeId::MANAGING_NODE, Body::Soc(Soc::default()))
 }
 
-/// A StatusResponse of node 1 with EC=1, as after a power cycle.
+/// A StatusResponse of node 1, at its MAC address, with EC=1, as after a power cycle.
 fn restarted() -> Vec<u8> {
     let status = StatusResponse {
         flags: Flags::EXCEPTION_CLEAR,
@@ -175,10 +175,10 @@ fn restarted() -> Vec<u8> {
         static_errors: [0; 8],
         entries: Default::default(),
     };
-    emitted(group::ASND, NodeId(1), Body::StatusResponse(status))
+    emitted(1, group::ASND, NodeId(1), Body::StatusResponse(status))
 }
 
-fn emitted(destination: MacAddress, from: NodeId, body: Body<'_>) -> Vec<u8> {
-    let (source, to) = (MacAddress([2, 0, 0, 0, 0, 0x57]), NodeId::BROADCAST);
+fn emitted(mac: u8, destination: MacAddress, from: NodeId, body: Body<'_>) -> Vec<u8> {
+    let (source, to) = (MacAddress([2, 0, 0, 0, 0, mac]), NodeId::BROADCAST);
     Frame { destination, source, to, from, body }.emit(&mut [0; 128]).unwrap().to_vec()
 }

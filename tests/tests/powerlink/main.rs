@@ -18,3 +18,4 @@ mod losses;
 mod network;
 mod recorded_order;
 mod recording;
+mod same_number;

@@ -2,11 +2,11 @@
 //! verdict of openPOWERLINK 2.7.2 were sent to its controlled node.
 
 use super::bench::*;
-use crate::NodeId;
 use crate::error::Symptom;
 use crate::nmt::NmtState;
 use crate::node::{NodeCounters, NodeEvent};
 use crate::wire::ErrorCode;
+use crate::{MacAddress, NodeId};
 
 fn bytes(hex: &str) -> std::vec::Vec<u8> {
     (0..hex.len()).step_by(2).map(|at| u8::from_str_radix(&hex[at..at + 2], 16).unwrap()).collect()
@@ -147,6 +147,33 @@ fn a_poll_of_another_node_is_ignored() {
     bench.bytes(&bytes("0200000000010200000000f088ab030102000100000001007700"));
     bench.wait(core::time::Duration::from_secs(1));
     bench.is(NmtState::BasicEthernet);
+}
+
+/// A PRes, IdentResponse, StatusResponse, NMTRequest or SDO under the number of this node: another one has it too. From its own
+/// address they are echoes.
+#[test]
+fn another_node_with_the_same_number_is_told() {
+    let bodies = [
+        ("02", "04ff01fd0100000001005a"),
+        ("04", &*std::format!("06ff0101{}", "00".repeat(158))),
+        ("04", &*std::format!("06ff0102{}", "00".repeat(54))),
+        ("04", "06f001032801"),
+        ("04", "06f0010500010000"),
+    ];
+    for (group, body) in bodies {
+        for state in ALL {
+            let at = |mac: &str| std::format!("01111e0000{group}{mac}88ab{body}");
+            let (mut bench, counters) = hears(state, &at("02000000aaaa"));
+            assert_eq!(counters, NodeCounters { address_conflicts: 1, ..NodeCounters::default() }, "{body}");
+            let source = MacAddress([2, 0, 0, 0, 0xAA, 0xAA]);
+            assert_eq!(bench.events, [NodeEvent::AddressConflict { source }]);
+            bench.says_nothing();
+            bench.is(state);
+            let (bench, counters) = hears(state, &at("020000000001"));
+            assert_eq!(counters, NodeCounters { echoes: 1, ..NodeCounters::default() });
+            assert_eq!(bench.events.len(), 0);
+        }
+    }
 }
 
 /// SoA IdentRequest with reserved bits, and with bit 7 of the message type.
