@@ -278,12 +278,12 @@ impl Model {
             0x01 => {
                 let bytes = answer.expect("an IdentResponse");
                 assert_eq!((bytes.len(), bytes[17]), (176, 0x01));
+        self.signalling.acknowledge(flags & 0x04 != 0);
                 self.waiting(bytes[19]);
             }
             0x02 => {
                 let bytes = answer.expect("a StatusResponse");
                 let reset = flags & 0x02 != 0;
-                self.signalling.acknowledge(flags & 0x04 != 0);
                 self.signalling.reset(reset, false);
                 assert_eq!(bytes[17], 0x02);
                 assert!(bytes.len() >= 72 && (bytes.len() - 32).is_multiple_of(20), "{} bytes", bytes.len());

@@ -20,9 +20,10 @@ impl Signalling {
         Self { ec: true, er: false, en: false, ea: false, told: None, may_toggle: false, is_early }
     }
 
-    /// EA of a PReq or StatusRequest. Once EA was EN, the node may have changed EN and what it tells before it is asked.
+    /// EA of a PReq or SoA for the node. Once EA was EN, the node may have changed EN and what it tells before it is asked.
     pub(super) fn acknowledge(&mut self, ea: bool) {
-        let is_acknowledged = self.ea == self.en || ea == self.en;
+        // After an invitation that shows no EN, it is not known which EN is the last one.
+        let is_acknowledged = self.may_toggle || self.ea == self.en || ea == self.en;
         self.may_toggle = !self.ec && is_acknowledged;
         self.ea = ea;
         if is_acknowledged {
@@ -45,6 +46,7 @@ impl Signalling {
             assert!(self.may_toggle, "EN changes before EA = EN");
             (self.en, self.told) = (en, None);
         }
+        self.may_toggle = false;
     }
 
     pub(super) fn saw_status(&mut self, ec: bool, en: bool, entries: &[u8]) {

@@ -170,10 +170,10 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         if !state.is_powerlink_mode() || soa.target != self.config.node {
             return;
         }
+        self.signalling.exception_acknowledge(soa.flags.contains(Flags::EXCEPTION_ACKNOWLEDGE));
         self.reply = match soa.service {
             RequestedService::IDENT_REQUEST => Some(Reply::Ident),
             RequestedService::STATUS_REQUEST => {
-                self.signalling.exception_acknowledge(soa.flags.contains(Flags::EXCEPTION_ACKNOWLEDGE));
                 let reset = soa.flags.contains(Flags::EXCEPTION_RESET);
                 let is_early = self.config.options.clears_before_answer;
                 if is_early {

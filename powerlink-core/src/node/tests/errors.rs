@@ -3,9 +3,10 @@
 use core::time::Duration;
 
 use super::bench::*;
+use crate::NodeId;
 use crate::nmt::NmtState;
 use crate::node::NodeEvent;
-use crate::wire::{ErrorCode, Flags, NmtCommandId, RequestedService};
+use crate::wire::{EntryType, ErrorCode, ErrorEntry, Flags, NmtCommandId, RequestedService};
 use link_core::ethernet::LinkEvent;
 
 const CYCLE_TIME: Duration = Duration::from_millis(CYCLE);
@@ -172,6 +173,35 @@ fn an_error_is_told_until_it_is_acknowledged() {
     bench.soc();
     bench.preq(Flags::DATA_VALID | Flags::EXCEPTION_ACKNOWLEDGE, &[0]);
     bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 1 byte");
+}
+
+/// A node that is not polled has the EA of SoA alone, whatever that asks for.
+#[test]
+fn any_soa_for_the_node_acknowledges_an_error() {
+    for state in [NmtState::PreOperational1, NmtState::Stopped] {
+        let mut bench = Bench::in_state(state, config());
+        for er in [Flags::EXCEPTION_RESET, Flags::empty()] {
+            bench.invite(RequestedService::STATUS_REQUEST, NODE, er);
+        }
+        bench.forget();
+        bench.link(LinkEvent::Down);
+        bench.asks(RequestedService::STATUS_REQUEST);
+        let code = state.code();
+        bench
+            .says(&std::format!("node 1 -> all: StatusResponse, {code}, EC=0 EN=1, PR=0 RS=0, loss of link"));
+        let kind = EntryType::POWERLINK_EVENT;
+        let entry = ErrorEntry { kind, code: ErrorCode(0x1234), ..ErrorEntry::default() };
+        bench.node.report_error(bench.now, entry);
+        bench.invite(RequestedService::UNSPECIFIED_INVITE, NodeId(2), Flags::EXCEPTION_ACKNOWLEDGE);
+        bench.asks(RequestedService::STATUS_REQUEST);
+        bench
+            .says(&std::format!("node 1 -> all: StatusResponse, {code}, EC=0 EN=1, PR=0 RS=0, loss of link"));
+        bench.invite(RequestedService::UNSPECIFIED_INVITE, NODE, Flags::EXCEPTION_ACKNOWLEDGE);
+        bench.says_nothing();
+        bench.invite(RequestedService::STATUS_REQUEST, NODE, Flags::EXCEPTION_ACKNOWLEDGE);
+        bench
+            .says(&std::format!("node 1 -> all: StatusResponse, {code}, EC=0 EN=0, PR=0 RS=0, error 0x1234"));
+    }
 }
 
 #[test]
