@@ -64,6 +64,8 @@ pub(super) struct Model {
     pub(super) are_inputs_valid: bool,
     /// Every transaction of every client.
     pub(super) transactions: BTreeSet<(u8, u8)>,
+    /// Whose SDO connections are open.
+    connected: BTreeSet<u8>,
     status_led: StatusLed,
     error_led: bool,
 }
@@ -80,6 +82,7 @@ impl Model {
             signalling: Signalling::new(options.clears_before_answer),
             are_inputs_valid: true,
             transactions: BTreeSet::new(),
+            connected: BTreeSet::new(),
             status_led: StatusLed::Off,
             error_led: false,
         }
@@ -127,6 +130,7 @@ impl Model {
         self.states(&changes, &expected, has_failed, why, events);
         assert_eq!(node.state(), self.states.state, "after {why:?}");
         self.follow_resets(&changes, node, now);
+        self.connections(why, events, &changes);
         self.indicators(events, node);
         self.counters(why, before, node);
         self.outputs(why, before, &changes, node);
@@ -351,6 +355,23 @@ impl Model {
             assert!(self.transactions.contains(&(bytes[15], command.transaction)), "{command:?}");
             assert!(!command.is_abort || command.data.len() == 4);
         }
+    }
+
+    /// Connections are opened once, and closed once: in the end by a reset.
+    fn connections(&mut self, why: Why, events: &[NodeEvent], changes: &[(NmtState, NmtState, Cause)]) {
+        for event in events {
+            match *event {
+                NodeEvent::SdoOpened { client } => {
+                    assert!(self.connected.insert(client.0), "{client} was connected after {why:?}");
+                }
+                NodeEvent::SdoClosed { client, .. } => {
+                    assert!(self.connected.remove(&client.0), "{client} was not connected after {why:?}");
+                }
+                _ => {}
+            }
+        }
+        let is_reset = changes.iter().any(|&(_, to, _)| to.is_initialisation() || to == NmtState::Off);
+        assert!(!is_reset || self.connected.is_empty(), "connected after a reset: {:?}", self.connected);
     }
 
     fn indicators(&mut self, events: &[NodeEvent], node: &Node) {

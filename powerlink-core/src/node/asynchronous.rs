@@ -63,8 +63,9 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     fn sdo(&mut self, from: NodeId, sdo: &Sdo<'_>) {
         let segment = usize::from(self.active.async_mtu).saturating_sub(ASND_HEADER);
         let mut objects = Objects { standard: &mut self.dictionary, application: &mut self.objects };
-        let Received { connection, outcome } = self.server.receive(from, sdo, segment, &mut objects);
-        if let Some(index) = connection {
+        let received = self.server.receive(from, sdo, segment, &mut objects);
+        let Received { connection, is_progress, outcome } = received;
+        if let Some(index) = connection.filter(|_| is_progress) {
             self.wait_for_client(index);
         }
         match outcome {

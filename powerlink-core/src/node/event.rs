@@ -54,11 +54,11 @@ pub enum NodeEvent {
         /// Who.
         client: NodeId,
     },
-    /// A connection is closed.
+    /// An open connection is closed: by its client, which may open another one, by time, or with a reset of the node.
     SdoClosed {
         /// Whose.
         client: NodeId,
-        /// Nothing was heard of the client for too long.
+        /// Nothing was heard of the client for too long, or it does not acknowledge.
         by_timeout: bool,
     },
     /// There is no room for another client.

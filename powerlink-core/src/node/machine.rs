@@ -15,7 +15,7 @@ use crate::error::Signalling;
 use crate::indicator::{StatusLed, error_led};
 use crate::nmt::{Cause, Nmt, NmtState};
 use crate::pdo::{Mapping, Mappings};
-use crate::sdo::Server;
+use crate::sdo::{CONNECTIONS, Server};
 use crate::wire::{EntryType, ErrorCode, ErrorEntry, NetTime, NmtCommandId};
 
 /// A controlled node; see the [module](super) text.
@@ -265,7 +265,11 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     /// Leaves POWERLINK mode: nothing is answered any more.
     fn fall_silent(&mut self) {
         self.timers.clear_all();
-        self.server.reset();
+        for index in 0..CONNECTIONS {
+            if let Some(client) = self.server.close(index) {
+                self.raise(NodeEvent::SdoClosed { client, by_timeout: false });
+            }
+        }
         self.requests.clear();
         (self.poll, self.reply, self.reset_after_answer) = (Poll::default(), None, None);
     }

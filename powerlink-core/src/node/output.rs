@@ -78,10 +78,15 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
             }
             Reply::Generic => {
                 let Some((index, client)) = self.server.next() else { return Ok(false) };
+                // The time for an acknowledge goes on whatever else is said meanwhile.
+                let is_timed = self.server.is_unacknowledged(index);
                 self.asnd_header(client, ServiceId::SDO, out)?;
-                self.server.emit(index, self.config.options.initiate_size, out)?;
+                let is_written = self.server.emit(index, self.config.options.initiate_size, out)?;
+                debug_assert!(is_written, "a frame was ready");
                 pad(out, MIN_FRAME)?;
-                self.wait_for_client(index);
+                if !is_timed {
+                    self.wait_for_client(index);
+                }
                 self.reset_if_answered();
             }
         }

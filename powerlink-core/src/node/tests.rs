@@ -4,6 +4,7 @@ mod aborts;
 mod bench;
 mod boot;
 mod bytes;
+mod clients;
 mod commands;
 mod data;
 mod errors;

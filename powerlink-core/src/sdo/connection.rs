@@ -72,7 +72,7 @@ pub(super) enum Sequence {
     Handled,
     /// The connection was opened, or opened anew.
     Opened,
-    /// The client closed it.
+    /// The client closed it, or opens another one in its place.
     Closed,
     /// The next frame in order: its command counts.
     InOrder,
@@ -105,17 +105,16 @@ impl<const SDO: usize> Connection<SDO> {
         let (receive, send) = (sequence.receive, sequence.send);
         match (self.phase, receive.connection, send.connection) {
             (_, _, Con::Initialisation) => {
-                let client = self.client;
+                let was_open = self.phase == Phase::Open;
                 self.close();
-                self.client = client;
                 (self.phase, self.received, self.sent, self.retries) = (Phase::Opening, send.number, 0, 0);
                 self.due = Some(Control::Initialisation);
-                Sequence::Handled
+                if was_open { Sequence::Closed } else { Sequence::Handled }
             }
             (Phase::Closed, ..) => Sequence::Ignored,
-            (_, Con::None, Con::None) => {
+            (phase, Con::None, Con::None) => {
                 self.close();
-                Sequence::Closed
+                if phase == Phase::Open { Sequence::Closed } else { Sequence::Handled }
             }
             (Phase::Opening, Con::Initialisation, Con::Valid | Con::Request) => {
                 self.phase = Phase::Open;
@@ -130,11 +129,7 @@ impl<const SDO: usize> Connection<SDO> {
             }
             (Phase::Open, Con::Valid | Con::Request, Con::Valid | Con::Request) => {
                 self.acknowledged(receive);
-                if begins && self.is_answering() && send.number != self.received {
-                    // One command at a time: the client sends it again when it has the answer to the last one.
-                    return Sequence::Ignored;
-                }
-                self.order(send)
+                self.order(send, begins)
             }
             (Phase::Opening | Phase::Open, ..) => Sequence::Ignored,
         }
@@ -152,35 +147,40 @@ impl<const SDO: usize> Connection<SDO> {
         }
     }
 
-    fn order(&mut self, send: SequenceHalf) -> Sequence {
+    fn order(&mut self, send: SequenceHalf, begins: bool) -> Sequence {
         let ahead = send.number.wrapping_sub(self.received) & NUMBER;
-        let wants_acknowledge = send.connection == Con::Request;
-        match ahead {
+        let outcome = match ahead {
+            // One command at a time: it is asked for again behind the answer to the last one.
+            1 if begins && self.is_answering() => Sequence::Ignored,
             1 => {
                 self.received = send.number;
-                if wants_acknowledge {
-                    self.due = Some(Control::Acknowledge);
-                }
                 Sequence::InOrder
             }
             // Seen before.
-            0 | HALF.. => {
-                if wants_acknowledge {
-                    self.due = Some(Control::Acknowledge);
-                }
-                Sequence::Handled
-            }
+            0 | HALF.. => Sequence::Handled,
             // A frame between is missing.
-            _ => {
-                self.due = Some(Control::Retransmission);
-                Sequence::Ignored
-            }
+            _ => Sequence::Ignored,
+        };
+        if outcome == Sequence::Ignored {
+            self.due = Some(Control::Retransmission);
+        } else if send.connection == Con::Request {
+            // What asks for a frame tells as well what arrived.
+            self.due = self.due.or(Some(Control::Acknowledge));
         }
+        outcome
     }
 
     /// Whether frames of a response still wait to be sent.
     pub(super) fn is_answering(&self) -> bool {
         matches!(&self.transfer, Transfer::Sending(outgoing) if outgoing.is_unsent())
+    }
+
+    /// The frame of a response that the client is to acknowledge next, if nothing can be sent before it does.
+    pub(super) fn awaited(&self) -> Option<u8> {
+        match &self.transfer {
+            Transfer::Sending(outgoing) => outgoing.awaited(),
+            Transfer::Idle | Transfer::Receiving(_) => None,
+        }
     }
 
     /// The number that the next frame with a command gets.
@@ -213,8 +213,9 @@ impl<const SDO: usize> Connection<SDO> {
 
     /// Writes the next frame, from the sequence layer on. Returns whether there was one.
     pub(super) fn emit(&mut self, initiate: InitiateSize, out: &mut Writer<'_>) -> Result<bool, Full> {
+        // A missing frame is asked for behind what answers the one before it.
         let control = match self.due {
-            Some(Control::Acknowledge) if self.has_data() => None,
+            Some(Control::Acknowledge | Control::Retransmission) if self.has_data() => None,
             control => control,
         };
         if let Some(control) = control {
@@ -233,7 +234,7 @@ impl<const SDO: usize> Connection<SDO> {
         }
         let (number, wants_acknowledge, segmentation, range) = outgoing.take();
         let (transaction, command, is_abort) = (outgoing.transaction, outgoing.command, outgoing.is_abort);
-        self.due = None;
+        self.due = self.due.filter(|due| *due == Control::Retransmission);
         self.sent = number;
         let connection = if wants_acknowledge { Con::Request } else { Con::Valid };
         self.sequence(Con::Valid, number, connection).emit(out)?;
@@ -256,26 +257,27 @@ impl<const SDO: usize> Connection<SDO> {
 
     /// How long the connection waits for its client: for an acknowledge a third of the time, because it asks two times again.
     /// In ms; with a time of 0 it waits for ever.
-    pub(super) const fn patience(&self, timeout: u32) -> Option<u32> {
-        match (self.phase, &self.transfer) {
-            (Phase::Closed, _) => None,
-            _ if timeout == 0 => None,
-            (_, Transfer::Sending(outgoing)) if outgoing.is_unacknowledged() => timeout.checked_div(ATTEMPTS),
-            (Phase::Opening | Phase::Open, _) => Some(timeout),
+    pub(super) fn patience(&self, timeout: u32) -> Option<u32> {
+        match self.phase {
+            Phase::Closed => None,
+            Phase::Opening | Phase::Open if timeout == 0 => None,
+            Phase::Opening | Phase::Open if self.awaited().is_some() => Some(timeout.div_ceil(ATTEMPTS)),
+            Phase::Opening | Phase::Open => Some(timeout),
         }
     }
 
-    /// The wait is over. Returns whether the connection is closed by it.
-    pub(super) const fn expired(&mut self) -> bool {
+    /// The wait is over. Returns whether an open connection is closed by it.
+    pub(super) fn expired(&mut self) -> bool {
         match &mut self.transfer {
-            Transfer::Sending(outgoing) if outgoing.is_unacknowledged() && self.retries < MAX_RETRIES => {
+            Transfer::Sending(outgoing) if outgoing.awaited().is_some() && self.retries < MAX_RETRIES => {
                 self.retries = self.retries.saturating_add(1);
                 outgoing.repeat(true);
                 false
             }
-            _ => {
+            Transfer::Idle | Transfer::Receiving(_) | Transfer::Sending(_) => {
+                let was_open = self.phase == Phase::Open;
                 self.close();
-                true
+                was_open
             }
         }
     }

@@ -75,6 +75,13 @@ impl Outgoing {
         self.next > self.acknowledged
     }
 
+    /// The number of the frame that is to be acknowledged next, if all that can be sent before is sent.
+    pub(super) fn awaited(&self) -> Option<u8> {
+        let place = u8::try_from(self.acknowledged & usize::from(NUMBER)).unwrap_or(0);
+        let number = self.first.wrapping_add(place) & NUMBER;
+        (self.is_unacknowledged() && self.ready() == 0).then_some(number)
+    }
+
     /// Whether everything arrived.
     pub(super) fn is_done(&self) -> bool {
         self.acknowledged >= self.frames()
@@ -91,6 +98,8 @@ impl Outgoing {
             return false;
         }
         self.acknowledged = count;
+        // Of what is to be sent again, this part has arrived after all.
+        self.next = self.next.max(count);
         true
     }
 

@@ -19,8 +19,11 @@ pub struct Server<const SDO: usize> {
 /// What a frame led to.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Received {
-    /// The connection whose wait begins anew.
+    /// The connection that the frame belongs to.
     pub connection: Option<usize>,
+    /// The wait of the connection begins anew. While a response waits for its acknowledge, that is what acknowledges something
+    /// new, or puts another command in its place.
+    pub is_progress: bool,
     /// What happened.
     pub outcome: Outcome,
 }
@@ -53,9 +56,12 @@ impl<const SDO: usize> Server<SDO> {
         Self { connections: [const { Connection::new() }; CONNECTIONS], turn: 0 }
     }
 
-    /// Forgets all clients, without a word to them.
-    pub fn reset(&mut self) {
-        self.connections.iter_mut().for_each(Connection::close);
+    /// Forgets the client of a connection, without a word to it. Returns who that is, if the connection was open.
+    pub fn close(&mut self, index: usize) -> Option<NodeId> {
+        let connection = self.connections.get_mut(index)?;
+        let was_open = connection.phase == Phase::Open;
+        connection.close();
+        was_open.then_some(connection.client)
     }
 
     /// Takes a frame of a client. `segment` is the most data that a response carries in a frame.
@@ -69,12 +75,13 @@ impl<const SDO: usize> Server<SDO> {
         let is_opening = sdo.sequence.send.connection == crate::wire::Con::Initialisation;
         let Some(index) = self.place_of(from, is_opening) else {
             let outcome = if is_opening { Outcome::Refused } else { Outcome::Ignored };
-            return Received { connection: None, outcome };
+            return Received { connection: None, is_progress: false, outcome };
         };
         let Some(connection) = self.connections.get_mut(index) else {
-            return Received { connection: None, outcome: Outcome::Ignored };
+            return Received { connection: None, is_progress: false, outcome: Outcome::Ignored };
         };
         connection.client = from;
+        let awaited = connection.awaited();
         let begins = sdo.command.is_some_and(|command| !command.is_abort && !command.is_response);
         let outcome = match connection.receive(sdo.sequence, begins) {
             Sequence::Handled => Outcome::Nothing,
@@ -85,7 +92,11 @@ impl<const SDO: usize> Server<SDO> {
                 sdo.command.map_or(Outcome::Nothing, |command| connection.serve(&command, segment, objects))
             }
         };
-        Received { connection: Some(index), outcome }
+        let is_progress = match awaited {
+            Some(_) => connection.awaited() != awaited,
+            None => outcome != Outcome::Ignored,
+        };
+        Received { connection: Some(index), is_progress, outcome }
     }
 
     /// How many frames wait to be sent.
@@ -98,6 +109,12 @@ impl<const SDO: usize> Server<SDO> {
     #[must_use]
     pub fn is_answering(&self, index: usize) -> bool {
         self.connections.get(index).is_some_and(Connection::is_answering)
+    }
+
+    /// Whether a connection waits until its client acknowledges a response: with all that can be sent before.
+    #[must_use]
+    pub fn is_unacknowledged(&self, index: usize) -> bool {
+        self.connections.get(index).is_some_and(|connection| connection.awaited().is_some())
     }
 
     /// To whom the next frame goes, and of which connection it is. Clients take turns.
@@ -125,7 +142,7 @@ impl<const SDO: usize> Server<SDO> {
         self.connections.get(index)?.patience(timeout)
     }
 
-    /// The wait of a connection is over. Returns the client whose connection is closed by it.
+    /// The wait of a connection is over. Returns the client whose open connection is closed by it.
     pub fn expired(&mut self, index: usize) -> Option<NodeId> {
         let connection = self.connections.get_mut(index)?;
         let client = connection.client;

@@ -72,9 +72,18 @@ impl Bench {
     }
 
     fn hears_bytes(&mut self, from: NodeId, given: &[u8]) -> Outcome {
+        self.receives(from, given).outcome
+    }
+
+    fn receives(&mut self, from: NodeId, given: &[u8]) -> Received {
         let sdo = Sdo::read_as(&mut Reader::new(given), self.initiate).unwrap();
         let mut objects = Objects { standard: &mut self.dictionary, application: &mut self.long };
-        self.server.receive(from, &sdo, SEGMENT, &mut objects).outcome
+        self.server.receive(from, &sdo, SEGMENT, &mut objects)
+    }
+
+    /// Whether the wait for the managing node begins anew with a frame.
+    fn waits_anew(&mut self, hex: &str) -> bool {
+        self.receives(MN, &bytes(hex)).is_progress
     }
 
     fn hears_command(&mut self, receive: u8, send: u8, con: Con, command: SdoCommand<'_>) -> Outcome {
@@ -195,6 +204,66 @@ fn an_answer_without_an_acknowledge_is_sent_twice_more() {
     bench.says_nothing();
 }
 
+/// What says nothing new does not put off that the answer is sent again.
+#[test]
+fn the_wait_for_an_acknowledge_begins_anew_with_progress_alone() {
+    const READ: &str = "00 00 00 04 00 02 04 00 00 00 18 10 00 00";
+    let mut bench = Bench::open();
+    assert!(bench.waits_anew(&std::format!("02 06 {READ}")));
+    assert!(bench.waits_anew("02 06 00 00"), "the answer is not sent yet: the client is there");
+    bench.says("06 06 00 00 00 04 80 02 01 00 00 00 04");
+    assert!(bench.server.is_unacknowledged(0));
+    let read_again = std::format!("02 07 {READ}");
+    for (what, frame) in [
+        ("again", &*read_again),
+        ("no news", "02 06 00 00"),
+        ("one missing", "02 0e 00 00"),
+        ("a nil", "02 0a 00 00"),
+    ] {
+        assert!(!bench.waits_anew(frame), "{what}");
+        bench.next();
+        assert!(bench.server.is_unacknowledged(0), "{what}");
+    }
+    assert!(bench.waits_anew("03 0a 00 00"), "the answer is asked for");
+    bench.next();
+    assert!(bench.waits_anew("06 0a 00 00"), "the acknowledge");
+    assert!(bench.waits_anew("06 0a 00 00"), "nothing is under way: the client is there");
+    assert!(!bench.waits_anew("06 16 00 00"), "out of order");
+    assert!(bench.waits_anew("00 00 00 00"), "closed");
+    assert!(!bench.waits_anew("06 0a 00 00"), "no connection");
+}
+
+/// The client need not wait until it finds out by time.
+#[test]
+fn a_command_before_the_answer_to_the_last_is_asked_for_again_behind_it() {
+    const READ: &str = "00 00 00 05 00 02 04 00 00 00 18 10 00 00";
+    let mut bench = Bench::open();
+    bench.hears("02 06 00 00 00 04 00 02 04 00 00 00 18 10 00 00");
+    assert_eq!(bench.hears(&std::format!("02 0a {READ}")), Outcome::Ignored);
+    assert_eq!(bench.hears("02 07 00 00"), Outcome::Nothing, "an acknowledge is wanted as well");
+    assert_eq!(bench.server.ready(), 2);
+    bench.says("06 06 00 00 00 04 80 02 01 00 00 00 04");
+    bench.says("07 06 00 00");
+    bench.says_nothing();
+    assert_eq!(bench.hears(&std::format!("06 0a {READ}")), Outcome::Nothing);
+    bench.says("0a 0a 00 00 00 05 80 02 01 00 00 00 04");
+}
+
+/// Four frames are under way. Two are acknowledged when all four are about to be sent again.
+#[test]
+fn what_arrived_after_all_is_not_sent_again() {
+    let mut bench = Bench::open();
+    bench.long.0 = (0..100).collect();
+    bench.hears("02 06 00 00 00 09 00 02 04 00 00 00 00 20 00 00");
+    (0..4).for_each(|_| assert!(bench.next().is_some()));
+    assert_eq!((bench.server.ready(), bench.server.patience(0, 15_000)), (0, Some(5_000)));
+    assert_eq!(bench.server.expired(0), None);
+    assert_eq!((bench.server.ready(), bench.server.patience(0, 15_000)), (4, Some(15_000)));
+    bench.hears("0a 06 00 00");
+    let numbers: Vec<u8> = core::iter::from_fn(|| bench.next()).map(|frame| frame[1] >> 2).collect();
+    assert_eq!(numbers, [3, 4, 5, 6], "with two further ones, as many as may be under way");
+}
+
 /// Lengths around those of one, two and several frames.
 #[test]
 fn long_values_are_read_in_segments() {
@@ -284,7 +353,8 @@ fn clients_take_turns_and_a_third_is_refused() {
     assert_eq!(bench.hears_bytes(NodeId::DIAGNOSTIC, &opening), Outcome::Nothing);
     assert_eq!(bench.hears_bytes(NodeId(9), &opening), Outcome::Refused);
     assert_eq!(bench.hears_bytes(NodeId(9), &bytes("02 06 00 00")), Outcome::Ignored);
-    assert_eq!(bench.hears_bytes(MN, &opening), Outcome::Nothing);
+    assert_eq!(bench.hears_bytes(MN, &opening), Outcome::Closed, "its old connection");
+    assert_eq!(bench.hears_bytes(MN, &opening), Outcome::Nothing, "that was never open");
     assert_eq!(bench.server.ready(), 2);
     let first = bench.server.next().unwrap().1;
     bench.next();
