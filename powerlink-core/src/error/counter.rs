@@ -58,6 +58,20 @@ impl ErrorCounter {
         true
     }
 
+    /// Counts so many symptoms in a row, but none behind the one that reaches the threshold; true if one does. In one step.
+    pub const fn symptoms(&mut self, count: u32) -> bool {
+        let missing = self.threshold.saturating_sub(self.threshold_count);
+        // The last one is counted as any single one is.
+        let until_reached = missing.div_ceil(SYMPTOM).saturating_sub(1);
+        let is_enough = self.threshold > 0 && count > until_reached;
+        let before = if is_enough { until_reached } else { count };
+        self.cumulative = self.cumulative.wrapping_add(before);
+        if self.threshold > 0 {
+            self.threshold_count = self.threshold_count.saturating_add(before.saturating_mul(SYMPTOM));
+        }
+        is_enough && self.symptom()
+    }
+
     /// A cycle passed without the symptom.
     pub const fn good(&mut self) {
         self.threshold_count = self.threshold_count.saturating_sub(1);
@@ -86,6 +100,12 @@ impl ErrorCounters {
     pub fn symptom(&mut self, symptom: Symptom) -> bool {
         self.in_this_cycle |= symptom.bit();
         self.of_mut(symptom).is_some_and(ErrorCounter::symptom)
+    }
+
+    /// Counts so many of one symptom, at most until the threshold is reached; true if it is.
+    pub fn symptoms(&mut self, symptom: Symptom, count: u32) -> bool {
+        self.in_this_cycle |= symptom.bit();
+        self.of_mut(symptom).is_some_and(|counter| counter.symptoms(count))
     }
 
     /// The end of a cycle: what had no symptom in it recovers. The loss of PReq does so at each PReq
@@ -160,6 +180,22 @@ mod tests {
             (0..9).for_each(|_| counter.good());
         }
         assert_eq!(counter.cumulative, 100);
+    }
+
+    /// As one by one, up to the first that reaches the threshold.
+    #[test]
+    fn many_symptoms_in_one_step() {
+        for threshold in (0..100).chain([u32::MAX]) {
+            for (begun, count) in (0..30).flat_map(|begun| (0..15).map(move |count| (begun, count))) {
+                let counter = ErrorCounter { cumulative: u32::MAX, threshold_count: begun, threshold };
+                let (mut many, mut each) = (counter, counter);
+                let is_reached = (0..count).any(|_| each.symptom());
+                assert_eq!((many.symptoms(count), many), (is_reached, each), "{count} from {counter:?}");
+            }
+        }
+        let mut counter = ErrorCounter::new(0);
+        assert!(!counter.symptoms(u32::MAX));
+        assert_eq!((counter.cumulative, counter.threshold_count), (u32::MAX, 0));
     }
 
     #[test]

@@ -286,10 +286,11 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         // Each timer that is started again is later than `now`, or the loop ends by their number.
         for _ in 0..MAX_EXPIRED {
             match self.timers.take_expired(now) {
+            let soc_was_due = self.timers.at(Timer::Soc);
                 Some(Timer::BasicEthernet) => {
                     self.cause(Cause::BasicEthernetTimeout);
                 }
-                Some(Timer::Soc) => self.soc_timeout(),
+                Some(Timer::Soc) => self.soc_timeout(soc_was_due.unwrap_or(now), now),
                 Some(Timer::Sdo0) => self.client_timeout(0),
                 Some(Timer::Sdo1) => self.client_timeout(1),
                 None => return,

@@ -2,6 +2,8 @@
 
 use core::time::Duration;
 
+use link_core::Instant;
+
 use super::machine::{ControlledNode, Timer};
 use crate::cycle::{CycleEvent, CycleMode, Losses, Supervision};
 use crate::dictionary::ObjectSet;
@@ -26,6 +28,10 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
 
     /// The distance of two SoCs against the cycle length.
     pub(super) fn jitter(&mut self) -> Option<Cause> {
+        // As for the loss of SoC: the cycle length may be unknown yet.
+        if self.nmt.state() == NmtState::PreOperational2 {
+            return None;
+        }
         let (expected, range) = (self.timers.at(Timer::Soc)?, self.dictionary.values.jitter_range);
         let tolerance = Duration::from_nanos(self.active.loss_of_soc_tolerance.into());
         let (now, expected) = (self.timers.now(), expected.saturating_sub(tolerance));
@@ -49,14 +55,24 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         self.timers.set_after(Timer::Soc, Duration::from_nanos(nanos));
     }
 
-    /// The SoC is overdue. The next one is expected a cycle later.
-    pub(super) fn soc_timeout(&mut self) {
-        self.timers.set_after(Timer::Soc, Duration::from_micros(self.active.cycle_length.into()));
+    /// The SoC is overdue since `due`. The next one is expected a cycle later, and so on: a node that is called late has missed
+    /// all that were due by `now`. They are counted in one step, as far as the threshold: however late it is, the work is the
+    /// same.
+    pub(super) fn soc_timeout(&mut self, due: Instant, now: Instant) {
+        let cycle = u64::from(self.active.cycle_length).saturating_mul(NANOS_PER_MICRO);
+        let late = now.as_nanos().saturating_sub(due.as_nanos());
+        let more = late.checked_div(cycle).unwrap_or(0);
+        let next = cycle.saturating_mul(more.saturating_add(1));
+        self.timers.set(Timer::Soc, due.saturating_add_nanos(next));
         // In `PreOperational2` the cycle length may be unknown yet.
         if self.nmt.state() == NmtState::PreOperational2 {
             return;
         }
-        match self.cycle_event(CycleEvent::SocTimeout) {
+        let mut cause = self.cycle_event(CycleEvent::SocTimeout);
+        if cause.is_none() && more > 0 {
+            cause = self.lost_socs(u32::try_from(more).unwrap_or(u32::MAX));
+        }
+        match cause {
             // A poll that came at this very moment is answered first.
             Some(cause) if self.poll.is_due => self.poll.then = self.poll.then.or(Some(cause)),
             Some(cause) => {
@@ -76,6 +92,12 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         };
         let losses = self.cycle.apply(mode, event, supervision);
         if losses.is_empty() { None } else { self.losses(losses) }
+    }
+
+    /// Further SoCs behind one whose time is over: that is all that they change.
+    fn lost_socs(&mut self, count: u32) -> Option<Cause> {
+        let is_reached = self.dictionary.counters.symptoms(Symptom::LossOfSoc, count);
+        if is_reached { self.react(Symptom::LossOfSoc) } else { None }
     }
 
     fn losses(&mut self, losses: Losses) -> Option<Cause> {

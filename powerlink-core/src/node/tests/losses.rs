@@ -10,6 +10,8 @@
 
 use core::time::Duration;
 
+use link_core::ethernet::{Input, Machine};
+
 use super::bench::*;
 use crate::error::Symptom;
 use crate::nmt::NmtState;
@@ -72,6 +74,43 @@ fn symptoms_in_a_row_around_each_threshold() {
             assert_eq!(counter.cumulative, u32::try_from(count - late).unwrap(), "{symptom} {threshold}");
             assert!(threshold == 0 || counter.threshold_count == 0, "it begins anew");
         }
+    }
+}
+
+/// A node that is called late has missed every SoC that was due since, whenever it is called: 20.1 ms, 40.1 ms and so on behind the
+/// last one.
+#[test]
+fn a_node_that_is_called_late_misses_as_many_socs() {
+    let late = Duration::from_micros(100);
+    for (missed, elapsed) in [
+        (0, CYCLE_TIME + late - Duration::from_nanos(1)),
+        (1, CYCLE_TIME + late),
+        (1, CYCLE_TIME * 2 + late - Duration::from_nanos(1)),
+        (2, CYCLE_TIME * 2 + late),
+        (7, CYCLE_TIME * 7 + Duration::from_millis(19)),
+        (9, CYCLE_TIME * 9 + late),
+    ] {
+        let mut bench = with_threshold(Symptom::LossOfSoc, 80);
+        bench.soc();
+        bench.now += elapsed;
+        bench.node.input(bench.now, Input::Tick);
+        bench.drain();
+        assert_eq!(bench.node.dictionary().counters.of(Symptom::LossOfSoc).cumulative, missed, "{elapsed:?}");
+        bench.is(NmtState::Operational);
+        // The next one keeps to the same cycle.
+        let next = bench.node.deadline().unwrap().at;
+        assert_eq!(next.saturating_since(bench.now) + elapsed, CYCLE_TIME * (missed + 1) + late);
+    }
+    // However late, one step; what is behind the threshold is not counted.
+    for (threshold, missed) in [(0, 180_000_000 - 1), (15, 2), (80, 10)] {
+        let mut bench = with_threshold(Symptom::LossOfSoc, threshold);
+        bench.soc();
+        bench.now += CYCLE_TIME * 180_000_000;
+        bench.node.input(bench.now, Input::Tick);
+        bench.drain();
+        assert_eq!(bench.node.dictionary().counters.of(Symptom::LossOfSoc).cumulative, missed);
+        assert_eq!(bench.node.state() == NmtState::PreOperational1, threshold > 0);
+        assert!(bench.node.deadline().is_none_or(|deadline| deadline.at > bench.now));
     }
 }
 

@@ -65,6 +65,20 @@ fn too_much_jitter_is_a_cycle_error_only_where_that_is_chosen() {
     }
 }
 
+/// The managing node has another cycle than the node was told at power-on: 40 ms for 20.
+#[test]
+fn jitter_is_not_judged_while_the_cycle_length_may_be_unknown() {
+    let mut config = config();
+    config.options.reacts_to_jitter = true;
+    let mut bench = Bench::in_state(NmtState::PreOperational2, config);
+    for _ in 0..10 {
+        bench.cycle();
+        bench.wait(Duration::from_millis(CYCLE));
+    }
+    bench.is(NmtState::PreOperational2);
+    assert_eq!(bench.node.dictionary().counters.of(Symptom::SocJitter).cumulative, 0);
+}
+
 #[test]
 fn collisions_count_and_checksums_lead_to_a_reaction() {
     for (event, symptom, reacts_to_collisions, state) in [
