@@ -162,7 +162,7 @@ impl Model {
             Heard::Command(cause) => Some(cause),
             Heard::Preq { .. } | Heard::Pres if state == NmtState::NotActive => {
                 if self.options.poll_ends_not_active {
-                    return Some(Cause::Soa);
+                    return Some(if heard == Heard::Pres { Cause::Pres } else { Cause::Preq });
                 }
                 if self.options.poll_restarts_basic_ethernet {
                     self.silence_begins(now);
@@ -278,11 +278,11 @@ impl Model {
     fn invited(&mut self, service: u8, flags: u8, why: Why, sent: &[Vec<u8>]) {
         assert!(sent.len() <= 1, "one frame for each invitation");
         let answer = sent.first();
+        self.signalling.acknowledge(flags & 0x04 != 0);
         match service {
             0x01 => {
                 let bytes = answer.expect("an IdentResponse");
                 assert_eq!((bytes.len(), bytes[17]), (176, 0x01));
-        self.signalling.acknowledge(flags & 0x04 != 0);
                 self.waiting(bytes[19]);
             }
             0x02 => {

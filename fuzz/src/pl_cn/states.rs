@@ -55,7 +55,7 @@ impl States {
             (Cause::ResetCommunication | Cause::InternalError, _) if on => Some(ResetCommunication),
             (Cause::ResetConfiguration, _) if on => Some(ResetConfiguration),
             (Cause::Soc | Cause::Soa, NotActive | BasicEthernet) => Some(PreOperational1),
-            (Cause::Preq | Cause::Pres, BasicEthernet) => Some(PreOperational1),
+            (Cause::Preq | Cause::Pres, NotActive | BasicEthernet) => Some(PreOperational1),
             (Cause::Soc, PreOperational1) => Some(PreOperational2),
             (Cause::BasicEthernetTimeout, NotActive) => Some(BasicEthernet),
             (Cause::EnableReadyToOperate, PreOperational2) => {

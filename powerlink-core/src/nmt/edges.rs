@@ -77,6 +77,8 @@ use super::{Cause, Edge, NmtState};
 /// | CT1 | ResetConfiguration | done | NotActive |
 /// | CT2 | NotActive | SoA | PreOperational1 |
 /// | CT2 | NotActive | SoC | PreOperational1 |
+/// | CT2 | NotActive | PReq | PreOperational1 |
+/// | CT2 | NotActive | PRes | PreOperational1 |
 /// | CT3 | NotActive | basic Ethernet timeout | BasicEthernet |
 /// | CT4 | PreOperational1 | SoC | PreOperational2 |
 /// | CT5 | PreOperational2 | NMTEnableReadyToOperate | PreOperational2 |
@@ -99,6 +101,8 @@ use super::{Cause, Edge, NmtState};
 /// | CT12 | BasicEthernet | SoA | PreOperational1 |
 ///
 /// CT2 and CT12 consume their frame: a request in the very SoA is not answered, and the SoC of CT2 does not lead on by CT4.
+/// CT2 by a PReq or PRes is a node's choice
+/// ([`poll_ends_not_active`](crate::node::Options::poll_ends_not_active)): one that does not choose it tells the machine of none.
 /// CT5 takes note of the first of two conditions, CT6 is the second. GT1, GT2 and GT8 begin the error signalling anew.
 /// Sources: EPSG DS 301, the state machine of controlled nodes, as openPOWERLINK 2.7.2 (`nmtk.c`) has it.
 pub const EDGES: &[Edge] = {
@@ -175,6 +179,8 @@ pub const EDGES: &[Edge] = {
         edge("CT1", ResetConfiguration, Cause::Done, NotActive),
         edge("CT2", NotActive, Cause::Soa, PreOperational1),
         edge("CT2", NotActive, Cause::Soc, PreOperational1),
+        edge("CT2", NotActive, Cause::Preq, PreOperational1),
+        edge("CT2", NotActive, Cause::Pres, PreOperational1),
         edge("CT3", NotActive, Cause::BasicEthernetTimeout, BasicEthernet),
         edge("CT4", PreOperational1, Cause::Soc, PreOperational2),
         edge("CT5", PreOperational2, Cause::EnableReadyToOperate, PreOperational2),

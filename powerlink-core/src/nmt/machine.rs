@@ -98,7 +98,7 @@ impl Nmt {
             Cause::CycleError if state.is_cyclic() => PreOperational1,
             Cause::Soc if state == PreOperational1 => PreOperational2,
             Cause::Soc | Cause::Soa if matches!(state, NotActive | BasicEthernet) => PreOperational1,
-            Cause::Preq | Cause::Pres if state == BasicEthernet => PreOperational1,
+            Cause::Preq | Cause::Pres if matches!(state, NotActive | BasicEthernet) => PreOperational1,
             Cause::BasicEthernetTimeout if state == NotActive => BasicEthernet,
             _ => return None,
         })

@@ -89,7 +89,8 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         self.dictionary.error_register = register;
     }
 
-    /// Sets the six bytes of the device in the static error bit field.
+    /// Sets the six bytes of the device in the static error bit field. GT1, GT2 and GT8 (power, a local reset, NMTSwReset) set them
+    /// to 0; NMTResetNode, NMTResetCommunication and NMTResetConfiguration leave them as they are.
     pub fn set_static_errors(&mut self, errors: [u8; 6]) {
         if let Some(own) = self.static_errors.last_chunk_mut() {
             *own = errors;

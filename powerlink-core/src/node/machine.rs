@@ -227,6 +227,7 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         if !to.is_cyclic() {
             self.timers.clear(Timer::Soc);
             self.cycle.leave();
+            self.poll.had_valid_data = false;
         }
         match to {
             NmtState::Off => self.fall_silent(),
@@ -285,8 +286,8 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     fn expire(&mut self, now: Instant) {
         // Each timer that is started again is later than `now`, or the loop ends by their number.
         for _ in 0..MAX_EXPIRED {
-            match self.timers.take_expired(now) {
             let soc_was_due = self.timers.at(Timer::Soc);
+            match self.timers.take_expired(now) {
                 Some(Timer::BasicEthernet) => {
                     self.cause(Cause::BasicEthernetTimeout);
                 }

@@ -96,7 +96,7 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         let options = self.config.options;
         match self.nmt.state() {
             NmtState::NotActive if options.poll_ends_not_active => {
-                self.cause(Cause::Soa);
+                self.cause(cause);
             }
             NmtState::NotActive if options.poll_restarts_basic_ethernet => self.wait_for_the_network(),
             NmtState::BasicEthernet if cause == Cause::Preq || options.pres_ends_basic_ethernet => {

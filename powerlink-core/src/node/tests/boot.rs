@@ -146,10 +146,19 @@ fn polls_end_not_active_only_where_that_is_chosen() {
     for (ends, state) in [(false, NmtState::NotActive), (true, NmtState::PreOperational1)] {
         let mut config = config();
         config.options.poll_ends_not_active = ends;
-        let mut bench = Bench::listening(config);
-        bench.preq(Flags::empty(), &[]);
-        bench.is(state);
-        bench.says_nothing();
+        for cause in [Cause::Preq, Cause::Pres] {
+            let mut bench = Bench::listening(config);
+            bench.forget();
+            match cause {
+                Cause::Preq => bench.preq(Flags::empty(), &[]),
+                _ => bench.pres_of_another(),
+            }
+            bench.is(state);
+            bench.says_nothing();
+            let (from, to) = (NmtState::NotActive, NmtState::PreOperational1);
+            let told = NodeEvent::StateChanged { from, to, cause };
+            assert_eq!(bench.events.contains(&told), ends, "{cause}: {:?}", bench.events);
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! NMT commands, plain and with a list, to one node and to all.
 
+use core::time::Duration;
 use std::string::ToString;
 
 use super::bench::*;
@@ -64,6 +65,24 @@ fn start_may_need_valid_data() {
         bench.command(NmtCommandId::START_NODE);
         bench.is(state);
     }
+}
+
+/// A PReq before the cycle was lost says nothing of the one that begins.
+#[test]
+fn start_needs_valid_data_of_this_cycle() {
+    let mut config = config();
+    config.options.start_needs_valid_data = true;
+    let mut bench = Bench::in_state(NmtState::ReadyToOperate, config);
+    bench.cycle();
+    bench.wait(Duration::from_secs(1));
+    bench.is(NmtState::PreOperational1);
+    bench.soc();
+    bench.command(NmtCommandId::ENABLE_READY_TO_OPERATE);
+    bench.command(NmtCommandId::START_NODE);
+    bench.is(NmtState::ReadyToOperate);
+    bench.preq(Flags::DATA_VALID, &[1]);
+    bench.command(NmtCommandId::START_NODE);
+    bench.is(NmtState::Operational);
 }
 
 #[test]
