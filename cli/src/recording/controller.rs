@@ -111,12 +111,14 @@ const fn location(field: Field) -> u8 {
     }
 }
 
-const CONTROLLER: u32 = 0x004;
+/// The classes, bits of the identifier.
+pub(crate) const TX_TIMEOUT: u32 = 0x001;
+pub(crate) const CONTROLLER: u32 = 0x004;
 const PROTOCOL: u32 = 0x008;
 const ACK: u32 = 0x020;
-const BUS_OFF: u32 = 0x040;
-const BUS_ERROR: u32 = 0x080;
-const RESTARTED: u32 = 0x100;
+pub(crate) const BUS_OFF: u32 = 0x040;
+pub(crate) const BUS_ERROR: u32 = 0x080;
+pub(crate) const RESTARTED: u32 = 0x100;
 const COUNTERS: u32 = 0x200;
 /// Of a controller, in data byte 1; where it matters for receiving and sending, either bit.
 const OVERRUN: u8 = 0x01;

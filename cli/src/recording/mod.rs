@@ -27,7 +27,7 @@
 mod asc;
 mod candump;
 mod capture;
-mod controller;
+pub(crate) mod controller;
 mod detect;
 mod error;
 mod fields;

@@ -10,6 +10,7 @@ use transport_mock::{Network, NodeId};
 use super::event::NodeEvent;
 use super::sight::{Observer, index};
 use super::socketcand::{ClientId, Complaint, MOST_CLIENTS, Outgoing, Server};
+use crate::recording::controller;
 use crate::scenario::{Role, Scenario};
 
 /// The machine of an external node. Each frame knows whose it is.
@@ -59,7 +60,7 @@ impl Doors {
             if own < MOST_WAITING && network.command(door.id, inject).is_some_and(|taken| taken.is_ok()) {
                 door.waiting.insert(client, own + 1);
             } else {
-                server.lost(network.now(), client, CLASS_CONTROLLER, "too many frames wait to be sent");
+                server.lost(network.now(), client, controller::CONTROLLER, "too many frames wait to be sent");
                 *self.lost.entry((channel, client)).or_default() += 1;
             }
         }
@@ -83,7 +84,7 @@ impl Doors {
                         match outcome {
                             TxOutcome::Sent => server.frame(at, channel, &frame, Some(owner)),
                             TxOutcome::Dropped | TxOutcome::Withdrawn | TxOutcome::Unknown => {
-                                server.lost(at, owner, CLASS_TX_TIMEOUT, "the frame was not sent");
+                                server.lost(at, owner, controller::TX_TIMEOUT, "the frame was not sent");
                                 *self.lost.entry((channel, owner)).or_default() += 1;
                             }
                         }
@@ -154,18 +155,18 @@ impl Door {
         match event {
             LinkEvent::BusOff => {
                 self.is_bus_off = true;
-                Some(CLASS_BUS_OFF)
+                Some(controller::BUS_OFF)
             }
-            LinkEvent::Up => core::mem::take(&mut self.is_bus_off).then_some(CLASS_RESTARTED),
+            LinkEvent::Up => core::mem::take(&mut self.is_bus_off).then_some(controller::RESTARTED),
             LinkEvent::Down => {
                 self.is_bus_off = false;
                 None
             }
-            LinkEvent::BusError(_) => Some(CLASS_BUS_ERROR),
+            LinkEvent::BusError(_) => Some(controller::BUS_ERROR),
             LinkEvent::ErrorWarning
             | LinkEvent::ErrorPassive
             | LinkEvent::ErrorActive
-            | LinkEvent::Overrun { .. } => Some(CLASS_CONTROLLER),
+            | LinkEvent::Overrun { .. } => Some(controller::CONTROLLER),
             LinkEvent::Counters { .. }
             | LinkEvent::ModeSet(_)
             | LinkEvent::FilterSet
@@ -180,12 +181,6 @@ const MOST_WAITING: usize = 1024;
 const SILENCE: Duration = Duration::from_millis(100);
 /// From bus-off to the restart, as `restart-ms` of an interface.
 const RESTART: Duration = Duration::from_millis(100);
-/// `CAN_ERR_TX_TIMEOUT`, `CAN_ERR_CRTL`, `CAN_ERR_BUSOFF`, `CAN_ERR_BUSERROR` and `CAN_ERR_RESTARTED` of linux/can/error.h.
-const CLASS_TX_TIMEOUT: u32 = 0x001;
-const CLASS_CONTROLLER: u32 = 0x004;
-const CLASS_BUS_OFF: u32 = 0x040;
-const CLASS_BUS_ERROR: u32 = 0x080;
-const CLASS_RESTARTED: u32 = 0x100;
 
 #[cfg(test)]
 mod tests;
