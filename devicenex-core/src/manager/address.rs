@@ -3,9 +3,10 @@
 use link_core::TxOutcome;
 
 use super::event::{ManagerEvent, PlannedEvent};
-use super::machine::{Manager, Timer};
+use super::machine::Manager;
 use super::slot::{Probe, SlotTimer, Task, Tell};
 use super::state::{Cause, DeviceState};
+use super::timer::Timer;
 use crate::counter::{count, count_wide};
 use crate::id::OperationalAddress;
 use crate::message::DeviceIdentity;

@@ -5,9 +5,10 @@ use link_core::Frame;
 
 use super::database::{IdentityPattern, PlannedDevice};
 use super::event::{ManagerEvent, PlannedEvent};
-use super::machine::{Manager, NOWHERE, Timer, Work};
+use super::machine::{Manager, NOWHERE, Work};
 use super::slot::Slot;
 use super::state::{Cause, DeviceState};
+use super::timer::Timer;
 use crate::access::StateKind;
 use crate::counter::{count, count_wide};
 use crate::id::{Direction, Identifier, Layout, OperationalAddress};

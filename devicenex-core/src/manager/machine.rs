@@ -3,7 +3,6 @@
 use core::time::Duration;
 
 use heapless::Vec;
-use link_core::timers::TimerKey;
 use link_core::{
     Action, Deadline, Filter, FilterSet, Frame, Input, Instant, LinkCommand, Machine, Queue, Timers,
 };
@@ -16,6 +15,7 @@ use super::slot::{Slot, SlotTimer, Tell};
 use super::standing::{Standing, Strangers};
 use super::state::{Cause, DeviceState};
 use super::talk::Talk;
+use super::timer::Timer;
 use crate::access::AccessEvent;
 use crate::counter::count;
 use crate::device::DeviceEvent;
@@ -62,58 +62,6 @@ pub(super) enum Work {
     Going,
     /// Another manager does, or the application has told it not to.
     Left,
-}
-
-/// The waits of the manager itself.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub(super) enum Timer {
-    /// The next Mini-who.
-    MiniWho,
-    /// Hellos without an address are answers.
-    Answers,
-    /// The next Mini-who may be sent.
-    Spacing,
-    /// Silence of the other manager.
-    Takeover,
-    /// The application's request.
-    Talk,
-    /// What was heard of unknown devices with an address.
-    Strangers,
-    /// Without an address.
-    Rejoin,
-}
-
-impl TimerKey<7> for Timer {
-    const ALL: [Self; 7] = [
-        Self::MiniWho,
-        Self::Answers,
-        Self::Spacing,
-        Self::Takeover,
-        Self::Talk,
-        Self::Strangers,
-        Self::Rejoin,
-    ];
-    const WHY: [&'static str; 7] = [
-        "Mini-who",
-        "answers to the Mini-who",
-        "a pause after the Mini-who",
-        "silence of the other manager",
-        "explicit response",
-        "whether unknown devices are there still",
-        "another address for the manager",
-    ];
-
-    fn index(self) -> usize {
-        match self {
-            Self::MiniWho => 0,
-            Self::Answers => 1,
-            Self::Spacing => 2,
-            Self::Takeover => 3,
-            Self::Talk => 4,
-            Self::Strangers => 5,
-            Self::Rejoin => 6,
-        }
-    }
 }
 
 impl<const DEVICES: usize, const CONNECTIONS: usize> Machine for Manager<DEVICES, CONNECTIONS> {

@@ -118,7 +118,7 @@
 //! | `discover`, `address`, `standing` | Hellos, Mini-whos, ROAMs: who is there, and who gets which address |
 //! | `connect`, `answer`, `adopt`, `watch` | connections: made, found and compared with the plan, and what becomes of them |
 //! | `talk` | requests of the application, planned reads, new addresses for devices that have one |
-//! | `machine`, `slot`, `made`, `lanes`, `output` | what is kept of each device and connection, and the order in which frames leave |
+//! | `machine`, `timer`, `slot`, `made`, `lanes`, `output` | what is kept of each device and connection, and the order in which frames leave |
 //! | `node`, `rejoin` | the manager as a node of its own; what it does when another has its address |
 //!
 //! # Decisions where the paper is silent
@@ -166,6 +166,7 @@ mod state;
 mod talk;
 #[cfg(test)]
 mod tests;
+mod timer;
 mod watch;
 
 pub use command::DeviceView;

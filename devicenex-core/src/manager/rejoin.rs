@@ -1,7 +1,8 @@
 //! A manager whose address another node has: it takes one that is free, and goes on.
 
 use super::event::ManagerEvent;
-use super::machine::{Manager, Timer};
+use super::machine::Manager;
+use super::timer::Timer;
 use crate::access::StateKind;
 use crate::id::OperationalAddress;
 

@@ -10,9 +10,10 @@ use link_core::Frame;
 
 use super::database::Attribute;
 use super::event::{ManagerEvent, PlannedEvent, RequestFailure, Value};
-use super::machine::{Manager, Timer};
+use super::machine::Manager;
 use super::slot::Task;
 use super::state::{Cause, DeviceState};
+use super::timer::Timer;
 use crate::client::{Conversation, Route, connection_response};
 use crate::id::OperationalAddress;
 
