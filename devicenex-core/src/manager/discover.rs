@@ -270,10 +270,7 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         if !self.config.learning {
             return None;
         }
-        let is_free = |address: &OperationalAddress| {
-            self.place(*address).is_none() && *address != self.own() && !self.strangers.has(*address)
-        };
-        let address = at.or_else(|| OperationalAddress::all().find(is_free))?;
+        let address = at.or_else(|| OperationalAddress::all().find(|&address| self.is_free(address)))?;
         let plan = PlannedDevice::new(address, IdentityPattern::exact(device));
         let place = self.insert(plan, DeviceState::Missing)?;
         self.tell(place, PlannedEvent::Learned(device));

@@ -196,6 +196,11 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         (place != NOWHERE).then(|| place.into())
     }
 
+    /// Whether nobody has the address or is to have it, as far as it knows.
+    pub(super) fn is_free(&self, address: OperationalAddress) -> bool {
+        self.place(address).is_none() && address != self.own() && !self.strangers.has(address)
+    }
+
     /// What is kept for a device, with the present moment in its timers.
     pub(super) fn slot(&mut self, place: usize) -> Option<&mut Slot<CONNECTIONS>> {
         let slot = self.slots.get_mut(place)?;

@@ -13,31 +13,31 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTION
         if wait == 0 {
             return;
         }
-        let state = self.access().state().kind();
-        let has_none = state == StateKind::Standby;
-        // One that it was given, and that it has to give away itself.
-        let is_planned = state == StateKind::Online && self.place(self.own()).is_some();
-        if is_planned {
-            self.rejoin();
-        } else if !has_none {
-            self.timers.clear(Timer::Rejoin);
-        } else if self.timers.at(Timer::Rejoin).is_none() {
-            self.timers.set_after_millis(Timer::Rejoin, wait);
+        match self.access().state().kind() {
+            // It was given one that it has to give away itself.
+            StateKind::Online if self.place(self.own()).is_some() => self.rejoin(),
+            StateKind::Standby if self.timers.at(Timer::Rejoin).is_some() => {}
+            StateKind::Standby => self.timers.set_after_millis(Timer::Rejoin, wait),
+            StateKind::NonExistent
+            | StateKind::DetectingBitRate
+            | StateKind::Hello1
+            | StateKind::Hello2
+            | StateKind::Online
+            | StateKind::BusOff
+            | StateKind::Faulted => self.timers.clear(Timer::Rejoin),
         }
     }
 
     /// Says Hello with the address that it was configured with, or with the next one that is free, as far as it knows. If
     /// somebody has that too, the answer to the Hello says so.
     pub(super) fn rejoin(&mut self) {
-        let is_free =
-            |address: &OperationalAddress| self.place(*address).is_none() && !self.strangers.has(*address);
         let first = self.config.node.access.first_address();
         let next = match self.tried {
             None => Some(first),
             Some(last) => {
                 let after = OperationalAddress::all().filter(|address| *address > last);
                 let before = OperationalAddress::all().filter(|address| *address <= last);
-                after.chain(before).find(is_free)
+                after.chain(before).find(|&address| self.is_free(address))
             }
         };
         let Some(address) = next else { return };
