@@ -48,9 +48,11 @@ impl Traffic {
 }
 
 impl Bench {
+    /// The bus of the plan with these nodes.
     #[expect(clippy::panic, reason = "the scenarios of a comparison are its own")]
-    pub(super) fn new(plan: &Plan, text: &str) -> Self {
-        let mut scenario = Scenario::parse("comparison", text, Path::new(""))
+    pub(super) fn new(plan: &Plan, nodes: &str) -> Self {
+        let text = plan.bus() + nodes;
+        let mut scenario = Scenario::parse("comparison", &text, Path::new(""))
             .unwrap_or_else(|error| panic!("{error}\n{text}"));
         // A number of TOML has not room for every seed.
         scenario.bus.seed = plan.seed;
@@ -148,6 +150,6 @@ mod tests {
     #[test]
     fn every_seed_can_be_had() {
         let plan = Plan { bit_rate: BitRate::K500, devices: 3, seed: u64::MAX };
-        assert!(Bench::new(&plan, &plan.bus()).sent.is_empty());
+        assert!(Bench::new(&plan, "").sent.is_empty());
     }
 }

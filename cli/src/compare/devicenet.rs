@@ -31,7 +31,7 @@ pub(super) fn measure(plan: &Plan) -> Half {
 
 /// A master with an empty scan list is on line; then all devices are switched on.
 fn fresh(plan: &Plan) -> Fresh {
-    let mut text = plan.bus() + &master("");
+    let mut text = master("");
     for device in 1..=plan.devices {
         text += &slave("device", device, 63, START);
     }
@@ -131,7 +131,7 @@ fn transfer(plan: &Plan) -> Transfer {
 fn replacement(plan: &Plan) -> Replacement {
     let scan =
         scan(1, "replaceable = true\nkey = { vendor = 0x1234, product = 7 }\n") + &scan(2, "") + &scan(3, "");
-    let mut text = plan.bus() + &master(&format!("replacement = \"on\"\n{scan}"));
+    let mut text = master(&format!("replacement = \"on\"\n{scan}"));
     for mac in 1..=3 {
         text += &slave("device", mac, mac, Instant::ZERO);
     }
@@ -157,7 +157,7 @@ fn replacement(plan: &Plan) -> Replacement {
 
 /// A line that exchanges I/O and misses one slave, and a device out of the box on line beside it.
 fn standby(plan: &Plan) -> Standby {
-    let text = line_text(plan, plan.devices.min(62)) + &slave("idle", 99, 63, Instant::ZERO);
+    let text = line_text(plan.devices.min(62)) + &slave("idle", 99, 63, Instant::ZERO);
     let mut bench = Bench::new(plan, &text);
     bench.run_until(START + plan.patience(), |bench| runs(bench, plan.devices.min(62).into()));
     let idle = bench.node("idle-99");
@@ -166,15 +166,15 @@ fn standby(plan: &Plan) -> Standby {
 
 /// So many slaves that run with their master.
 fn line(plan: &Plan, slaves: u8) -> Bench {
-    let mut bench = Bench::new(plan, &line_text(plan, slaves));
+    let mut bench = Bench::new(plan, &line_text(slaves));
     bench.run_until(START + plan.patience(), |bench| runs(bench, slaves.into()));
     bench.run_to(bench.network.now() + Duration::from_millis(100));
     bench
 }
 
-fn line_text(plan: &Plan, slaves: u8) -> String {
+fn line_text(slaves: u8) -> String {
     let scan: String = (1..=slaves).map(|mac| scan(mac, "")).collect();
-    let mut text = plan.bus() + &master(&scan);
+    let mut text = master(&scan);
     for mac in 1..=slaves {
         text += &slave("device", mac, mac, Instant::ZERO);
     }

@@ -30,14 +30,13 @@ pub(super) fn measure(plan: &Plan) -> Half {
 
 /// A manager that has all of them in its database is on line; then they are switched on.
 fn fresh(plan: &Plan) -> Fresh {
-    let text = plan.bus() + &devices("device", plan.devices, START) + &manager(&planned(""));
+    let text = devices("device", plan.devices, START) + &manager(&planned(""));
     Fresh::of(Bench::new(plan, &text), plan, SIGNS)
 }
 
 /// 127 nodes: the manager has address 0, 126 devices get the others.
 fn full(plan: &Plan) -> Full {
-    let mut bench =
-        Bench::new(plan, &(plan.bus() + &devices("device", 126, Instant::ZERO) + &manager(&planned(""))));
+    let mut bench = Bench::new(plan, &(devices("device", 126, Instant::ZERO) + &manager(&planned(""))));
     let mut all = bench.nodes("device");
     all.push(bench.node("manager"));
     bench.run_until(START + plan.patience(), |bench| all.iter().all(|node| is_on_line(bench, *node)));
@@ -125,7 +124,7 @@ fn replacement(plan: &Plan) -> Replacement {
 /// A line that exchanges I/O and misses one device, and a device in Standby beside it.
 fn standby(plan: &Plan) -> Standby {
     let idle = devices("idle", 1, Instant::ZERO).replace("0x22110001", "0x3311F001");
-    let text = plan.bus() + &devices("device", plan.devices.min(62), Instant::ZERO) + &idle;
+    let text = devices("device", plan.devices.min(62), Instant::ZERO) + &idle;
     let mut bench = Bench::new(plan, &(text + &manager(&planned(PRODUCER))));
     bench.run_until(START + plan.patience(), |bench| runs(bench, plan.devices.min(62).into()));
     let idle = bench.node("idle-1");
@@ -134,7 +133,7 @@ fn standby(plan: &Plan) -> Standby {
 
 /// So many devices that produce, with their manager.
 fn line(plan: &Plan) -> Bench {
-    let text = plan.bus() + &devices("device", plan.devices, Instant::ZERO) + &manager(&planned(PRODUCER));
+    let text = devices("device", plan.devices, Instant::ZERO) + &manager(&planned(PRODUCER));
     let mut bench = Bench::new(plan, &text);
     bench.run_until(START + plan.patience(), |bench| runs(bench, plan.devices.into()));
     bench.run_to(bench.network.now() + Duration::from_millis(200));
@@ -150,7 +149,7 @@ fn trio(plan: &Plan) -> Bench {
          [[node.planned]]\noa = 2\ndevice = \"device-2\"\n{consumer}\
          [[node.planned]]\noa = 3\ndevice = \"device-3\"\n{consumer}"
     );
-    let text = plan.bus() + &devices("device", 3, Instant::ZERO) + &spare + &manager(&entries);
+    let text = devices("device", 3, Instant::ZERO) + &spare + &manager(&entries);
     let mut bench = Bench::new(plan, &text);
     bench.run_until(START + plan.patience(), |bench| runs(bench, 3));
     bench.run_to(bench.network.now() + Duration::from_millis(200));
