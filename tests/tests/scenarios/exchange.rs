@@ -1,11 +1,8 @@
 //! Slaves, masters and tools on one bus.
 
-use std::path::Path;
+use devicenet_cli::simulate::Outcome;
 
-use devicenet_cli::scenario::Scenario;
-use devicenet_cli::simulate::{self, Outcome, Settings};
-
-use crate::trace;
+use crate::{trace, traced_text};
 
 trace!(
     every_kind_of_io,
@@ -55,9 +52,7 @@ identity = { vendor = 0x1234, serial = 10 }
 
 #[track_caller]
 fn holds(text: &str) -> (String, Outcome) {
-    let scenario = Scenario::parse("pair", text, Path::new("")).unwrap_or_else(|error| panic!("{error}"));
-    let (trace, outcome) = simulate::trace(&scenario, Settings::default());
-    assert_eq!(outcome.verdict.failures, [], "{trace}");
+    let (trace, outcome) = traced_text("pair", text);
     assert!(outcome.verdict.held > 0, "nothing is expected");
     (trace, outcome)
 }

@@ -67,7 +67,13 @@ fn holds(more: &str) -> Outcome {
 /// As [`holds`], with the trace; nothing need be expected.
 #[track_caller]
 fn traced(more: &str) -> (String, Outcome) {
-    let scenario = Scenario::parse("pair", &format!("{PAIR}{more}"), Path::new("")).unwrap();
+    traced_text("pair", &format!("{PAIR}{more}"))
+}
+
+/// Runs the scenario in a text, and demands that no expectation fails.
+#[track_caller]
+fn traced_text(name: &str, text: &str) -> (String, Outcome) {
+    let scenario = Scenario::parse(name, text, Path::new("")).unwrap_or_else(|error| panic!("{error}"));
     let (trace, outcome) = simulate::trace(&scenario, Settings::default());
     assert_eq!(outcome.verdict.failures, [], "{trace}");
     (trace, outcome)

@@ -1,9 +1,8 @@
 //! A DeviceNeX plant: what actions do to it, its Assembly objects, and how its trace is told.
 
-use std::path::Path;
+use devicenet_cli::simulate::Outcome;
 
-use devicenet_cli::scenario::Scenario;
-use devicenet_cli::simulate::{self, Outcome, Settings};
+use crate::traced_text;
 
 /// The sensor produces at OA 5, the panel consumes at OA 6, after seven seconds. OA 30 is planned for nobody: what is there on line
 /// tells its address at 14, 24 and 34 s.
@@ -54,11 +53,7 @@ connections = [{ connection = "multicast_consumer", from = 5, epr = "0ms" }]
 
 #[track_caller]
 fn traced(more: &str) -> (String, Outcome) {
-    let scenario = Scenario::parse("plant", &format!("{PLANT}{more}"), Path::new(""))
-        .unwrap_or_else(|error| panic!("{error}"));
-    let (trace, outcome) = simulate::trace(&scenario, Settings::default());
-    assert_eq!(outcome.verdict.failures, [], "{trace}");
-    (trace, outcome)
+    traced_text("plant", &format!("{PLANT}{more}"))
 }
 
 /// How many lines of a node have these words.

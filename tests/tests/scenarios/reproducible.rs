@@ -1,11 +1,8 @@
 //! The same scenario and seed give the same bytes; where chance has a part, another seed gives others.
 
-use std::path::Path;
-
-use devicenet_cli::scenario::Scenario;
 use devicenet_cli::simulate::{self, Settings};
 
-use crate::scenario;
+use crate::{scenario, traced_text};
 
 fn trace(name: &str, seed: u64) -> String {
     simulate::trace(&scenario(name), Settings { seed: Some(seed), until: None }).0
@@ -21,9 +18,7 @@ fn the_same_seed_gives_the_same_bytes() {
 /// The built-in plant, which the first command of the README shows.
 #[test]
 fn the_trace_of_the_built_in_plant() {
-    let plant = Scenario::parse("plant", simulate::PLANT, Path::new("")).unwrap();
-    let (trace, outcome) = simulate::trace(&plant, Settings::default());
-    assert_eq!(outcome.verdict.failures, [], "{trace}");
+    let (trace, _) = traced_text("plant", simulate::PLANT);
     insta::with_settings!({
         description => "nine acts, each with its heading; what to look for is what the heading says",
         omit_expression => true,
