@@ -1,6 +1,38 @@
 //! What the targets of the passive decoders have in common, whatever the protocol.
 
+use core::fmt::Display;
+
 use link_core::Instant;
+use serde_json::{Map, Value};
+
+/// The line of a reading, at most so many characters. It begins with its words, and ends with its problem, if it has one: what that
+/// says, and its code.
+pub(crate) fn line(
+    reading: &impl Display,
+    words: &impl Display,
+    problem: Option<(&dyn Display, &str)>,
+    longest: usize,
+) -> String {
+    let text = reading.to_string();
+    assert!(!text.is_empty() && !text.contains(char::is_control), "one line: {text:?}");
+    assert!(text.chars().count() <= longest, "{} characters: {text}", text.chars().count());
+    assert!(text.starts_with(&words.to_string()), "{text}");
+    if let Some((problem, code)) = problem {
+        let problem = problem.to_string();
+        assert!(!problem.is_empty() && text.ends_with(&problem), "{text} tells {problem}");
+        assert!(code.bytes().all(|byte| matches!(byte, b'a'..=b'z' | b'0'..=b'9' | b'_')), "{code}");
+    }
+    text
+}
+
+/// The object of a reading that has this line and is of this kind, as it was serialised.
+pub(crate) fn object(json: &str, text: &str, kind: &str) -> Map<String, Value> {
+    let Ok(Value::Object(object)) = serde_json::from_str(json) else { panic!("not an object: {json}") };
+    assert_eq!(object["text"], text);
+    assert_eq!(object["kind"], kind);
+    assert!(object.values().all(|value| !value.is_null()), "absent fields are left out: {json}");
+    object
+}
 
 /// Whether a message consists of pieces that were sent. `sent` has the frames that may be part of it, the last one first: of each
 /// the data without a header, in every way in which they may be read. The first must be part of it.
