@@ -2,6 +2,7 @@
 //! states it tells is what a second, small program says, what it puts together was sent, what it pairs came before, and the time of
 //! day makes no difference. The clock may go back.
 
+mod look;
 mod model;
 mod session;
 
@@ -13,7 +14,8 @@ use powerlink_core::wire::Body;
 use serde_json::Value;
 
 use crate::passive::{self, MOST_FRAMES, MUCH_LATER, START, contains, is_made_of};
-use model::{Look, Model};
+use look::Look;
+use model::Model;
 use session::Sent;
 pub use session::session_bytes;
 
