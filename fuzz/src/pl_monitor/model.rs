@@ -11,8 +11,8 @@ use super::look::Look;
 /// The network as the frames tell it.
 #[derive(Default)]
 pub(super) struct Model {
+    /// By their numbers; also whoever is commanded without having been heard.
     nodes: HashMap<u8, Node>,
-    /// By their numbers: whoever is commanded without having been heard.
     polled: Option<u8>,
     slot: Slot,
     cycle: Cycle,
