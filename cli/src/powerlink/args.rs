@@ -99,8 +99,11 @@ pub struct CnArgs {
     #[arg(long, value_name = "ID", default_value = "0", value_parser = parse_u32)]
     pub serial: u32,
     /// How long an answer may take: told to the managing node (0x1F98/3 and /6), and kept
-    #[arg(long, value_name = "TIME", default_value = "5ms", value_parser = parse_answer_time)]
+    #[arg(long, value_name = "TIME", default_value = "5ms", value_parser = parse_object_time)]
     pub answer_within: Time,
+    /// How late a SoC may be until it counts as lost (0x1C14), unless the managing node writes another time
+    #[arg(long, value_name = "TIME", default_value = "50ms", value_parser = parse_object_time)]
+    pub loss_of_soc_tolerance: Time,
 }
 
 /// `devicenet powerlink mn`.
@@ -114,6 +117,9 @@ for tests and demonstrations.
 FILE is a network file in TOML. Times have a unit, numbers may be hexadecimal; only [[node]] with its number is required:
   cycle = \"20ms\"             from one SoC to the next
   pres_timeout = \"1ms\"       until a node begins its PRes
+  loss_of_soc_tolerance = \"50ms\"
+                              how late a SoC may be until a node misses it: written to 0x1C14 of every node that takes it, because
+                              the SoC of a computer comes later than the 100 us of most nodes at times; \"0s\" leaves theirs
   async_slot = \"1ms\"         until an invited node begins to answer
   async_mtu = 300             the longest payload of an asynchronous frame
   wait_not_active, wait_after_reset, wait_pre_operational_1, wait_soc_preq, command_timeout, command_repeat,
@@ -131,13 +137,12 @@ FILE is a network file in TOML. Times have a unit, numbers may be hexadecimal; o
   map_inputs = [{ object = \"0x6000/1\", bits = 8 }]
                               what is in its PReq and PRes, one behind the other unless an offset is given, in bits
   outputs = \"5a\"            the process data of its PReq
-  write = [{ object = \"0x1C14/0\", value = 20_000_000, size = 4 }, { object = \"0x6200/2\", data = \"07\", may_fail = true }]
-                              written before the mapping, in this order; 0x1C14/0 is how many ns a SoC may be late, and a
-                              computer needs more than the 100 us of most nodes
+  write = [{ object = \"0x1C0B/3\", value = 80, size = 4 }, { object = \"0x6200/2\", data = \"07\", may_fail = true }]
+                              written before the mapping, in this order
   configuration = { date = 1, time = 1 }
                               a node that has it already is not written again
-  mandatory = true, async_only = false, multiplexed_slot = 0, pres_timeout = \"1ms\", loss_of_pres_threshold = 15,
-  preq_limit = 36, pres_limit = 36, pdo_version = 0
+  mandatory = true, async_only = false, multiplexed_slot = 0, pres_timeout = \"1ms\", loss_of_soc_tolerance = \"50ms\",
+  loss_of_pres_threshold = 15, preq_limit = 36, pres_limit = 36, pdo_version = 0
 
 Raw Ethernet frames need the right cap_net_raw: run it as root, or, as root: setcap cap_net_raw+ep devicenet
 
@@ -184,7 +189,8 @@ fn parse_u32(text: &str) -> Result<u32, String> {
 }
 
 /// The object that tells it counts nanoseconds in 32 bits.
-fn parse_answer_time(text: &str) -> Result<Time, String> {
+/// Of an object of 32 bits in nanoseconds, in which 0 is no time.
+fn parse_object_time(text: &str) -> Result<Time, String> {
     let time: Time = text.parse().map_err(|error: TimeError| error.to_string())?;
     let fits = !time.0.is_zero() && u32::try_from(time.0.as_nanos()).is_ok();
     if fits { Ok(time) } else { Err("longer than 0s and at most 4.2s".to_owned()) }
@@ -204,9 +210,9 @@ mod tests {
 
     #[test]
     fn an_answer_takes_time_and_fits_its_object() {
-        assert!(parse_answer_time("5ms").is_ok());
+        assert!(parse_object_time("5ms").is_ok());
         for text in ["0s", "5s", "5"] {
-            assert!(parse_answer_time(text).is_err(), "{text}");
+            assert!(parse_object_time(text).is_err(), "{text}");
         }
     }
 }

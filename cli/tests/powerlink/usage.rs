@@ -88,6 +88,7 @@ fn a_wrong_network_file_is_told_with_the_place() {
         ("[[node]]\nnode = 240", ":2:8", "240 is out of range; expected 1 to 239"),
         ("[[node]]\nnode = 1\n[[node]]\nnode = 1", ":4:8", "node 1 is there twice"),
         ("[[node]]\nnode = 1\npreq_limit = 35", ":3:14", "35 is out of range; expected 36 to 1490"),
+        ("loss_of_soc_tolerance = \"5s\"\n[[node]]\nnode = 1", ":1:25", "expected at most 4.2s"),
         ("[[node]]\nnode = 1\noutputs = \"5\"", ":3:11", "expected an even number of hexadecimal digits"),
         (
             "[[node]]\nnode = 1\nidentity = { vendor = -1 }",

@@ -7,7 +7,7 @@ use link_core::ethernet::Port as _;
 use powerlink_core::dictionary::Device;
 use powerlink_core::node::{Config, DefaultMapping, NodeEvent};
 use powerlink_core::wire::Identity;
-use powerlink_core::{ControlledNode, NodeId};
+use powerlink_core::{ControlledNode, MacAddress, NodeId};
 
 use super::args::CnArgs;
 use super::log::Log;
@@ -31,7 +31,7 @@ pub(super) fn run(args: &CnArgs, json: bool) -> Result<Exit, Failure> {
     let mut objects = Io::default();
     objects.mirror = args.mirror;
     objects.set_inputs(&args.inputs.0, digital);
-    let mut node: Node = ControlledNode::new(config(args, &session)?, objects)
+    let mut node: Node = ControlledNode::new(config(args, session.interface().mac())?, objects)
         .map_err(|error| Failure::Usage(error.to_string()))?;
     let mut log = Log::new(NodeId(args.node), json);
     let mut outputs = Outputs { digital, analog, told: None };
@@ -51,7 +51,7 @@ pub(super) fn run(args: &CnArgs, json: bool) -> Result<Exit, Failure> {
 /// All inputs and outputs fit into process data of 36 bytes or a little more.
 type Node = ControlledNode<Io, 64>;
 
-fn config(args: &CnArgs, session: &Session) -> Result<Config, Failure> {
+fn config(args: &CnArgs, mac: MacAddress) -> Result<Config, Failure> {
     let identity = Identity {
         vendor_id: args.vendor,
         product_code: args.product,
@@ -59,7 +59,8 @@ fn config(args: &CnArgs, session: &Session) -> Result<Config, Failure> {
         serial_number: args.serial,
     };
     // It was checked that they fit.
-    let latency = u32::try_from(args.answer_within.0.as_nanos()).unwrap_or(u32::MAX);
+    let [latency, tolerance] = [args.answer_within, args.loss_of_soc_tolerance]
+        .map(|time| u32::try_from(time.0.as_nanos()).unwrap_or(u32::MAX));
     let device = Device {
         device_type: DEVICE_TYPE,
         name: "devicenet powerlink cn",
@@ -68,7 +69,6 @@ fn config(args: &CnArgs, session: &Session) -> Result<Config, Failure> {
         asnd_latency: latency,
         ..Device::new(identity)
     };
-    let mac = session.interface().mac();
     let mut config =
         Config::new(NodeId(args.node), mac, device).map_err(|error| Failure::Usage(error.to_string()))?;
     // Once in the life of the program.
@@ -77,6 +77,7 @@ fn config(args: &CnArgs, session: &Session) -> Result<Config, Failure> {
         DefaultMapping { receive: entries(Direction::Outputs), transmit: entries(Direction::Inputs) };
     let size = u16::from(args.digital) + 2 * u16::from(args.analog);
     let values = &mut config.values;
+    values.loss_of_soc_tolerance = tolerance;
     (values.preq_limit, values.pres_limit) = (values.preq_limit.max(size), values.pres_limit.max(size));
     Ok(config)
 }
@@ -98,5 +99,29 @@ impl Outputs {
         log.data(now, "outputs", &outputs, is_valid)?;
         self.told = Some((outputs, is_valid));
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser as _;
+
+    use super::*;
+
+    #[derive(clap::Parser)]
+    struct Line {
+        #[command(flatten)]
+        args: CnArgs,
+    }
+
+    /// A program on a computer hears a SoC later than the 100 us of the specification at times.
+    #[test]
+    fn a_soc_may_be_late() {
+        for (given, expected) in [("", 50_000_000), ("--loss-of-soc-tolerance=2ms", 2_000_000)] {
+            let line = ["cn", "eth0", "--node", "1", given].into_iter().filter(|word| !word.is_empty());
+            let args = Line::parse_from(line).args;
+            let config = config(&args, MacAddress::default()).unwrap();
+            assert_eq!(config.values.loss_of_soc_tolerance, expected);
+        }
     }
 }

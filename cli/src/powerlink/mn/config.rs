@@ -58,8 +58,11 @@ impl Network {
         }
         check.numbers(&raw.node)?;
         let config = check.config(&raw)?;
-        let pres_timeout = raw.pres_timeout.as_ref().map_or(PRES_TIMEOUT, time);
-        let nodes = raw.node.iter().map(|node| check.node(node, pres_timeout)).collect::<Result<_, _>>()?;
+        let times = NodeTimes {
+            pres_timeout: raw.pres_timeout.as_ref().map_or(PRES_TIMEOUT, time),
+            soc_tolerance: check.nanos(raw.loss_of_soc_tolerance.as_ref(), LOSS_OF_SOC_TOLERANCE)?,
+        };
+        let nodes = raw.node.iter().map(|node| check.node(node, times)).collect::<Result<_, _>>()?;
         Ok(Self { config, nodes })
     }
 
@@ -90,6 +93,14 @@ impl Node {
             .map(|write| ObjectWrite { at: write.at, data: &write.data, may_fail: write.may_fail })
             .collect()
     }
+}
+
+/// What the file says for every node, unless the node has its own.
+#[derive(Clone, Copy)]
+struct NodeTimes {
+    pres_timeout: Duration,
+    /// ns
+    soc_tolerance: u32,
 }
 
 struct Check<'a> {
@@ -142,7 +153,7 @@ impl Check<'_> {
         }
     }
 
-    fn node(&self, table: &Spanned<RawNode>, pres_timeout: Duration) -> Result<Node, ScenarioError> {
+    fn node(&self, table: &Spanned<RawNode>, times: NodeTimes) -> Result<Node, ScenarioError> {
         let (raw, span) = (table.get_ref(), table.span());
         let Some(id) = &raw.node else {
             return self.fail(&span, "`node`, the number of the node, is missing");
@@ -166,7 +177,7 @@ impl Check<'_> {
             self.number(&mut time, stamp.time.as_ref(), 0, u32::MAX.into())?;
             plan.configuration = Some(ConfigurationStamp { date, time });
         }
-        plan.pres_timeout = raw.pres_timeout.as_ref().map_or(pres_timeout, time);
+        plan.pres_timeout = raw.pres_timeout.as_ref().map_or(times.pres_timeout, time);
         let threshold = raw.loss_of_pres_threshold.as_ref();
         self.number(&mut plan.loss_of_pres_threshold, threshold, 0, u32::MAX.into())?;
         self.number(&mut plan.preq_limit, raw.preq_limit.as_ref(), 36, LIMIT)?;
@@ -182,11 +193,19 @@ impl Check<'_> {
                 format!("{} bytes; `preq_limit` of this node is {limit}", outputs.len()),
             );
         }
+        let tolerance = self.nanos(raw.loss_of_soc_tolerance.as_ref(), times.soc_tolerance)?;
+        // First, so that what the file writes itself is the last word. A node that refuses keeps its own.
+        let tolerance = (tolerance > 0).then(|| Write {
+            at: SOC_TOLERANCE,
+            data: tolerance.to_le_bytes().to_vec(),
+            may_fail: true,
+        });
+        let writes = raw.write.iter().map(|write| self.write(write));
         Ok(Node {
             plan,
             map_outputs: self.mapping(&raw.map_outputs)?,
             map_inputs: self.mapping(&raw.map_inputs)?,
-            writes: raw.write.iter().map(|write| self.write(write)).collect::<Result<_, _>>()?,
+            writes: tolerance.map(Ok).into_iter().chain(writes).collect::<Result<_, _>>()?,
             outputs,
         })
     }
@@ -276,6 +295,15 @@ impl Check<'_> {
         }
     }
 
+    /// A time that an object of 32 bits has in nanoseconds.
+    fn nanos(&self, value: Option<&Spanned<Time>>, default: u32) -> Result<u32, ScenarioError> {
+        let Some(value) = value else { return Ok(default) };
+        match u32::try_from(time(value).as_nanos()) {
+            Ok(nanos) => Ok(nanos),
+            Err(_) => self.fail(&value.span(), "expected at most 4.2s"),
+        }
+    }
+
     /// Sets `place`, if there is a value.
     fn number<T: TryFrom<i64>>(
         &self,
@@ -304,6 +332,9 @@ fn time(value: &Spanned<Time>) -> Duration {
 /// Programs on computers need longer than the 25 and 100 us of the specification.
 const PRES_TIMEOUT: Duration = Duration::from_millis(1);
 const ASYNC_SLOT: Duration = Duration::from_millis(1);
+/// In ns; as the network of openPOWERLINK's demonstration has it. SoC comes late where a computer sends it or hears it.
+const LOSS_OF_SOC_TOLERANCE: u32 = 50_000_000;
+const SOC_TOLERANCE: ObjectAddress = ObjectAddress::new(0x1C14, 0);
 /// The most process data.
 const LIMIT: i64 = 1490;
 
@@ -322,7 +353,7 @@ mod tests {
         assert_eq!((plans[0].output_len(), plans[0].device_type), (1, Some(0x000F_0191)));
         assert_eq!(
             (plans[0].writes[0].data, &network.nodes[0].outputs[..]),
-            (&[0, 0x2D, 0x31, 0x01][..], &[0x5A][..])
+            (&50_000_000_u32.to_le_bytes()[..], &[0x5A][..])
         );
         assert_eq!(plans[0].pres_timeout, Duration::from_millis(2));
     }
@@ -336,11 +367,34 @@ mod tests {
         assert_eq!(offsets, [0, 8, 64]);
     }
 
+    /// 0x1C14, before what the file writes itself.
+    #[test]
+    fn every_node_gets_a_tolerance_for_late_socs_unless_the_file_says_0s() {
+        let writes = |network: &str, node: &str| {
+            let text = format!("{network}[[node]]\nnode = 1\n{node}");
+            Network::parse("a.toml", &text).map(|network| network.nodes[0].writes.clone())
+        };
+        let tolerance = |nanos: u32| Write {
+            at: ObjectAddress::new(0x1C14, 0),
+            data: nanos.to_le_bytes().to_vec(),
+            may_fail: true,
+        };
+        let (whole, one) = ("loss_of_soc_tolerance = \"2ms\"\n", "loss_of_soc_tolerance = \"3ms\"\n");
+        assert_eq!(writes("", "").unwrap(), [tolerance(50_000_000)]);
+        assert_eq!(writes(whole, "").unwrap(), [tolerance(2_000_000)]);
+        assert_eq!(writes(whole, one).unwrap(), [tolerance(3_000_000)]);
+        assert_eq!(writes("", "loss_of_soc_tolerance = \"0s\"").unwrap(), []);
+        assert_eq!(writes("loss_of_soc_tolerance = \"0s\"\n", one).unwrap(), [tolerance(3_000_000)]);
+        let own = "write = [{ object = \"0x1C14/0\", value = 7, size = 4 }]";
+        assert_eq!(writes("", own).unwrap()[1].data, [7, 0, 0, 0]);
+        assert!(writes("loss_of_soc_tolerance = \"5s\"\n", "").is_err());
+    }
+
     #[test]
     fn values_are_little_endian_and_may_be_negative() {
         let data = |write: &str| {
             let text = format!("[[node]]\nnode = 1\nwrite = [{{ object = \"0x2000/1\", {write} }}]");
-            Network::parse("a.toml", &text).map(|network| network.nodes[0].writes[0].data.clone())
+            Network::parse("a.toml", &text).map(|network| network.nodes[0].writes[1].data.clone())
         };
         assert_eq!(data("value = 0x0102, size = 4").unwrap(), [2, 1, 0, 0]);
         assert_eq!(data("value = -2, size = 2").unwrap(), [0xFE, 0xFF]);
