@@ -1,5 +1,7 @@
 //! PDO: objects in the process data of PReq and PRes.
 
+use link_core::codec::Writer;
+
 use crate::NodeId;
 use crate::dictionary::{Entry, ObjectAddress, ObjectSet};
 use crate::ethernet::MAX_PROCESS_DATA;
@@ -63,11 +65,13 @@ struct Place {
     object: ObjectAddress,
     start: u16,
     len: u16,
+    /// While it is in use: the line of an object that takes some values only, else [`ANY_VALUE`].
+    line: u16,
 }
 
 impl Place {
     /// No object.
-    const EMPTY: Self = Self { object: ObjectAddress::new(0, 0), start: 0, len: 0 };
+    const EMPTY: Self = Self { object: ObjectAddress::new(0, 0), start: 0, len: 0, line: ANY_VALUE };
 
     /// The place of an entry, if that begins and ends with a byte.
     const fn of(entry: MappingEntry) -> Option<Self> {
@@ -75,7 +79,7 @@ impl Place {
         if (offset | length) & 0x07 != 0 {
             return None;
         }
-        Some(Self { object, start: offset >> 3, len: length >> 3 })
+        Some(Self { object, start: offset >> 3, len: length >> 3, line: ANY_VALUE })
     }
 
     /// As it was written.
@@ -90,6 +94,16 @@ impl Place {
     }
 }
 
+/// An object that a PDO could not carry: the first one, if there are several.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PdoFault {
+    /// The object.
+    pub object: ObjectAddress,
+    /// Why.
+    pub code: AbortCode,
+}
+
 /// What is in the process data of one direction, or of one other node: a communication object (0x1400, 0x1800) and a
 /// mapping object (0x1600, 0x1A00).
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
@@ -102,6 +116,8 @@ pub struct Mapping {
     entries: [Place; MAX_MAPPED],
     /// The entries that count: sub-index 0.
     count: u8,
+    /// One of those takes some values only.
+    is_limited: bool,
     /// The bytes that they need.
     len: u16,
 }
@@ -115,6 +131,7 @@ impl Mapping {
             version: PdoVersion(0),
             entries: [Place::EMPTY; MAX_MAPPED],
             count: 0,
+            is_limited: false,
             len: 0,
         }
     }
@@ -201,16 +218,17 @@ impl Mapping {
         if usize::from(count) > MAX_MAPPED {
             return Err(AbortCode::VALUE_TOO_HIGH);
         }
-        let mut len = 0;
-        for &place in self.entries.iter().take(count.into()) {
-            check::<O>(place, transmit)?;
+        let (mut len, mut is_limited) = (0, false);
+        for place in self.entries.iter_mut().take(count.into()) {
+            place.line = check::<O>(*place, transmit)?;
+            is_limited |= place.line != ANY_VALUE;
             len = place.range().end.max(len);
         }
         if len > limit.min(MAX_PROCESS_DATA) {
             return Err(AbortCode::PDO_LENGTH);
         }
         self.len = u16::try_from(len).map_err(|_| AbortCode::PDO_LENGTH)?;
-        self.count = count;
+        (self.count, self.is_limited) = (count, is_limited);
         Ok(())
     }
 
@@ -226,25 +244,45 @@ impl Mapping {
         self.version.main() == version.main()
     }
 
-    /// Gives the objects what is in `data`.
-    pub fn unpack<O: ObjectSet>(&self, data: &[u8], objects: &mut O) {
-        let Some(places) = self.in_use() else { return };
-        for place in places {
-            if let Some(value) = data.get(place.range()) {
-                // An object that does not take a value in a PDO keeps its own: nobody could be told.
-                let _ = objects.write(place.object, value);
+    /// Gives the objects what is in `data`. One that does not take its value keeps its own, and the others take theirs.
+    ///
+    /// # Errors
+    /// The object that did not take its value.
+    pub fn unpack<O: ObjectSet>(&self, data: &[u8], objects: &mut O) -> Result<(), PdoFault> {
+        let Some(places) = self.in_use() else { return Ok(()) };
+        if self.is_limited {
+            return give_checked(places, data, objects);
+        }
+        let mut rest = places.iter();
+        while let Some(place) = rest.next() {
+            if let Some(value) = data.get(place.range())
+                && let Err(code) = objects.write(place.object, value)
+            {
+                // The first is told.
+                let _ = give_checked(rest.as_slice(), data, objects);
+                return Err(PdoFault { object: place.object, code });
             }
         }
+        Ok(())
     }
 
-    /// Takes the values of the objects into `data`. What cannot be read stays as it was.
-    pub fn pack<O: ObjectSet>(&self, objects: &O, data: &mut [u8]) {
-        let Some(places) = self.in_use() else { return };
-        for place in places {
-            if let Some(value) = data.get_mut(place.range()) {
-                let _ = objects.read(place.object, &mut link_core::codec::Writer::new(value));
+    /// Takes the values of the objects into `data`. Where one cannot be read is what was there.
+    ///
+    /// # Errors
+    /// The object that could not be read.
+    pub fn pack<O: ObjectSet>(&self, objects: &O, data: &mut [u8]) -> Result<(), PdoFault> {
+        let mut result = Ok(());
+        for place in self.in_use().unwrap_or_default() {
+            let Some(value) = data.get_mut(place.range()) else { continue };
+            let mut out = Writer::new(value);
+            let read = objects.read(place.object, &mut out);
+            // Half a value is none.
+            let whole = if out.remaining() == 0 { Ok(()) } else { Err(AbortCode::LENGTH) };
+            if let Err(code) = read.and(whole) {
+                result = result.and(Err(PdoFault { object: place.object, code }));
             }
         }
+        result
     }
 
     fn in_use(&self) -> Option<&[Place]> {
@@ -306,14 +344,40 @@ impl Default for Mappings {
     }
 }
 
-/// Whether an object may be mapped so.
-fn check<O: ObjectSet>(place: Place, transmit: bool) -> Result<(), AbortCode> {
+/// The same where an object takes some values only, or another one did not take its own.
+#[inline(never)]
+fn give_checked<O: ObjectSet>(places: &[Place], data: &[u8], objects: &mut O) -> Result<(), PdoFault> {
+    let mut result = Ok(());
+    for place in places {
+        let Some(value) = data.get(place.range()) else { continue };
+        let line = O::ENTRIES.get(usize::from(place.line));
+        let checked = line.map_or(Ok(()), |line| line.check_write(value));
+        if let Err(code) = checked.and_then(|()| objects.write(place.object, value)) {
+            result = result.and(Err(PdoFault { object: place.object, code }));
+        }
+    }
+    result
+}
+
+/// Whether an object may be mapped so: what is received is written to it, what is sent is read of it. Returns its line if it takes
+/// some values only.
+fn check<O: ObjectSet>(place: Place, transmit: bool) -> Result<u16, AbortCode> {
     let line = Entry::find(O::ENTRIES, place.object)?;
     let is_whole = line.object_type.fixed_len() == Some(place.len.into());
-    if line.mappable.allows(transmit) && is_whole { Ok(()) } else { Err(AbortCode::NOT_MAPPABLE) }
+    let is_accessible = if transmit { line.access.is_readable() } else { line.access.is_writable() };
+    if !(line.mappable.allows(transmit) && is_whole && is_accessible) {
+        return Err(AbortCode::NOT_MAPPABLE);
+    }
+    if transmit || line.takes_any_value() {
+        return Ok(ANY_VALUE);
+    }
+    let at = O::ENTRIES.iter().position(|other| core::ptr::eq(other, line));
+    at.and_then(|at| u16::try_from(at).ok()).ok_or(AbortCode::NOT_MAPPABLE)
 }
 
 /// Entries of one mapping.
 pub const MAX_MAPPED: usize = 32;
+/// No line: the object takes any value of its length. An object set has fewer lines.
+const ANY_VALUE: u16 = u16::MAX;
 /// PReq, and the PRes of so many other nodes less one.
 pub const RECEIVE_CHANNELS: usize = 3;

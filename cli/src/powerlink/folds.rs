@@ -92,8 +92,8 @@ impl Fold {
     }
 }
 
-/// Those that frames of strangers cause.
-const FOLDED: [&str; 7] = [
+/// Those that frames of strangers cause, and those of values in every cycle.
+const FOLDED: [&str; 9] = [
     "bad_frame",
     "foreign_poll",
     "sdo_refused",
@@ -101,6 +101,8 @@ const FOLDED: [&str; 7] = [
     "other_managing_node",
     "unknown_node",
     "address_conflict",
+    "value_refused",
+    "value_unreadable",
 ];
 /// How many different ones of a name are told apart.
 const DIFFERENT: usize = 4;

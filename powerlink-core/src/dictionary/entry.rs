@@ -95,7 +95,28 @@ pub enum Access {
     WriteOnly,
 }
 
-/// Into which PDOs an object may be mapped.
+impl Access {
+    /// Whether it is read.
+    #[must_use]
+    pub const fn is_readable(self) -> bool {
+        match self {
+            Self::Constant | Self::ReadOnly | Self::ReadWrite => true,
+            Self::WriteOnly => false,
+        }
+    }
+
+    /// Whether it is written.
+    #[must_use]
+    pub const fn is_writable(self) -> bool {
+        match self {
+            Self::ReadWrite | Self::WriteOnly => true,
+            Self::Constant | Self::ReadOnly => false,
+        }
+    }
+}
+
+/// Into which PDOs an object may be mapped. Into those that are received only if it is written, into that which is sent only if it
+/// is read.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
@@ -220,10 +241,7 @@ impl Entry {
     /// # Errors
     /// Why it may not.
     pub const fn check_read(&self) -> Result<(), AbortCode> {
-        match self.access {
-            Access::Constant | Access::ReadOnly | Access::ReadWrite => Ok(()),
-            Access::WriteOnly => Err(AbortCode::WRITE_ONLY),
-        }
+        if self.access.is_readable() { Ok(()) } else { Err(AbortCode::WRITE_ONLY) }
     }
 
     /// Whether a value may be written.
@@ -231,15 +249,23 @@ impl Entry {
     /// # Errors
     /// Why it may not.
     pub fn check_write(&self, data: &[u8]) -> Result<(), AbortCode> {
-        match self.access {
-            Access::Constant | Access::ReadOnly => return Err(AbortCode::READ_ONLY),
-            Access::ReadWrite | Access::WriteOnly => {}
+        if !self.access.is_writable() {
+            return Err(AbortCode::READ_ONLY);
         }
         self.object_type.check_len(data.len())?;
         match (self.object_type, unsigned(data)) {
             (ObjectType::Boolean, Some(2..)) => Err(AbortCode::VALUE_TOO_HIGH),
             (ObjectType::Unsigned(_), Some(value)) => self.check_range(value),
             _ => Ok(()),
+        }
+    }
+
+    /// Whether every value of the right length may be written.
+    pub(crate) const fn takes_any_value(&self) -> bool {
+        match self.object_type {
+            ObjectType::Boolean => false,
+            ObjectType::Unsigned(_) => matches!(self.range, (0, u32::MAX)),
+            ObjectType::Signed(_) | ObjectType::Real(_) | ObjectType::Text(_) | ObjectType::Bytes(_) => true,
         }
     }
 

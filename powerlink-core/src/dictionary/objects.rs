@@ -51,13 +51,13 @@ pub trait ObjectSet {
     /// Writes the value of an object to `out`.
     ///
     /// # Errors
-    /// Why it cannot be read now.
+    /// Why it cannot be read now. A PRes that lacks a value says that its data are not valid.
     fn read(&self, at: ObjectAddress, out: &mut Writer<'_>) -> Result<(), AbortCode>;
 
     /// Takes a value from SDO or from a PDO.
     ///
     /// # Errors
-    /// Why it cannot be taken. In a PDO nobody hears it.
+    /// Why it cannot be taken. Of a PDO the sender does not hear it, but the application does.
     fn write(&mut self, at: ObjectAddress, data: &[u8]) -> Result<(), AbortCode>;
 
     /// Power-on values: the node is reset.

@@ -19,6 +19,10 @@ impl ObjectSet for Io {
         Entry::new(0x6000, 1, "input", ObjectType::Unsigned(1), Access::ReadOnly).mapped(Mappable::Transmit),
         Entry::new(0x6200, 1, "output", ObjectType::Unsigned(2), Access::ReadWrite).mapped(Mappable::Receive),
         Entry::new(0x6201, 0, "secret", ObjectType::Unsigned(1), Access::WriteOnly),
+        Entry::new(0x6400, 1, "constant", ObjectType::Unsigned(1), Access::Constant).mapped(Mappable::Both),
+        Entry::new(0x6400, 2, "read", ObjectType::Unsigned(1), Access::ReadOnly).mapped(Mappable::Both),
+        Entry::new(0x6400, 3, "both", ObjectType::Unsigned(1), Access::ReadWrite).mapped(Mappable::Both),
+        Entry::new(0x6400, 4, "written", ObjectType::Unsigned(1), Access::WriteOnly).mapped(Mappable::Both),
     ];
 
     fn read(&self, at: ObjectAddress, out: &mut Writer<'_>) -> Result<(), AbortCode> {
@@ -149,6 +153,30 @@ fn a_mapping_is_checked_when_it_is_put_into_use() {
         Err(AbortCode::UNSUPPORTED_ACCESS),
         "in use"
     );
+}
+
+/// Whatever the lines of the application say: what is received is written, what is sent is read.
+#[test]
+fn what_is_mapped_is_accessible() {
+    let mut dictionary = dictionary();
+    for (sub, access, receive, transmit) in [
+        (1, Access::Constant, false, true),
+        (2, Access::ReadOnly, false, true),
+        (3, Access::ReadWrite, true, true),
+        (4, Access::WriteOnly, true, false),
+    ] {
+        let object = ObjectAddress::new(0x6400, sub);
+        let entry = crate::pdo::MappingEntry { object, offset: 0, length: 8 };
+        for (mapping, is_possible) in [(0x1600, receive), (0x1A00, transmit)] {
+            assert_eq!(write(&mut dictionary, mapping, 0, &[0]), Ok(Effect::None));
+            assert_eq!(write(&mut dictionary, mapping, 1, &entry.number().to_le_bytes()), Ok(Effect::None));
+            let expected = if is_possible { Ok(Effect::None) } else { Err(AbortCode::NOT_MAPPABLE) };
+            assert_eq!(write(&mut dictionary, mapping, 0, &[1]), expected, "{access:?} in 0x{mapping:04X}");
+        }
+        // Those of the manufacturer too.
+        let given = |transmit| crate::pdo::Mapping::with::<Io>(&[entry], transmit, 36).is_ok();
+        assert_eq!((given(false), given(true)), (receive, transmit), "{access:?}");
+    }
 }
 
 #[test]

@@ -40,6 +40,22 @@ pub enum NodeEvent {
         /// They count: the node is in `Operational`.
         is_valid: bool,
     },
+    /// An object did not take its value from process data; the others did.
+    ValueRefused {
+        /// The channel: 0 for 0x1600.
+        channel: u8,
+        /// The first that did not.
+        object: ObjectAddress,
+        /// Why.
+        code: AbortCode,
+    },
+    /// An object could not be read for the PRes, which says that its data are not valid.
+    ValueUnreadable {
+        /// The first that could not.
+        object: ObjectAddress,
+        /// Why.
+        code: AbortCode,
+    },
     /// A client wrote an object.
     ObjectWritten(ObjectAddress),
     /// A client's command failed.
@@ -107,7 +123,7 @@ pub struct NodeCounters {
     pub sdo_ignored: u32,
     /// SDO clients for which there was no room.
     pub sdo_refused: u32,
-    /// Process data that did not fit the mapping.
+    /// Process data that did not fit the mapping, of which an object did not take its value, or for which one could not be read.
     pub pdo_errors: u32,
     /// Errors that were not told to the managing node, because too many wait already.
     pub errors_untold: u32,
@@ -134,6 +150,12 @@ impl fmt::Display for NodeEvent {
             Self::ResetReason { command, reason } => write!(f, "{command}, reason: {reason}"),
             Self::ProcessData { channel, is_valid } => {
                 write!(f, "process data of channel {channel}{}", if *is_valid { "" } else { ", not valid" })
+            }
+            Self::ValueRefused { channel, object, code } => {
+                write!(f, "{object} did not take its value of channel {channel}: {code}")
+            }
+            Self::ValueUnreadable { object, code } => {
+                write!(f, "{object} could not be read for the PRes: {code}")
             }
             Self::ObjectWritten(at) => write!(f, "{at} written"),
             Self::SdoAborted { command, code } => write!(f, "{command} failed: {code}"),

@@ -45,6 +45,8 @@ pub struct ControlledNode<O, const PRES: usize = 36, const SDO: usize = 256> {
     pub(super) reset_after_answer: Option<(usize, Cause)>,
     /// Whether the application says that its inputs are valid.
     pub(super) are_inputs_valid: bool,
+    /// Whether all of them could be read at the last SoC.
+    pub(super) are_inputs_read: bool,
     /// Of the last SoC.
     pub(super) net_time: NetTime,
     /// Of the last SoC, µs.
@@ -170,6 +172,7 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
             reply: None,
             reset_after_answer: None,
             are_inputs_valid: true,
+            are_inputs_read: true,
             net_time: NetTime::default(),
             relative_time: 0,
             error_led: false,

@@ -8,6 +8,7 @@ use super::machine::{ControlledNode, Reply, Request};
 use crate::dictionary::{FEATURES, ObjectSet};
 use crate::ethernet::{ETHERNET_HEADER, MIN_FRAME, POLL_HEADER, group};
 use crate::nmt::{Cause, NmtState};
+use crate::pdo::PdoFault;
 use crate::wire::{
     AsyncRequest, Flags, Header, IdentResponse, IpParameters, MessageType, NmtRequest, POWERLINK_V2, Pres,
     ServiceId, StatusResponse, pad,
@@ -105,6 +106,18 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         self.nmt.state() == NmtState::BasicEthernet && self.server.ready() > 0
     }
 
+    /// Takes the process data of this cycle from the objects: the PRes is ready before the PReq.
+    pub(super) fn take_inputs(&mut self) {
+        let mapping = &self.dictionary.mappings.transmit;
+        let read = mapping.pack(&self.objects, &mut self.inputs);
+        self.inputs.get_mut(mapping.len()..).unwrap_or_default().fill(0);
+        self.are_inputs_read = read.is_ok();
+        if let Err(PdoFault { object, code }) = read {
+            count(&mut self.counters.pdo_errors);
+            self.raise(NodeEvent::ValueUnreadable { object, code });
+        }
+    }
+
     /// The PRes: of constant length, whatever is mapped. `None` if the buffer is too short.
     #[inline]
     fn pres_frame<'b>(&self, buffer: &'b mut [u8]) -> Option<&'b [u8]> {
@@ -113,7 +126,8 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         let limit = self.active.pres_limit;
         // A mapping for a limit that is not in use yet has no place in this PRes.
         let size = Some(mapping.size()).filter(|&size| size <= limit);
-        let is_valid = state == NmtState::Operational && self.are_inputs_valid && size.is_some();
+        let are_valid = self.are_inputs_valid && self.are_inputs_read;
+        let is_valid = state == NmtState::Operational && are_valid && size.is_some();
         let mut flags = self.signalling.exception_new();
         flags.set(Flags::DATA_VALID, is_valid);
         flags.set(Flags::MULTIPLEXED, self.poll.is_multiplexed);

@@ -11,7 +11,7 @@ use crate::cycle::CycleEvent;
 use crate::dictionary::ObjectSet;
 use crate::ethernet::ETHERTYPE;
 use crate::nmt::{Cause, NmtState};
-use crate::pdo::Mapping;
+use crate::pdo::{Mapping, PdoFault};
 use crate::wire::{
     ErrorCode, Flags, Header, MESSAGE_TYPE, MessageType, POLL_FIELDS, ParseError, PdoVersion, Pres,
 };
@@ -134,12 +134,24 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         } else if data.len() < mapping.len() {
             ErrorCode::PDO_SHORT
         } else {
-            mapping.unpack(data, &mut self.objects);
+            if let Err(fault) = mapping.unpack(data, &mut self.objects) {
+                return self.refused(channel, fault, says_valid);
+            }
             return self.raise(NodeEvent::ProcessData { channel, is_valid });
         };
         // Who says that its data are not valid promises nothing about their form.
         if says_valid {
             self.pdo_error(error);
+        }
+    }
+
+    /// The other objects took their values. It is no error of the network, which the managing node would be told.
+    #[cold]
+    fn refused(&mut self, channel: u8, PdoFault { object, code }: PdoFault, says_valid: bool) {
+        self.raise(NodeEvent::ProcessData { channel, is_valid: self.nmt.state() == NmtState::Operational });
+        if says_valid {
+            count(&mut self.counters.pdo_errors);
+            self.raise(NodeEvent::ValueRefused { channel, object, code });
         }
     }
 

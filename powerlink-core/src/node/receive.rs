@@ -149,10 +149,7 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         if let Some(cause) = jitter.or(multiplexed).or(order) {
             self.cause(cause);
         }
-        // The process data of this cycle; the PRes is ready before the PReq.
-        let mapping = &self.dictionary.mappings.transmit;
-        mapping.pack(&self.objects, &mut self.inputs);
-        self.inputs.get_mut(mapping.len()..).unwrap_or_default().fill(0);
+        self.take_inputs();
     }
 
     fn soa(&mut self, soa: &Soa) {

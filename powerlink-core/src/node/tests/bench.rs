@@ -33,15 +33,15 @@ pub(super) struct Io {
     pub(super) input: u8,
     pub(super) output: u8,
     pub(super) long: Vec<u8>,
-    switch: u8,
+    pub(super) switch: u8,
 }
 
 impl ObjectSet for Io {
     const ENTRIES: &'static [Entry] = &[
         Entry::new(0x2000, 0, "long", ObjectType::Bytes(4000), Access::ReadWrite),
         Entry::new(0x2001, 0, "secret", ObjectType::Unsigned(1), Access::WriteOnly),
-        Entry::new(0x2002, 0, "switch", ObjectType::Boolean, Access::ReadWrite),
-        Entry::new(0x2003, 0, "busy", ObjectType::Unsigned(1), Access::ReadWrite),
+        Entry::new(0x2002, 0, "switch", ObjectType::Boolean, Access::ReadWrite).mapped(Mappable::Both),
+        Entry::new(0x2003, 0, "busy", ObjectType::Unsigned(1), Access::ReadWrite).mapped(Mappable::Both),
         Entry::new(0x6000, 1, "input", ObjectType::Unsigned(1), Access::ReadOnly).mapped(Mappable::Transmit),
         Entry::new(0x6200, 1, "output", ObjectType::Unsigned(1), Access::ReadWrite).mapped(Mappable::Receive),
     ];

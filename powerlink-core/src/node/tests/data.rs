@@ -1,16 +1,35 @@
 //! Process data: whose they are, of which version, how long, and how that is changed.
 
+use std::vec::Vec;
+
 use super::bench::*;
 use crate::NodeId;
+use crate::dictionary::ObjectAddress;
 use crate::error::Symptom;
 use crate::nmt::NmtState;
 use crate::node::{NodeEvent, VersionCheck};
 use crate::wire::{AbortCode, ErrorCode, Flags, NmtCommandId, PdoVersion, Soc};
 
-/// Object 0x6200/1 at a bit offset, eight bits long, as it stands in 0x1600.
+/// An object of one byte at a bit offset, as it stands in a mapping object.
+fn byte_at(index: u16, sub: u8, offset: u16) -> [u8; 8] {
+    let ([i0, i1], [o0, o1]) = (index.to_le_bytes(), offset.to_le_bytes());
+    [i0, i1, sub, 0, o0, o1, 8, 0]
+}
+
 fn output_at(offset: u16) -> [u8; 8] {
-    let [low, high] = offset.to_le_bytes();
-    [0x00, 0x62, 0x01, 0x00, low, high, 8, 0]
+    byte_at(0x6200, 1, offset)
+}
+
+/// A node in operation in which a mapping object has these entries.
+fn mapping(object: u16, entries: &[[u8; 8]]) -> Bench {
+    let mut bench = Bench::in_state(NmtState::PreOperational1, config());
+    assert_eq!(bench.writes(object, 0, &[0]), Ok(()));
+    for (sub, entry) in (1..).zip(entries) {
+        assert_eq!(bench.writes(object, sub, entry), Ok(()));
+    }
+    assert_eq!(bench.writes(object, 0, &[u8::try_from(entries.len()).unwrap()]), Ok(()));
+    bench.goes_to(NmtState::Operational);
+    bench
 }
 
 /// A node that takes its output from the PRes of node 2 as well: channel 1, the second byte.
@@ -168,6 +187,69 @@ fn limits_count_after_the_next_reset() {
         bench.is(state);
         bench.soa();
     }
+}
+
+/// A value out of the range of its object, and one that the application refuses: the others are taken, and the managing node is
+/// not told of an error of the network.
+#[test]
+fn values_that_objects_do_not_take() {
+    let entries = [byte_at(0x2002, 0, 0), byte_at(0x2003, 0, 8), output_at(16)];
+    let (switch, busy) = (ObjectAddress::new(0x2002, 0), ObjectAddress::new(0x2003, 0));
+    let cases = [
+        (&entries[..1], &[2][..], Some((switch, AbortCode::VALUE_TOO_HIGH)), (1, 0)),
+        (&entries[..1], &[0], None, (0, 0)),
+        (&entries, &[3, 9, 4], Some((switch, AbortCode::VALUE_TOO_HIGH)), (1, 4)),
+        (&entries, &[0, 9, 5], Some((busy, AbortCode::STATE)), (0, 5)),
+        (&entries[1..], &[0, 9, 6], Some((busy, AbortCode::STATE)), (1, 6)),
+    ];
+    for (entries, data, fault, values) in cases {
+        let mut bench = mapping(0x1600, entries);
+        bench.node.objects_mut().switch = 1;
+        bench.soc();
+        bench.preq(Flags::DATA_VALID, data);
+        bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 1 byte");
+        let objects = bench.node.objects();
+        assert_eq!((objects.switch, objects.output), values, "{data:?}");
+        assert_eq!(bench.node.counters().pdo_errors, u32::from(fault.is_some()), "{data:?}");
+        let refused = fault.map(|(object, code)| NodeEvent::ValueRefused { channel: 0, object, code });
+        let taken = NodeEvent::ProcessData { channel: 0, is_valid: true };
+        let told: Vec<_> = std::iter::once(taken).chain(refused).collect();
+        assert_eq!(bench.events, told, "{data:?}");
+    }
+    // Who says that its data are not valid promises nothing about them.
+    let mut bench = mapping(0x1600, &entries);
+    bench.command(NmtCommandId::ENTER_PRE_OPERATIONAL_2);
+    bench.command(NmtCommandId::ENABLE_READY_TO_OPERATE);
+    bench.soc();
+    bench.forget();
+    bench.preq(Flags::empty(), &[3, 9, 4]);
+    assert_eq!((bench.node.objects().switch, bench.node.objects().output), (0, 4));
+    assert_eq!(bench.events, [NodeEvent::ProcessData { channel: 0, is_valid: false }]);
+    assert_eq!(bench.node.counters().pdo_errors, 0);
+}
+
+/// RD says so, and it is counted and told, as long as it lasts.
+#[test]
+fn a_value_that_cannot_be_read_is_not_valid() {
+    let mut bench = mapping(0x1A00, &[byte_at(0x6000, 1, 8), byte_at(0x2003, 0, 0)]);
+    bench.node.objects_mut().input = 7;
+    for cycle in 1..=2 {
+        let before = bench.node.counters().pdo_errors;
+        bench.soc();
+        assert_eq!(bench.node.counters().pdo_errors - before, 1, "cycle {cycle}");
+        let object = ObjectAddress::new(0x2003, 0);
+        bench.tells(NodeEvent::ValueUnreadable { object, code: AbortCode::STATE });
+        bench.preq(Flags::DATA_VALID, &[0]);
+        bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=0, PR=0 RS=0, 2 bytes");
+        assert_eq!(bench.last[24..26], [0, 7]);
+        bench.soa();
+    }
+    // Without that object they are valid again.
+    assert_eq!(bench.writes(0x1A00, 0, &[0]), Ok(()));
+    assert_eq!(bench.writes(0x1A00, 0, &[1]), Ok(()));
+    bench.soc();
+    bench.preq(Flags::DATA_VALID, &[0]);
+    bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 2 bytes");
 }
 
 #[test]
