@@ -23,10 +23,15 @@ use powerlink_core::{ControlledNode, NodeId};
 pub(super) const NODE: NodeId = NodeId(1);
 pub(super) const MAC: MacAddress = MacAddress([2, 0, 0, 0, 0, 1]);
 pub(super) const VENDOR: u32 = 0x0123;
+/// The greatest value of 0x6201/1.
+pub(super) const MOST_OUTPUTS: u32 = 0x7FFF_FFFF;
+/// While 0x6000/1 has this value, it cannot be read.
+pub(super) const UNREADABLE: u8 = 15;
 
 pub(super) type Node = ControlledNode<Device, 64, 128>;
 
-/// A fictitious device: two inputs, two outputs, a text that needs segments, and an object that takes nothing.
+/// A fictitious device: two inputs of which one cannot always be read, two outputs of which one takes some values only, a text that
+/// needs segments, and an object that takes nothing.
 #[derive(Clone, PartialEq, Eq, Hash, Debug, Default)]
 pub(super) struct Device {
     pub(super) inputs: (u8, u64),
@@ -42,12 +47,14 @@ impl ObjectSet for Device {
         Entry::new(0x6001, 1, "inputs", ObjectType::Unsigned(8), Access::ReadOnly).mapped(Mappable::Transmit),
         Entry::new(0x6200, 1, "output", ObjectType::Unsigned(1), Access::ReadWrite).mapped(Mappable::Receive),
         Entry::new(0x6201, 1, "outputs", ObjectType::Unsigned(4), Access::ReadWrite)
-            .mapped(Mappable::Receive),
+            .mapped(Mappable::Receive)
+            .within(0, MOST_OUTPUTS),
     ];
 
     fn read(&self, at: ObjectAddress, out: &mut Writer<'_>) -> core::result::Result<(), AbortCode> {
         match at.index {
             0x2000 => out.bytes(&self.text),
+            0x6000 if self.inputs.0 == UNREADABLE => return Err(AbortCode::STATE),
             0x6000 => out.u8(self.inputs.0),
             0x6001 => out.u64(self.inputs.1),
             0x6200 => out.u8(self.outputs.0),

@@ -8,7 +8,8 @@
 //!   announce is sent when it is invited, and nothing else;
 //! - each state follows from what happened, and from nothing else but a threshold that an error tells of;
 //! - EN changes only when the managing node has seen the last errors, which stay as they are until then;
-//! - outputs change by process data in `ReadyToOperate` and `Operational`, by SDO and by resets;
+//! - outputs change by process data in `ReadyToOperate` and `Operational`, by SDO and by resets, and stay within their range; an
+//!   input that could not be read is told, and RD says so;
 //! - counters grow, and an input is over after few actions.
 
 mod device;

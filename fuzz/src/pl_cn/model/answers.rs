@@ -98,7 +98,8 @@ impl Model {
         let size = usize::from(u16::from_le_bytes([bytes[22], bytes[23]]));
         let fits = before.mapped <= limit;
         assert_eq!(size, if fits { before.mapped } else { 0 });
-        let is_valid = state == NmtState::Operational && self.are_inputs_valid && fits;
+        let are_valid = self.are_inputs_valid && self.are_inputs_readable;
+        let is_valid = state == NmtState::Operational && are_valid && fits;
         assert!(has_failed || (bytes[18] & 0x01 != 0) == is_valid, "RD in {state}");
         let is_multiplexed = asked & 0x20 != 0 && self.active.multiplexed_cycles > 0;
         assert_eq!(bytes[18] & 0x20 != 0, is_multiplexed, "MS");

@@ -9,13 +9,13 @@ use core::time::Duration;
 
 use link_core::Instant;
 use link_core::ethernet::{LinkEvent, Machine};
-use powerlink_core::dictionary::Values;
+use powerlink_core::dictionary::{ObjectAddress, Values};
 use powerlink_core::indicator::StatusLed;
 use powerlink_core::nmt::{Cause, NmtState};
 use powerlink_core::node::{NodeEvent, Options, Readiness};
 use powerlink_core::wire::{ErrorCode, NmtCommandId};
 
-use super::device::Node;
+use super::device::{MOST_OUTPUTS, Node, UNREADABLE};
 use super::heard::Heard;
 use super::signalling::Signalling;
 use super::states::{States, Step};
@@ -47,6 +47,8 @@ pub(super) struct Model {
     requests: VecDeque<NmtCommandId>,
     pub(super) signalling: Signalling,
     pub(super) are_inputs_valid: bool,
+    /// At the last SoC.
+    are_inputs_readable: bool,
     /// Every transaction of every client.
     pub(super) transactions: BTreeSet<(u8, u8)>,
     /// Whose SDO connections are open.
@@ -66,6 +68,7 @@ impl Model {
             requests: VecDeque::new(),
             signalling: Signalling::new(options.clears_before_answer),
             are_inputs_valid: true,
+            are_inputs_readable: true,
             transactions: BTreeSet::new(),
             connected: BTreeSet::new(),
             status_led: StatusLed::Off,
@@ -119,6 +122,7 @@ impl Model {
         self.indicators(events, node);
         self.counters(why, before, node);
         self.outputs(why, before, &changes, node);
+        self.values(why, events, node);
         let deadline = node.deadline().map(|deadline| deadline.at);
         assert!(!takes_time || deadline.is_none_or(|at| at > now), "{deadline:?} at {now:?}");
     }
@@ -291,6 +295,29 @@ impl Model {
             }
         }
         assert_eq!(node.counters().events_lost, 0, "there is room for all that one input leads to");
+    }
+
+    /// What process data could not carry.
+    fn values(&mut self, why: Why, events: &[NodeEvent], node: &Node) {
+        let is_soc = matches!(why, Why::Heard(Heard::Soc, _));
+        if is_soc {
+            let input = ObjectAddress::new(0x6000, 1);
+            let is_mapped = node.dictionary().mappings.transmit.entries().any(|entry| entry.object == input);
+            self.are_inputs_readable = !is_mapped || node.objects().inputs.0 != UNREADABLE;
+        }
+        let tells_of_input = events.iter().any(|event| matches!(event, NodeEvent::ValueUnreadable { .. }));
+        let is_unreadable = is_soc && !self.are_inputs_readable;
+        assert!(is_unreadable || !tells_of_input, "{events:?} after {why:?}");
+        assert!(!is_unreadable || tells_of_input || !node.state().is_cyclic(), "an input is lost in silence");
+        if events.iter().any(|event| matches!(event, NodeEvent::ValueRefused { .. })) {
+            let is_exchange = match why {
+                Why::Heard(Heard::Preq { flags, .. }, _) => flags & 0x01 != 0,
+                Why::Heard(Heard::Pres, _) => true,
+                _ => false,
+            };
+            assert!(is_exchange, "{events:?} after {why:?}");
+        }
+        assert!(node.objects().outputs.1 <= MOST_OUTPUTS, "out of the range of 0x6201/1");
     }
 
     fn outputs(&self, why: Why, before: &Before, changes: &[(NmtState, NmtState, Cause)], node: &Node) {

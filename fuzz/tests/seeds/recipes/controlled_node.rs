@@ -128,6 +128,16 @@ pub(super) fn pl_cn() -> Seeds {
                 ],
             ),
         ),
+        (
+            "values-out-of-range-and-unreadable",
+            with(
+                PLAIN,
+                &[
+                    &[OPERATIONAL, 0x02, 0x03, 1, 0, 5, 9, 0xFF, 0xFF, 0xFF, 0xFF, 0x04, 0],
+                    &[0x0B, 0xFA, 0x0C, 0x0B, 0x1A, 0x0C],
+                ],
+            ),
+        ),
         ("cross-traffic", with(PLAIN, &[&[OPERATIONAL, 0x02, 0x06, 2, 1, 0, 1, 7]])),
         (
             "multiplexed",
