@@ -32,7 +32,7 @@ use crate::args::DecodeArgs;
 use crate::exit::{Exit, Failure};
 use crate::health;
 use crate::output::{self, Attentive, Output};
-use crate::recording::{Content, Format, Notes, Opened, RecordedFrame, Recording, RecordingError};
+use crate::recording::{Content, Format, Network, Notes, Opened, RecordedFrame, Recording, RecordingError};
 use crate::standard::{is_standard, shown};
 use crate::text::count;
 use check::{check, check_can, network};
@@ -90,12 +90,16 @@ fn can(
     let tally = session.tally;
     let file = session.file.clone();
     let (is_bad, closed) = session.close(&recording);
-    tally.conclude(&file, recording.format(), (recording.notes(), "CAN"), (read, closed), is_bad)
+    tally.conclude(&file, recording.format(), (recording.notes(), Network::Can), (read, closed), is_bad)
 }
 
 /// What the reader should know besides the frames.
-pub(crate) fn note_the_rest(file: &str, notes: Notes, network: &str) {
+pub(crate) fn note_the_rest(file: &str, notes: Notes, network: Network) {
     let Notes { dropped, foreign } = notes;
+    let (network, other) = match network {
+        Network::Can => ("CAN", "`devicenet decode --protocol powerlink` reads those of Ethernet"),
+        Network::Ethernet => ("Ethernet", "`devicenet decode --protocol devicenet` reads those of CAN"),
+    };
     if dropped > 0 {
         let frames = if dropped == 1 { "frame was" } else { "frames were" };
         output::note(format_args!("{file}: {dropped} {frames} lost when it was recorded, as it says itself"));
@@ -103,7 +107,7 @@ pub(crate) fn note_the_rest(file: &str, notes: Notes, network: &str) {
     if foreign > 0 {
         let packets = if foreign == 1 { "packet is" } else { "packets are" };
         output::note(format_args!(
-            "{file}: {foreign} {packets} of other interfaces than {network}, and left out"
+            "{file}: {foreign} {packets} of other interfaces than {network}, and left out; {other}"
         ));
     }
 }
@@ -137,7 +141,7 @@ impl Tally {
         self,
         file: &str,
         format: Format,
-        (notes, network): (Notes, &str),
+        (notes, network): (Notes, Network),
         (read, closed): (Result<(), Failure>, Result<(), Failure>),
         is_bad: Option<bool>,
     ) -> Result<Exit, Failure> {

@@ -13,7 +13,7 @@ use super::port::PortError;
 use crate::bus_rate::Doubt;
 use crate::decode::note_the_rest;
 use crate::exit::Failure;
-use crate::recording::{ChannelId, Content, RecordedFrame, Recording};
+use crate::recording::{ChannelId, Content, Network, RecordedFrame, Recording};
 use crate::simulate;
 use crate::standard::{Interruptible, is_standard, shown};
 use crate::text::{count, printable};
@@ -125,7 +125,7 @@ impl Recorded {
 
     /// Says what there was besides the frames: what the recorder lost, and how many lines or records could not be read.
     pub(super) fn tell_the_rest(&self) {
-        note_the_rest(&self.file, self.recording.notes(), "CAN");
+        note_the_rest(&self.file, self.recording.notes(), Network::Can);
         if self.bad_entries > 0 {
             let what = count(self.bad_entries, self.recording.format().entry());
             crate::output::warn(format_args!("{}: {what} could not be read", self.file));

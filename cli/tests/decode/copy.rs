@@ -2,7 +2,7 @@
 
 use std::process::Stdio;
 
-use super::{assert_exit, capture, devicenet, json_lines, run, stderr, stdout, temporary};
+use super::{assert_exit, capture, devicenet, json_lines, pcapng, run, stderr, stdout, temporary};
 
 #[test]
 fn a_copy_can_be_written_in_either_format_and_decodes_the_same() {
@@ -48,24 +48,11 @@ fn a_recording_is_converted_on_standard_output_and_never_over_itself() {
 /// interface that is not described.
 #[test]
 fn a_capture_of_more_than_can_is_recorded_with_names_of_one_word() {
-    let block = |kind: u32, body: &[u8]| {
-        let length = u32::try_from(12 + body.len()).unwrap().to_le_bytes();
-        [&kind.to_le_bytes(), &length, body, &length].concat()
-    };
-    let packet = |interface: u8| {
-        let fields = [interface, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 8, 0, 0, 0, 8, 0, 0, 0];
-        block(6, &[&fields[..], &[0, 0, 4, 0x55, 0, 0, 0, 0]].concat())
-    };
-    let bytes = [
-        block(0x0A0D_0D0A, &[0x4D, 0x3C, 0x2B, 0x1A, 1, 0, 0, 0, 255, 255, 255, 255, 255, 255, 255, 255]),
-        block(1, &[1, 0, 0, 0, 0, 0, 0, 0]),
-        block(1, b"\xE3\0\0\0\0\0\0\0\x02\0\x05\0CAN 1\0\0\0"),
-        packet(0),
-        packet(1),
-        packet(2),
-    ];
+    const CAN: &[u8] = &[0, 0, 4, 0x55, 0, 0, 0, 0];
+    let interfaces = [(1, &[][..]), (0xE3, b"\x02\0\x05\0CAN 1\0\0\0")];
+    let bytes = pcapng::file(&interfaces, &[(0, CAN), (1, CAN), (2, CAN)]);
     let (file, copy) = (temporary("two-networks.pcapng"), temporary("two-networks.log"));
-    std::fs::write(&file, bytes.concat()).unwrap();
+    std::fs::write(&file, bytes).unwrap();
     let output = run(&["decode", "--record", &copy, &file]);
     assert_exit(&output, 1);
     assert_eq!(
@@ -73,7 +60,8 @@ fn a_capture_of_more_than_can_is_recorded_with_names_of_one_word() {
         format!(
             "warning: {file}:record 3, byte 1: an interface that was described before expected, \"02 00 00 00\" found\n\
              note: {copy}: a name in a candump log is one word, so \"CAN 1\" is written as \"CAN_1\"\n\
-             note: {file}: 1 packet is of other interfaces than CAN, and left out\n\
+             note: {file}: 1 packet is of other interfaces than CAN, and left out; \
+             `devicenet decode --protocol powerlink` reads those of Ethernet\n\
              warning: {file}: 1 record could not be read\n"
         )
     );

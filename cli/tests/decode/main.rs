@@ -12,6 +12,7 @@ mod copy;
 mod damage;
 mod frames;
 mod nex;
+mod pcapng;
 mod powerlink;
 mod powerlink_tshark;
 mod selection;

@@ -11,7 +11,7 @@ use powerlink_core::monitor::{Captured, SizedMonitor};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-use super::{assert_exit, capture, devicenet, json_lines, run, stderr, stdout, temporary};
+use super::{assert_exit, capture, devicenet, json_lines, pcapng, run, stderr, stdout, temporary};
 
 pub(super) const BOOT: &str = "powerlink/boot.pcap";
 
@@ -344,4 +344,25 @@ proptest! {
         }
         prop_assert!(read <= 640 && fatal <= 1);
     }
+}
+
+/// A pcapng file with a SoC on one interface and a CAN frame on another: which part is read is told, and how the other is.
+#[test]
+fn a_capture_of_ethernet_and_can_is_read_in_two_goes() {
+    let mut soc = vec![1, 0x11, 0x1E, 0, 0, 1, 2, 0, 0, 0, 0, 0xF0, 0x88, 0xAB, 1, 255, 240];
+    soc.resize(36, 0);
+    let can = [0, 0, 4, 0x55, 0, 0, 0, 0];
+    let bytes = pcapng::file(&[(1, &[]), (0xE3, &[])], &[(0, &soc), (1, &can)]);
+    let left_out = "1 packet is of other interfaces than";
+    let of_can = decode("both.pcapng", &bytes, &[]);
+    assert_exit(&of_can, 0);
+    let advice = "CAN, and left out; `devicenet decode --protocol powerlink` reads those of Ethernet";
+    let file = temporary("both.pcapng");
+    assert_eq!(stderr(&of_can), format!("note: {file}: {left_out} {advice}\n"));
+    assert!(stdout(&of_can).contains("455") && !stdout(&of_can).contains("SoC"), "{}", stdout(&of_can));
+    let of_ethernet = decode("both.pcapng", &bytes, &["--protocol", "powerlink"]);
+    assert_exit(&of_ethernet, 0);
+    let advice = "Ethernet, and left out; `devicenet decode --protocol devicenet` reads those of CAN";
+    assert_eq!(stderr(&of_ethernet), format!("note: {file}: {left_out} {advice}\n"));
+    assert!(stdout(&of_ethernet).contains("SoC") && stdout(&of_ethernet).lines().count() == 1);
 }

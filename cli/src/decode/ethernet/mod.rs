@@ -15,7 +15,7 @@ use super::{Tally, unreadable};
 use crate::args::DecodeArgs;
 use crate::exit::{Exit, Failure};
 use crate::output::{self, Output};
-use crate::recording::Capture;
+use crate::recording::{Capture, Network};
 
 /// Decodes a capture to its end, or to where it is damaged: what precedes is shown.
 pub(super) fn run(
@@ -36,7 +36,7 @@ pub(super) fn run(
     let closed = output.flush().map_err(Failure::from);
     drop(output);
     progress.finish();
-    let notes = (capture.notes(), "Ethernet");
+    let notes = (capture.notes(), Network::Ethernet);
     tally.conclude(&file, capture.format(), notes, (read, closed), decoder.is_bad())
 }
 
