@@ -253,6 +253,13 @@ impl Bench {
         );
     }
 
+    /// A SoA that asks this node for something; the answer is not fetched.
+    pub(super) fn asks_undrained(&mut self, service: RequestedService) {
+        let (state, target) = (NmtStateCode::OPERATIONAL, NODE);
+        let soa = Soa { state, flags: Flags::empty(), service, target, version: POWERLINK_V2 };
+        self.undrained(group::SOA, Body::Soa(soa));
+    }
+
     fn undrained(&mut self, destination: MacAddress, body: Body<'_>) {
         let mut buffer = [0; MAX_FRAME];
         let frame = Frame { destination, source: MN_MAC, to: NODE, from: NodeId::MANAGING_NODE, body };
@@ -262,6 +269,14 @@ impl Bench {
     /// SDO of the managing node, from the sequence layer on.
     pub(super) fn sdo(&mut self, hex: &str) {
         self.sdo_of(NodeId::MANAGING_NODE, hex);
+    }
+
+    /// A client opens a connection, within one asynchronous phase.
+    pub(super) fn opens_connection(&mut self, client: NodeId) {
+        for frame in ["00 01 00 00", "01 02 00 00"] {
+            self.sdo_of(client, frame);
+            self.asks(RequestedService::UNSPECIFIED_INVITE);
+        }
     }
 
     /// SDO of any client, from the sequence layer on.

@@ -211,10 +211,7 @@ fn seven_frames_are_seven_or_more() {
     let mut bench = Bench::in_state(NmtState::PreOperational1, config);
     bench.node.objects_mut().long = std::vec![0x5A; 2000];
     for client in [NodeId::MANAGING_NODE, NodeId::DIAGNOSTIC] {
-        for frame in ["00 01 00 00", "01 02 00 00"] {
-            bench.sdo_of(client, frame);
-            bench.asks(RequestedService::UNSPECIFIED_INVITE);
-        }
+        bench.opens_connection(client);
     }
     for client in [NodeId::MANAGING_NODE, NodeId::DIAGNOSTIC] {
         bench.sdo_of(client, "02 06 00 00 00 01 00 02 04 00 00 00 00 20 00 00");
