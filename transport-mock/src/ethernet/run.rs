@@ -11,22 +11,25 @@ use super::record::{FrameRecord, Keep, Record};
 use super::segment::Segment;
 use super::station::StationId;
 
-/// Something that is going to happen.
+/// Something that is going to happen to a station, unless its adapter loses its link or its power before.
 #[derive(Debug)]
 pub(super) struct Happening {
     at: Instant,
     order: u64,
+    station: StationId,
+    /// The [connection](super::station::Station::connection) for which it was planned.
+    connection: u64,
     what: What,
 }
 
 #[derive(Debug)]
 enum What {
-    /// The next frame of an adapter is ready to be sent.
-    Ready(StationId),
+    /// The next frame of the adapter is ready to be sent.
+    Ready,
     /// A frame arrives.
-    Arrival(StationId, Vec<u8>),
+    Arrival(Vec<u8>),
     /// A frame with a wrong CRC arrives.
-    BadArrival(StationId),
+    BadArrival,
 }
 
 impl<M: Machine> Segment<M> {
@@ -64,16 +67,22 @@ impl<M: Machine> Segment<M> {
         let deadline = self.deadlines.earliest();
         let happening = self.queue.peek().map(|happening| happening.at);
         if happening.is_some_and(|at| at <= deadline && at <= until) {
-            let Some(Happening { at, what, .. }) = self.queue.pop() else { return false };
+            let Some(Happening { at, station: id, connection, what, .. }) = self.queue.pop() else {
+                return false;
+            };
             self.now = self.now.max(at);
+            let station = &mut self.stations[id.0];
+            if connection != station.connection {
+                return true;
+            }
             match what {
-                What::Ready(id) => {
-                    if let Some(bytes) = self.stations[id.0].outbox.pop_front() {
+                What::Ready => {
+                    if let Some(bytes) = station.outbox.pop_front() {
                         self.send(Some(id), bytes);
                     }
                 }
-                What::Arrival(id, bytes) => self.input(id, Input::Frame(&bytes)),
-                What::BadArrival(id) => self.link(id, LinkEvent::CrcError),
+                What::Arrival(bytes) => self.input(id, Input::Frame(&bytes)),
+                What::BadArrival => self.link(id, LinkEvent::CrcError),
             }
             return true;
         }
@@ -95,10 +104,15 @@ impl<M: Machine> Segment<M> {
     }
 
     pub(super) fn link(&mut self, station: StationId, event: LinkEvent) {
+        self.tell(station, event);
+        self.drain(station);
+    }
+
+    fn tell(&mut self, station: StationId, event: LinkEvent) {
         if self.config.keep == Keep::All {
             self.records.push(Record::Link { at: self.now, station, event });
         }
-        self.input(station, Input::Link(event));
+        self.stations[station.0].machine.input(self.now, Input::Link(event));
     }
 
     fn input(&mut self, id: StationId, input: Input<'_>) {
@@ -123,11 +137,12 @@ impl<M: Machine> Segment<M> {
                     self.deadlines.set(id.0, next.map_or(Instant::MAX, |next| next.at));
                     return;
                 }
+                Some(Action::Transmit(_)) if !station.is_plugged => self.tell(id, LinkEvent::NotSent),
                 Some(Action::Transmit(bytes)) => {
                     let bytes = bytes.to_vec();
                     let at = station.react(self.now);
                     station.outbox.push_back(bytes);
-                    self.schedule(at, What::Ready(id));
+                    self.schedule(at, id, What::Ready);
                 }
                 Some(Action::Event(event)) => {
                     if self.config.keep == Keep::All {
@@ -140,9 +155,6 @@ impl<M: Machine> Segment<M> {
 
     /// Sends a frame as soon as the wire is free.
     pub(super) fn send(&mut self, from: Option<StationId>, bytes: Vec<u8>) {
-        if from.is_some_and(|id| !self.stations[id.0].is_plugged) {
-            return;
-        }
         let start = self.wire_free.max(self.now);
         let end = start + byte_times(PREAMBLE + bytes.len().max(MIN_FRAME) + CRC);
         self.wire_free = end + byte_times(GAP);
@@ -155,15 +167,15 @@ impl<M: Machine> Segment<M> {
             let fate = self.judge(&Passage { start, number, from, to, bytes: &bytes });
             let at = end + self.config.propagation;
             match fate {
-                Fate::Pass => self.schedule(at, What::Arrival(to, bytes.clone())),
+                Fate::Pass => self.schedule(at, to, What::Arrival(bytes.clone())),
                 Fate::Lose => {}
-                Fate::Corrupt => self.schedule(at, What::BadArrival(to)),
+                Fate::Corrupt => self.schedule(at, to, What::BadArrival),
                 Fate::Twice => {
-                    self.schedule(at, What::Arrival(to, bytes.clone()));
-                    self.schedule(at, What::Arrival(to, bytes.clone()));
+                    self.schedule(at, to, What::Arrival(bytes.clone()));
+                    self.schedule(at, to, What::Arrival(bytes.clone()));
                 }
-                Fate::Late(delay) => self.schedule(at + delay, What::Arrival(to, bytes.clone())),
-                Fate::Replace(other) => self.schedule(at, What::Arrival(to, other)),
+                Fate::Late(delay) => self.schedule(at + delay, to, What::Arrival(bytes.clone())),
+                Fate::Replace(other) => self.schedule(at, to, What::Arrival(other)),
             }
         }
         if self.config.keep != Keep::Nothing {
@@ -184,8 +196,9 @@ impl<M: Machine> Segment<M> {
         verdict
     }
 
-    fn schedule(&mut self, at: Instant, what: What) {
-        self.queue.push(Happening { at, order: self.order, what });
+    fn schedule(&mut self, at: Instant, station: StationId, what: What) {
+        let connection = self.stations[station.0].connection;
+        self.queue.push(Happening { at, order: self.order, station, connection, what });
         self.order += 1;
     }
 }

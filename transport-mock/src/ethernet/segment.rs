@@ -76,6 +76,7 @@ impl<M: Machine> Segment<M> {
             outbox: std::collections::VecDeque::new(),
             ready: Instant::ZERO,
             is_plugged: true,
+            connection: 0,
             rng,
         });
         self.deadlines.resize(self.stations.len());
@@ -113,21 +114,27 @@ impl<M: Machine> Segment<M> {
         result
     }
 
-    /// A power cycle: the machine is another one, and what the adapter had to send is lost.
+    /// A power cycle: the machine is another one, and what the adapter had to send and was about to receive is lost.
     pub fn replace(&mut self, id: StationId, machine: M) {
         let station = &mut self.stations[id.0];
         station.machine = machine;
-        station.outbox.clear();
+        station.disconnect();
         if station.is_plugged {
             self.link(id, LinkEvent::Up);
         }
         self.drain(id);
     }
 
-    /// Pulls the cable of a station. What it sends from now on goes nowhere.
+    /// Pulls the cable of a station. What it had to send, and sends from now on, is told as [not sent](LinkEvent::NotSent); what was
+    /// on its way to it does not arrive.
     pub fn cut(&mut self, id: StationId) {
-        if std::mem::replace(&mut self.stations[id.0].is_plugged, false) {
+        let station = &mut self.stations[id.0];
+        if std::mem::replace(&mut station.is_plugged, false) {
+            let not_sent = station.disconnect();
             self.link(id, LinkEvent::Down);
+            for _ in 0..not_sent {
+                self.link(id, LinkEvent::NotSent);
+            }
         }
     }
 

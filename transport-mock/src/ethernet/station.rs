@@ -56,6 +56,8 @@ pub(super) struct Station<M> {
     pub(super) ready: Instant,
     /// The cable is in.
     pub(super) is_plugged: bool,
+    /// How often the adapter has lost its link or its power, and with it what it had to send and what was on its way.
+    pub(super) connection: u64,
     pub(super) rng: Rng,
 }
 
@@ -67,5 +69,12 @@ impl<M> Station<M> {
         let at = now + self.config.reaction + Duration::from_nanos(jitter);
         self.ready = self.ready.max(at);
         self.ready
+    }
+
+    /// The adapter loses its link or its power. Returns how many frames it had to send.
+    pub(super) fn disconnect(&mut self) -> usize {
+        self.connection += 1;
+        self.ready = Instant::ZERO;
+        self.outbox.drain(..).count()
     }
 }

@@ -129,6 +129,28 @@ fn without_a_cable_nothing_is_heard_and_nothing_sent() {
     assert_eq!(heard(&segment, a), [3]);
     assert_eq!(heard(&segment, b), [1, 3]);
     assert_eq!(segment.machine(a).links, [LinkEvent::Up, LinkEvent::Down, LinkEvent::Up]);
+    let links = [LinkEvent::Up, LinkEvent::Down, LinkEvent::NotSent, LinkEvent::Up];
+    assert_eq!(segment.machine(talker).links, links, "number 2 was not sent");
+}
+
+#[test]
+fn a_cut_takes_what_waits_in_the_adapter_and_what_is_on_its_way() {
+    let mut segment = Segment::new(SegmentConfig::default());
+    let slow = StationConfig { reaction: Duration::from_micros(2_500), ..StationConfig::named("talker") };
+    let id = segment.add(slow, talker());
+    let [a, b] = ["a", "b"].map(|name| segment.add(StationConfig::named(name), Node::default()));
+    // Number 1 is in the middle of the wire, 2 and 3 wait.
+    segment.run_for(Duration::from_micros(3_503));
+    segment.cut(id);
+    segment.cut(a);
+    segment.plug(id);
+    segment.plug(a);
+    segment.run_for(Duration::from_micros(3_500));
+    assert_eq!(
+        segment.machine(id).links[1..],
+        [LinkEvent::Down, LinkEvent::NotSent, LinkEvent::NotSent, LinkEvent::Up]
+    );
+    assert_eq!([heard(&segment, a), heard(&segment, b)], [vec![4], vec![1, 4]]);
 }
 
 #[test]
@@ -138,6 +160,19 @@ fn a_replaced_machine_begins_anew() {
     segment.replace(talker_id, Node { next: Some(Instant::from_millis(3)), ..Node::default() });
     segment.run_for(Duration::from_millis(1));
     assert_eq!(heard(&segment, a), [1, 2, 1]);
+}
+
+/// What the machine before it wanted to send is not what makes the adapter send for the new one.
+#[test]
+fn a_replaced_machine_has_its_own_reaction_time() {
+    let mut segment = Segment::new(SegmentConfig::default());
+    let slow = StationConfig { reaction: Duration::from_micros(800), ..StationConfig::named("talker") };
+    let id = segment.add(slow, talker());
+    let a = segment.add(StationConfig::named("a"), Node::default());
+    segment.run_for(Duration::from_micros(1_100));
+    segment.replace(id, Node { next: Some(Instant::from_micros(1_200)), ..Node::default() });
+    segment.run_for(Duration::from_micros(1_050));
+    assert_eq!(segment.machine(a).heard, [(2_006_260, 1)]);
 }
 
 #[test]
