@@ -50,6 +50,8 @@ pub struct EthernetPort {
     is_readable: bool,
     /// The kernel said that the interface is down: behind what is still in the socket.
     is_broken: bool,
+    /// The kernel has news of the interface: behind what is still in the socket, too.
+    has_news: bool,
     stamps: Stamps,
     /// Told by the kernel, not yet by us.
     events: VecDeque<(Instant, LinkEvent)>,
@@ -103,6 +105,7 @@ impl EthernetPort {
             has_link: false,
             is_readable: true,
             is_broken: false,
+            has_news: false,
             stamps: Stamps::start(),
             events: VecDeque::new(),
             told: Slot::new(),
@@ -198,6 +201,8 @@ impl EthernetPort {
     /// Looks at the interface. One that was unplugged comes back with another index, and gets a new socket; the socket of one
     /// that went down takes up work by itself, and has what came since.
     fn look(&mut self) -> Result<(), Error> {
+        // The kernel's news may come before the socket breaks: what is left there for later would be a second loss.
+        self.is_broken |= self.socket.has_broken();
         let found = Interface::find(self.interface.name()).ok();
         let is_same = found.as_ref().is_some_and(|found| found.index() == self.interface.index());
         let has_link = found.as_ref().is_some_and(Interface::has_link);
@@ -205,7 +210,7 @@ impl EthernetPort {
             self.has_link = false;
             self.tell(LinkEvent::Down);
         }
-        self.is_broken = false;
+        (self.is_broken, self.has_news) = (false, false);
         self.interface.set_link(has_link);
         let Some(found) = found.filter(|_| has_link && !self.has_link) else { return Ok(()) };
         if found.mac() != self.interface.mac() {
@@ -273,7 +278,6 @@ impl Port for EthernetPort {
 
     fn wait(&mut self, deadline: Option<Deadline>) -> Result<(Instant, Input<'_>), Error> {
         self.answered = None;
-        let mut has_news = false;
         loop {
             if let Some((at, event)) = self.events.pop_front() {
                 return Ok((at, Input::Link(event)));
@@ -289,15 +293,14 @@ impl Port for EthernetPort {
                 return Ok((*at, Input::Frame(bytes.get(..*len).unwrap_or_default())));
             }
             self.is_readable = false;
-            if self.is_broken || has_news {
+            if self.is_broken || self.has_news {
                 self.look()?;
-                has_news = false;
                 continue;
             }
             let span = deadline.map(|deadline| deadline.at.saturating_since(self.stamps.now()));
             if self.sleep(span)? {
                 let index = self.has_link.then_some(self.interface.index());
-                has_news = self
+                self.has_news = self
                     .watch
                     .has_news_of(index)
                     .map_err(|error| self.failed("cannot watch the interface", error))?;

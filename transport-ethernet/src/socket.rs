@@ -7,8 +7,8 @@ use std::os::fd::{AsFd, AsRawFd as _, BorrowedFd, OwnedFd};
 use link_core::ethernet::MacAddress;
 use nix::errno::Errno;
 use nix::sys::socket::{
-    AddressFamily, ControlMessageOwned, MsgFlags, SockFlag, SockType, recvmsg, send, setsockopt, socket,
-    sockopt,
+    AddressFamily, ControlMessageOwned, MsgFlags, SockFlag, SockType, getsockopt, recvmsg, send, setsockopt,
+    socket, sockopt,
 };
 use nix::sys::time::TimeSpec;
 
@@ -72,6 +72,11 @@ impl Socket {
             Err(Errno::EAGAIN) => Ok(None),
             Err(error) => Err(error),
         }
+    }
+
+    /// Whether the interface has gone since this was asked, or since a call has failed for it.
+    pub(crate) fn has_broken(&self) -> bool {
+        getsockopt(&self.inner, sockopt::SocketError).is_ok_and(|error| is_gone(Errno::from_raw(error)))
     }
 }
 

@@ -1,14 +1,19 @@
 //! Interfaces that go down, lose their cable, are unplugged, and come back.
 
+use std::sync::mpsc;
+use std::thread;
+use std::time::Duration;
+
 use link_core::ethernet::{LinkEvent, Port as _};
 use transport_ethernet::{Error, EthernetPort};
 
 use crate::namespace::ip;
-use crate::rig::{Cable, Heard, OPTIONS, frame, heard, port, silent};
+use crate::rig::{Cable, Heard, OPTIONS, frame, heard, port, silent, wait};
 
 const UP: Heard = Heard::Link(LinkEvent::Up);
 const DOWN: Heard = Heard::Link(LinkEvent::Down);
 const NOT_SENT: Heard = Heard::Link(LinkEvent::NotSent);
+const ROUNDS: usize = 50;
 
 #[track_caller]
 fn works(from: &mut EthernetPort, to: &mut EthernetPort, payload: &[u8]) {
@@ -49,6 +54,41 @@ fn what_cannot_be_sent_is_told() {
     cable.set(0, "down");
     one.transmit(&frame(b"lost")).unwrap();
     assert_eq!([heard(&mut one), heard(&mut one)], [NOT_SENT, DOWN]);
+}
+
+/// The kernel tells it twice, and in any order: by its news, and by the error of the socket.
+#[test]
+#[ignore = "needs a namespace"]
+fn an_interface_that_goes_down_under_traffic_is_told_once() {
+    let cable = Cable::new("on0", "on1");
+    let mut one = port(cable.0, OPTIONS);
+    let _other = port(cable.1, OPTIONS);
+    let (is_up, goes_on) = mpsc::channel();
+    let mut told = Vec::new();
+    thread::scope(|scope| {
+        let cable = &cable;
+        let rounds = scope.spawn(move || {
+            for _ in 0..ROUNDS {
+                cable.set(0, "down");
+                cable.set(0, "up");
+                goes_on.recv().unwrap();
+            }
+        });
+        while !rounds.is_finished() {
+            match wait(&mut one, Duration::from_micros(50)) {
+                Heard::Nothing => one.transmit(&frame(b"traffic")).unwrap(),
+                NOT_SENT => {}
+                heard => {
+                    if heard == UP {
+                        // Nobody waits any more if there were more of them than rounds.
+                        let _ = is_up.send(());
+                    }
+                    told.push(heard);
+                }
+            }
+        }
+    });
+    assert_eq!(told, vec![[DOWN, UP]; ROUNDS].concat());
 }
 
 #[test]
