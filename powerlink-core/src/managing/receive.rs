@@ -8,6 +8,7 @@ use super::schedule::Slot;
 use super::state::{MnCause, MnState, NodePhase};
 use super::station::Station;
 use crate::NodeId;
+use crate::sdo::Progress;
 use crate::wire::{
     AsyncRequest, ErrorCode, Flags, FrameError, Header, IdentResponse, MessageType, NmtCommandId, NmtRequest,
     ParseError, Pres, Sdo, ServiceId, StatusResponse,
@@ -149,10 +150,13 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
             ServiceId::SDO => {
                 let sdo = Sdo::read_as(reader, self.config.initiate_size)?;
                 let progress = self.client.receive(header.from, &sdo);
-                if progress == crate::sdo::Progress::Ignored {
+                if progress == Progress::Ignored {
                     count(&mut self.counters.sdo_ignored);
                 }
-                self.progress(progress);
+                // What the client does not wait for does not put off its time-out.
+                if progress != Progress::Ignored || !self.client.is_waiting() {
+                    self.progress(progress);
+                }
             }
             _ => {}
         }

@@ -31,6 +31,8 @@ pub(crate) struct Client<const SDO: usize> {
     sent: u8,
     /// Frames sent again without any progress.
     retries: u8,
+    /// How often the connection was opened again for the transfer, whatever was acknowledged meanwhile.
+    reopened: u8,
     /// The last transaction.
     transaction: u8,
     job: Option<Job>,
@@ -105,6 +107,7 @@ impl<const SDO: usize> Client<SDO> {
             received: 0,
             sent: 0,
             retries: 0,
+            reopened: 0,
             transaction: 0,
             job: None,
             buffer: [0; SDO],
@@ -243,7 +246,7 @@ impl<const SDO: usize> Client<SDO> {
     }
 
     fn begin(&mut self, server: NodeId, command: SdoCommandId, len: usize, segment: usize) {
-        self.retries = 0;
+        (self.retries, self.reopened) = (0, 0);
         self.transaction = self.transaction.wrapping_add(1);
         self.job = Some(Job { command, len, segment, state: JobState::Waiting });
         if server == self.server && self.phase == Phase::Open {
@@ -272,10 +275,11 @@ impl<const SDO: usize> Client<SDO> {
     /// Opens the connection again, with the transfer that waits. What was read into the buffer has taken the place of the
     /// request: then it fails.
     fn again(&mut self) -> Progress {
-        if self.retries >= MAX_RETRIES {
+        if self.retries >= MAX_RETRIES || self.reopened >= MAX_RETRIES {
             return self.fail(AbortCode::TIME_OUT);
         }
         self.retries = self.retries.saturating_add(1);
+        self.reopened = self.reopened.saturating_add(1);
         match &mut self.job {
             None => self.forget(),
             Some(Job { state: JobState::Receiving { .. }, .. }) => return self.fail(AbortCode::TIME_OUT),

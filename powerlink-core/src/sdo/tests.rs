@@ -361,3 +361,33 @@ fn clients_take_turns_and_a_third_is_refused() {
     let second = bench.server.next().unwrap().1;
     assert_ne!(first, second);
 }
+
+/// A server that opens connections and acknowledges commands, and never answers one.
+#[test]
+fn a_client_gives_up_a_server_that_acknowledges_and_never_answers() {
+    let mut client = Client::<64>::new();
+    client.read(NodeId(1), ObjectAddress::new(0x1018, 0), 32);
+    let hears = |client: &mut Client<64>, frame: &[u8]| {
+        let sdo = Sdo::read_as(&mut Reader::new(frame), InitiateSize::Counted).unwrap();
+        client.receive(NodeId(1), &sdo)
+    };
+    for expired in 0..20 {
+        let mut buffer = [0; 64];
+        let mut out = Writer::new(&mut buffer);
+        while client.emit(InitiateSize::Counted, &mut out).unwrap() {
+            let [receive, send, ..] = *out.written() else { panic!("a sequence layer") };
+            let answer = match (receive & 3, send & 3) {
+                (0, 1) => [1, 1, 0, 0],
+                (1, 2) => [2, 2, 0, 0],
+                _ => [send & 0xFC | 2, 2, 0, 0],
+            };
+            assert_eq!(hears(&mut client, &answer), Progress::Nothing);
+            out = Writer::new(&mut buffer);
+        }
+        if let Progress::Done(result) = client.expired() {
+            assert_eq!((result, expired > 2), (Err(AbortCode::TIME_OUT), true));
+            return;
+        }
+    }
+    panic!("it goes on for ever");
+}

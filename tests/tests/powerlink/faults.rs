@@ -226,6 +226,30 @@ fn frames_that_arrive_twice_or_with_errors_do_no_harm() {
     assert!(net.run_until_complete(2_000), "{}", net.trace());
 }
 
+/// Node 2 says something in every cycle or so; the managing node waits for node 1, whose answers get lost.
+#[test]
+fn sdo_of_others_does_not_put_off_the_time_out_of_a_transfer() {
+    let mut net = running(2);
+    let (mn, node) = (net.mn, net.id(1));
+    net.segment.add_fault(move |passage| {
+        let is_sdo = passage.bytes[14] == MessageType::ASND.0 && passage.bytes[17] == 0x05;
+        if is_sdo && passage.from == Some(node) && passage.to == mn { Fate::Lose } else { Fate::Pass }
+    });
+    let at = ObjectAddress::new(0x1018, 1);
+    net.mn(|mn, _| mn.sdo_read(NodeId(1), at).unwrap());
+    net.segment.take_records();
+    let mut frame = [0; 60];
+    frame[..20].copy_from_slice(&[
+        0x01, 0x11, 0x1E, 0, 0, 4, 2, 0, 0, 0, 0, 2, 0x88, 0xAB, 0x06, 240, 2, 0x05, 0x02, 0x06,
+    ]);
+    for _ in 0..100 {
+        net.run(20);
+        net.segment.inject(&frame);
+    }
+    let failed = MnEvent::SdoFailed { node: NodeId(1), at, code: AbortCode::TIME_OUT };
+    assert!(said(&net).contains(&failed), "{}", net.trace());
+}
+
 /// Another managing node of the same nodes, which begins now. Its MAC address differs from the first one's (0xF0) in the last
 /// byte.
 fn second_managing_node(net: &mut Net, last: u8) -> StationId {
