@@ -1,9 +1,12 @@
-//! The fault matrix is made of the exchanges and of tests by name; the table of conformance topics names tests. Both must
-//! be true, and neither may drift.
+//! The fault matrix is made of the exchanges and of tests by name; the tables of conformance topics name tests, and those of Ethernet
+//! POWERLINK are made of the transitions in the core. All must be true, and none may drift.
 //!
 //! ```sh
 //! UPDATE_DOCS=1 cargo test -p devicenet-tests --test exchanges
 //! ```
+
+mod powerlink_faults;
+mod powerlink_topics;
 
 use std::collections::BTreeSet;
 use std::env;
@@ -27,16 +30,29 @@ fn the_fault_matrix_is_up_to_date() {
         "\n## Client, master, tool and network access\n\n| Fault | What must hold | Test |\n|---|---|---|\n",
     );
     for (fault, words, test) in OTHERS {
-        assert!(exists(test), "there is no test {test}");
-        page.push_str(&format!("| {fault} | {words} | `{test}` |\n"));
+        page.push_str(&format!("| {fault} | {words} | {} |\n", list(&[test])));
     }
-    if env::var_os("UPDATE_DOCS").is_some() {
-        std::fs::write(workspace_root().join("docs/fault-matrix.md"), &page).expect("it can be written");
-    }
-    assert!(
-        read("docs/fault-matrix.md") == page,
-        "docs/fault-matrix.md is stale: run this test with UPDATE_DOCS=1"
+    page.push_str(&powerlink_faults::faults());
+    is_up_to_date("docs/fault-matrix.md", &page);
+}
+
+/// Those of DeviceNet are written by hand, those of Ethernet POWERLINK follow them.
+#[test]
+fn the_conformance_topics_of_powerlink_are_up_to_date() {
+    let page = read("docs/conformance.md");
+    let by_hand = page.split(powerlink_topics::HEADING).next().unwrap_or_default();
+    is_up_to_date(
+        "docs/conformance.md",
+        &format!("{}\n\n{}", by_hand.trim_end(), powerlink_topics::topics()),
     );
+}
+
+#[track_caller]
+fn is_up_to_date(path: &str, page: &str) {
+    if env::var_os("UPDATE_DOCS").is_some() {
+        std::fs::write(workspace_root().join(path), page).expect("it can be written");
+    }
+    assert!(read(path) == page, "{path} is stale: run this test with UPDATE_DOCS=1");
 }
 
 /// Every fault that must be there.
@@ -78,6 +94,14 @@ fn conformance_topics_name_tests_and_exchanges_that_exist() {
     assert!(page.contains("No conformance is claimed"));
 }
 
+/// Names of tests that exist, as a cell.
+fn list(tests: &[&str]) -> String {
+    for test in tests {
+        assert!(exists(test), "there is no test {test}");
+    }
+    tests.iter().map(|test| format!("`{test}`")).collect::<Vec<_>>().join(", ")
+}
+
 /// A test by its path: the package, then the modules, then the function.
 fn exists(test: &str) -> bool {
     let mut parts: Vec<&str> = test.split("::").collect();
@@ -86,6 +110,7 @@ fn exists(test: &str) -> bool {
         "link_core" => "link-core/src",
         "cip_core" => "cip-core/src",
         "devicenet_core" => "devicenet-core/src",
+        "powerlink_core" => "powerlink-core/src",
         "tests" => "tests/tests",
         "cli" => "cli/tests",
         _ => return false,
@@ -105,7 +130,8 @@ const INTRODUCTION: &str = "# Fault matrix
 What goes wrong on a network, and what must hold then. Each row is a test: this page is written by it
 (`UPDATE_DOCS=1 cargo test -p devicenet-tests --test exchanges`), and a test fails when the page is stale.
 The exchanges were written by hand from the tables of CIP Vol. 3, frame by frame; a frame that is not in them fails the test too.
-They are played on the simulated bus, and their traces, with the times of the bus, are the snapshots beside the test.
+They are played on the simulated bus, and their traces, with the times of the bus, are the snapshots beside the test. What is named
+of Ethernet POWERLINK are tests of one node against frames by hand, and of networks on the simulated segment.
 ";
 
 /// Faults that are not those of one slave alone.
@@ -236,4 +262,4 @@ const FAULTS: &[&str] = &[
 ];
 
 /// How many topics and rows of error tables there are at least.
-const TOPICS: usize = 85;
+const TOPICS: usize = 160;

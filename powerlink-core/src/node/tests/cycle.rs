@@ -109,11 +109,6 @@ fn a_node_outside_of_the_cycle_enters_it_with_a_soc() {
     }
     bench.soc();
     assert_eq!((bench.node.cycle_state(), lost(&bench)), (CycleState::WaitPreq, NOTHING));
-    // Stopped before its first SoC in the cycle: it waits for no PReq.
-    bench.command(NmtCommandId::STOP_NODE);
-    bench.soa();
-    bench.soc();
-    assert_eq!(bench.node.cycle_state(), CycleState::WaitSoa);
 }
 
 #[test]

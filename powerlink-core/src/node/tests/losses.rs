@@ -118,12 +118,22 @@ fn a_node_that_is_called_late_misses_as_many_socs() {
 /// is not.
 #[test]
 fn good_cycles_between_two_symptoms() {
-    for symptom in [Symptom::LossOfPreq, Symptom::LossOfSoa] {
+    for symptom in [Symptom::LossOfSoc, Symptom::LossOfPreq, Symptom::LossOfSoa] {
         for good in 0..4 {
+            // A cycle that has a SoA ends with it.
+            let lose = |bench: &mut Bench| {
+                if symptom == Symptom::LossOfSoc {
+                    bench.preq(Flags::DATA_VALID, &[0]);
+                    bench.soa();
+                    bench.wait(CYCLE_TIME);
+                } else {
+                    without(bench, symptom);
+                }
+            };
             let mut bench = with_threshold(symptom, 15);
-            without(&mut bench, symptom);
+            lose(&mut bench);
             (0..good).for_each(|_| bench.cycle());
-            without(&mut bench, symptom);
+            lose(&mut bench);
             bench.soc();
             let reacts = !matches!(bench.node.state(), NmtState::Operational);
             // The good cycle that begins with the notice of a lost SoA is not one without the symptom.

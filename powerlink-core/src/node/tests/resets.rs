@@ -19,6 +19,31 @@ const COMMUNICATING: [NmtState; 7] = [
     NmtState::BasicEthernet,
 ];
 
+/// The states of the initialisation, and the command that leads to each.
+const INITIALISATION: [(NmtCommandId, NmtState); 4] = [
+    (NmtCommandId::SW_RESET, NmtState::Initialising),
+    (NmtCommandId::RESET_NODE, NmtState::ResetApplication),
+    (NmtCommandId::RESET_COMMUNICATION, NmtState::ResetCommunication),
+    (NmtCommandId::RESET_CONFIGURATION, NmtState::ResetConfiguration),
+];
+
+/// A command in each state of the initialisation, before the node goes on by itself: where it leads.
+#[track_caller]
+fn leads_on(command: NmtCommandId, to: [NmtState; 4]) {
+    for ((first, from), to) in INITIALISATION.into_iter().zip(to) {
+        let mut bench = initialising(first);
+        bench.is(from);
+        bench.command_undrained(command);
+        assert_eq!(bench.node.state(), to, "{command} in {from}");
+    }
+}
+
+fn initialising(command: NmtCommandId) -> Bench {
+    let mut bench = busy(NmtState::Operational);
+    bench.command_undrained(command);
+    bench
+}
+
 /// Where a reset leads on to by itself.
 fn initialisation(first: NmtState, cause: Cause) -> std::vec::Vec<(NmtState, Cause)> {
     let rest = [
@@ -82,10 +107,11 @@ fn gt2_local_reset() {
         is_silent_and_empty(&mut bench);
         says_ec(&mut bench, 1);
     }
-    let mut bench = Bench::in_state(NmtState::Operational, config());
-    bench.command_undrained(NmtCommandId::RESET_CONFIGURATION);
-    bench.node.reset(bench.now);
-    bench.is(NmtState::Initialising);
+    for (command, _) in INITIALISATION {
+        let mut bench = initialising(command);
+        bench.node.reset(bench.now);
+        bench.is(NmtState::Initialising);
+    }
 }
 
 /// Nothing is sent any more, whatever comes, and no time runs.
@@ -109,6 +135,12 @@ fn gt3_switch_off() {
         bench.drain();
         assert_eq!(ways(&mut bench), initialisation(NmtState::Initialising, Cause::PowerOn));
     }
+    for (command, _) in INITIALISATION {
+        let mut bench = initialising(command);
+        bench.node.switch_off(bench.now);
+        bench.drain();
+        bench.is(NmtState::Off);
+    }
 }
 
 /// The objects of the application and all values are those of power-on; EC stays as it was.
@@ -122,6 +154,8 @@ fn gt4_reset_node() {
         is_silent_and_empty(&mut bench);
         says_ec(&mut bench, u8::from(!state.is_powerlink_mode()));
     }
+    use NmtState::{Initialising, ResetApplication};
+    leads_on(NmtCommandId::RESET_NODE, [Initialising, ResetApplication, ResetApplication, ResetApplication]);
 }
 
 /// The values are those of power-on, the objects of the application and the history stay.
@@ -138,6 +172,9 @@ fn gt5_reset_communication() {
         assert_eq!(bench.node.dictionary().history().count(), 1);
         is_silent_and_empty(&mut bench);
     }
+    use NmtState::{Initialising, ResetApplication, ResetCommunication};
+    let to = [Initialising, ResetApplication, ResetCommunication, ResetCommunication];
+    leads_on(NmtCommandId::RESET_COMMUNICATION, to);
 }
 
 /// A PReq longer than the limit: an entry, the error indicator, and the communication begins anew.
@@ -169,6 +206,7 @@ fn gt7_reset_configuration() {
         assert_eq!((bench.node.objects().output, bench.node.dictionary().values.cycle_length), (9, length));
         is_silent_and_empty(&mut bench);
     }
+    leads_on(NmtCommandId::RESET_CONFIGURATION, INITIALISATION.map(|(_, state)| state));
 }
 
 /// As after a power cycle: EC is 1 again.
@@ -182,6 +220,7 @@ fn gt8_software_reset() {
         is_silent_and_empty(&mut bench);
         says_ec(&mut bench, 1);
     }
+    leads_on(NmtCommandId::SW_RESET, [NmtState::Initialising; 4]);
 }
 
 /// The steps of the initialisation, one at a time, and none of them answers.

@@ -70,7 +70,7 @@ fn ct1_takes_the_configuration_over_and_waits_for_the_network() {
 
 /// The frame is consumed: the request in it is not answered, and the SoC does not lead on.
 #[test]
-fn ct2_soa_or_soc() {
+fn ct2_soa_soc_or_by_choice_a_poll() {
     let mut bench = Bench::listening(config());
     ways(&mut bench);
     bench.asks(RequestedService::IDENT_REQUEST);
@@ -82,6 +82,21 @@ fn ct2_soa_or_soc() {
     ways(&mut bench);
     bench.soc();
     assert_eq!(ways(&mut bench), [(NmtState::PreOperational1, Cause::Soc)]);
+    for (ends, to) in [(false, None), (true, Some(NmtState::PreOperational1))] {
+        let mut config = config();
+        config.options.poll_ends_not_active = ends;
+        for cause in [Cause::Preq, Cause::Pres] {
+            let mut bench = Bench::listening(config);
+            ways(&mut bench);
+            if cause == Cause::Preq {
+                bench.preq(Flags::DATA_VALID, &[1]);
+            } else {
+                bench.pres_of_another();
+            }
+            assert_eq!(ways(&mut bench), to.map(|to| (to, cause)).into_iter().collect::<std::vec::Vec<_>>());
+            bench.says_nothing();
+        }
+    }
 }
 
 #[test]
