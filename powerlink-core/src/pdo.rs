@@ -319,7 +319,12 @@ impl Mappings {
         (0..).zip(&self.receive).find(|(_, mapping)| mapping.is_of(node))
     }
 
-    /// Puts the entries of a receive channel into use, or out of it. A frame is taken by one channel.
+    /// The bytes of PReq that are mapped.
+    pub(crate) fn poll_size(&self) -> u16 {
+        self.channel_of(NodeId::NONE).map_or(0, |(_, mapping)| mapping.size())
+    }
+
+    /// Puts the entries of a receive channel into use, or out of it. A frame is taken by one channel. The limit is that of PReq.
     ///
     /// # Errors
     /// Where there is no such channel, another one takes the frames of that node, or an entry cannot be mapped.
@@ -334,6 +339,7 @@ impl Mappings {
         if count > 0 && others.clone().any(|(_, mapping)| mapping.is_of(node)) {
             return Err(AbortCode::PARAMETER_INCOMPATIBLE);
         }
+        let limit = if node == NodeId::NONE { limit } else { MAX_PROCESS_DATA };
         self.receive.get_mut(channel).ok_or(AbortCode::NO_OBJECT)?.activate::<O>(count, false, limit)
     }
 }

@@ -164,6 +164,8 @@ pub struct Entry {
     pub mappable: Mappable,
     /// The least and the greatest value, of unsigned ones.
     pub range: (u32, u32),
+    /// 0 is a value as well, below the least: it says that there is none.
+    pub has_none: bool,
 }
 
 impl Entry {
@@ -184,6 +186,7 @@ impl Entry {
             access,
             mappable: Mappable::No,
             range: (0, u32::MAX),
+            has_none: false,
         }
     }
 
@@ -214,6 +217,13 @@ impl Entry {
     #[must_use]
     pub const fn within(mut self, least: u32, greatest: u32) -> Self {
         self.range = (least, greatest);
+        self
+    }
+
+    /// The same with 0 as a value besides the range.
+    #[must_use]
+    pub const fn or_none(mut self) -> Self {
+        self.has_none = true;
         self
     }
 
@@ -275,6 +285,7 @@ impl Entry {
     /// On which side it is out of it.
     pub const fn check_range(&self, value: u32) -> Result<(), AbortCode> {
         match self.range {
+            _ if self.has_none && value == 0 => Ok(()),
             (_, greatest) if value > greatest => Err(AbortCode::VALUE_TOO_HIGH),
             (least, _) if value < least => Err(AbortCode::VALUE_TOO_LOW),
             _ => Ok(()),

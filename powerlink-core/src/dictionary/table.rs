@@ -16,7 +16,7 @@ pub const STANDARD_ENTRIES: &[Entry] = &[
     Entry::new(0x1001, 0, "ERR_ErrorRegister_U8", Unsigned(1), ReadOnly),
     Entry::new(0x1003, 0, "ERR_History_ADOM, number", Unsigned(1), ReadWrite).within(0, 0),
     Entry::new(0x1003, 1, "ERR_History_ADOM", Bytes(20), ReadOnly).up_to_sub(HISTORY),
-    Entry::new(0x1006, 0, "NMT_CycleLen_U32", Unsigned(4), ReadWrite),
+    Entry::new(0x1006, 0, "NMT_CycleLen_U32", Unsigned(4), ReadWrite).within(LEAST_CYCLE, u32::MAX).or_none(),
     Entry::new(0x1008, 0, "NMT_ManufactDevName_VS", Text(64), Constant),
     Entry::new(0x1009, 0, "NMT_ManufactHwVers_VS", Text(64), Constant),
     Entry::new(0x100A, 0, "NMT_ManufactSwVers_VS", Text(64), Constant),
@@ -91,6 +91,10 @@ pub const STANDARD_ENTRIES: &[Entry] = &[
     Entry::new(0x1F9A, 0, "NMT_HostName_VSTR", Text(32), ReadWrite),
     Entry::new(0x1F9E, 0, "NMT_ResetCmd_U8", Unsigned(1), ReadWrite),
 ];
+
+/// The least cycle length, µs: SoC, PReq, PRes and SoA of the shortest length at 100 Mbit/s, 5120 ns each with 640 ns of preamble
+/// before and a gap of 960 ns behind it.
+const LEAST_CYCLE: u32 = (4 * (5120 + 640 + 960_u32)).div_ceil(1000);
 
 /// Entries of the error history.
 pub const HISTORY: u8 = 8;

@@ -108,11 +108,16 @@ fn what_is_refused_and_why() {
     assert_eq!(refused(0x1018, 9, &[0]), AbortCode::NO_SUB_INDEX);
     assert_eq!(refused(0x1018, 1, &[0; 4]), AbortCode::READ_ONLY);
     assert_eq!(refused(0x1F99, 0, &[0; 2]), AbortCode::LENGTH);
+    assert_eq!(refused(0x1006, 0, &26_u32.to_le_bytes()), AbortCode::VALUE_TOO_LOW);
     assert_eq!(refused(0x1F98, 4, &[35, 0]), AbortCode::VALUE_TOO_LOW);
     assert_eq!(refused(0x1F98, 4, &1491_u16.to_le_bytes()), AbortCode::VALUE_TOO_HIGH);
     assert_eq!(refused(0x1F98, 5, &[37, 0]), AbortCode::VALUE_TOO_HIGH, "more than the node can send");
     assert_eq!(refused(0x1F9A, 0, b"under_score"), AbortCode::VALUE);
     assert_eq!(refused(0x1F9E, 0, &[0x21]), AbortCode::VALUE);
+    for cycle in [27, 0, u32::MAX] {
+        assert_eq!(write(&mut dictionary, 0x1006, 0, &cycle.to_le_bytes()), Ok(Effect::None));
+        assert_eq!(read(&mut dictionary, 0x1006, 0), Ok(cycle.to_le_bytes().to_vec()));
+    }
     assert_eq!(read(&mut dictionary, 0x6201, 0), Err(AbortCode::WRITE_ONLY));
     assert_eq!(write(&mut dictionary, 0x1F9E, 0, &[0x28]), Ok(Effect::Reset(Cause::ResetNode)));
 }
@@ -153,6 +158,38 @@ fn a_mapping_is_checked_when_it_is_put_into_use() {
         Err(AbortCode::UNSUPPORTED_ACCESS),
         "in use"
     );
+}
+
+/// What is mapped and the limit of its frame, in either order; what other nodes send has no such limit.
+#[test]
+fn what_is_mapped_stays_within_its_limit() {
+    let long = |offset| crate::pdo::MappingEntry { object: ObjectAddress::new(0x6400, 3), offset, length: 8 };
+    for (mapping, limit) in [(0x1600, 4), (0x1A00, 5)] {
+        let mut dictionary = Dictionary { max_pres_payload: 64, ..dictionary() };
+        let mut writes = |index, sub, data: &[u8]| write(&mut dictionary, index, sub, data).map(|_| ());
+        // The 40th byte.
+        assert_eq!(writes(mapping, 1, &long(39 * 8).number().to_le_bytes()), Ok(()));
+        assert_eq!(writes(mapping, 0, &[1]), Err(AbortCode::PDO_LENGTH));
+        assert_eq!(writes(0x1F98, limit, &[50, 0]), Ok(()));
+        assert_eq!(writes(mapping, 0, &[1]), Ok(()));
+        assert_eq!(writes(0x1F98, limit, &[39, 0]), Err(AbortCode::PDO_LENGTH));
+        assert_eq!(writes(0x1F98, limit, &[40, 0]), Ok(()), "it just fits");
+        assert_eq!(writes(mapping, 0, &[0]), Ok(()));
+        assert_eq!(writes(0x1F98, limit, &[36, 0]), Ok(()), "nothing is mapped");
+        assert_eq!(writes(mapping, 0, &[1]), Err(AbortCode::PDO_LENGTH));
+    }
+    let mut dictionary = dictionary();
+    for (index, sub, data) in [
+        (0x1400, 1, &[2][..]),
+        (0x1600, 1, &long(1489 * 8).number().to_le_bytes()),
+        (0x1600, 0, &[1]),
+        (0x1F98, 4, &[36, 0]),
+        (0x1600, 0, &[0]),
+        (0x1600, 1, &long(1490 * 8).number().to_le_bytes()),
+    ] {
+        assert_eq!(write(&mut dictionary, index, sub, data), Ok(Effect::None), "0x{index:04X}/{sub}");
+    }
+    assert_eq!(write(&mut dictionary, 0x1600, 0, &[1]), Err(AbortCode::PDO_LENGTH));
 }
 
 /// Whatever the lines of the application say: what is received is written, what is sent is read.

@@ -11,13 +11,13 @@ use crate::wire::ConfigurationStamp;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Values {
-    /// 0x1006, µs; 0 while it is not known: then the loss of SoC is not noticed by time.
+    /// 0x1006, µs, 27 or more; 0 while it is not known: then the loss of SoC is not noticed by time.
     pub cycle_length: u32,
     /// 0x1020/1 and /2.
     pub configuration: ConfigurationStamp,
     /// 0x1020/3.
     pub configuration_id: u32,
-    /// 0x1300, ms.
+    /// 0x1300, ms; 0 for no time-out.
     pub sequence_timeout: u32,
     /// 0x1C13, ns.
     pub jitter_range: u32,
@@ -42,11 +42,15 @@ pub struct Values {
 impl Values {
     /// The first that is not in the range of its object. That of 0x1F98/5 depends on the node.
     pub(crate) fn out_of_range(&self) -> Option<ObjectAddress> {
-        let numbers = [(4, self.preq_limit), (8, self.async_mtu), (9, self.prescaler)];
-        let is_out = |&(at, value): &(ObjectAddress, u16)| {
-            Entry::find(STANDARD_ENTRIES, at).is_ok_and(|entry| entry.check_range(value.into()).is_err())
+        let numbers = [
+            (ObjectAddress::new(0x1006, 0), self.cycle_length),
+            (ObjectAddress::new(0x1F98, 4), self.preq_limit.into()),
+            (ObjectAddress::new(0x1F98, 8), self.async_mtu.into()),
+            (ObjectAddress::new(0x1F98, 9), self.prescaler.into()),
+        ];
+        let is_out = |&(at, value): &(ObjectAddress, u32)| {
+            Entry::find(STANDARD_ENTRIES, at).is_ok_and(|entry| entry.check_range(value).is_err())
         };
-        let numbers = numbers.map(|(sub, value)| (ObjectAddress::new(0x1F98, sub), value));
         let number = numbers.iter().find(|number| is_out(number)).map(|&(at, _)| at);
         let name = host_name(&self.host_name).is_err().then_some(ObjectAddress::new(0x1F9A, 0));
         number.or(name)

@@ -51,7 +51,10 @@ impl Dictionary {
             (0x1C0A..=0x1C10, sub) => self.write_counter(at.index, sub, value)?,
             (0x1C13, _) => values.jitter_range = value,
             (0x1C14, _) => values.loss_of_soc_tolerance = value,
+            // What is mapped has to fit in the end, whichever of the two is written last.
+            (0x1F98, 4) if narrow < self.mappings.poll_size() => return Err(AbortCode::PDO_LENGTH),
             (0x1F98, 4) => values.preq_limit = narrow,
+            (0x1F98, 5) if narrow < self.mappings.transmit.size() => return Err(AbortCode::PDO_LENGTH),
             (0x1F98, 5) if narrow > self.max_pres_payload => return Err(AbortCode::VALUE_TOO_HIGH),
             (0x1F98, 5) => values.pres_limit = narrow,
             (0x1F98, 7) => values.multiplexed_cycles = byte,
