@@ -95,7 +95,7 @@ impl Fold {
 /// Those that frames of strangers cause, and those of values in every cycle.
 const FOLDED: [&str; 9] = [
     "bad_frame",
-    "foreign_poll",
+    "foreign_frame",
     "sdo_refused",
     "sdo_aborted",
     "other_managing_node",

@@ -137,8 +137,11 @@ impl Referee {
         }
     }
 
-    /// Who is asked for what by a frame, whoever sent it, and when.
+    /// Who is asked for what by a frame of a managing node, whoever sent it, and when.
     fn invited(&mut self, index: usize, at: Instant, frame: &Frame<'_>) {
+        if frame.from != NodeId::MANAGING_NODE {
+            return;
+        }
         let number = NodeId(index as u8 + 1);
         let invitation = match &frame.body {
             Body::Preq(preq) if frame.to == number => {

@@ -31,12 +31,14 @@ pub(super) fn frame(argument: u8, nodes: u8) -> Vec<u8> {
         pdo_version: PdoVersion(how),
         data: &[0xEE; 3],
     };
+    // A cycle of the managing node, or under another number.
+    let cyclic = if how == 2 { NodeId(250) } else { mn };
     let (destination, to, from, body) = match argument & 15 {
-        0 => (group::SOC, all, mn, Body::Soc(Soc::default())),
-        1 => (group::SOA, all, mn, soa(RequestedService::NO_SERVICE)),
-        2 => (group::SOA, all, mn, soa(RequestedService::IDENT_REQUEST)),
-        3 => (group::SOA, all, mn, soa(RequestedService::STATUS_REQUEST)),
-        4 => (group::SOA, all, mn, soa(RequestedService::UNSPECIFIED_INVITE)),
+        0 => (group::SOC, all, cyclic, Body::Soc(Soc::default())),
+        1 => (group::SOA, all, cyclic, soa(RequestedService::NO_SERVICE)),
+        2 => (group::SOA, all, cyclic, soa(RequestedService::IDENT_REQUEST)),
+        3 => (group::SOA, all, cyclic, soa(RequestedService::STATUS_REQUEST)),
+        4 => (group::SOA, all, cyclic, soa(RequestedService::UNSPECIFIED_INVITE)),
         5 => (group::ASND, node, mn, command(NmtCommandId::STOP_NODE)),
         6 => (group::ASND, all, mn, command(NmtCommandId::RESET_NODE)),
         7 => (group::ASND, all, mn, command(NmtCommandId(how << 6 | 0x21))),

@@ -39,17 +39,18 @@ pub(super) fn read(bytes: &[u8]) -> Heard {
     let at = |offset: usize| bytes.get(offset).copied();
     let is_at = |group: u8| bytes[..6] == [0x01, 0x11, 0x1E, 0, 0, group];
     let (is_own, to_own) = (bytes[..6] == MAC.0, bytes[15] == NODE.0);
+    let is_of_mn = bytes[16] == 240;
     match bytes[14] & 0x7F {
-        0x01 if is_at(1) && bytes.len() >= 36 => Heard::Soc,
-        0x03 if is_own && to_own && bytes[16] == 240 && bytes.len() >= 24 => {
+        0x01 if is_at(1) && is_of_mn && bytes.len() >= 36 => Heard::Soc,
+        0x03 if is_own && to_own && is_of_mn && bytes.len() >= 24 => {
             Heard::Preq { flags: bytes[18], size: word(bytes, 22), room: bytes.len() - 24 }
         }
         0x04 if is_at(2) && bytes.len() >= 24 && word(bytes, 22) <= bytes.len() - 24 => Heard::Pres,
-        0x05 if is_at(3) && bytes.len() >= 23 => {
+        0x05 if is_at(3) && is_of_mn && bytes.len() >= 23 => {
             Heard::Soa { service: bytes[20], is_own: bytes[21] == NODE.0, flags: bytes[18] }
         }
         0x06 if is_at(4) || is_own || bytes[..6] == [0xFF; 6] => match at(17) {
-            Some(0x04) if bytes[16] == 240 && (to_own || bytes[15] == 255) && bytes.len() >= 20 => {
+            Some(0x04) if is_of_mn && (to_own || bytes[15] == 255) && bytes.len() >= 20 => {
                 command(bytes[18], &bytes[20..]).map_or(Heard::Nothing, Heard::Command)
             }
             Some(0x05) if to_own => Heard::Sdo { from: bytes[16], transaction: at(23) },

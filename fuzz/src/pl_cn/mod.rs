@@ -93,7 +93,7 @@ impl Bench {
                     self.tick(at);
                 }
             }
-            Op::Soc { multiplexed } => self.soc(if multiplexed { 0x80 } else { 0 }),
+            Op::Soc { from, multiplexed } => self.soc(NodeId(from), if multiplexed { 0x80 } else { 0 }),
             Op::Preq { from, flags, version, size, data, is_padded } => {
                 let body = [&[0x03, NODE.0, from, 0, flags, 0, version, 0][..], &word(size), &data].concat();
                 let mut bytes = [&MAC.0[..], &MN.0, &[0x88, 0xAB], &body].concat();
@@ -151,7 +151,7 @@ impl Bench {
 
     /// SoC, PReq with EA = EN, SoA, and the time of a cycle.
     fn cycle(&mut self) {
-        self.soc(0);
+        self.soc(NodeId::MANAGING_NODE, 0);
         self.poll();
         self.soa(0, NodeId::NONE, 0);
         self.tick(self.now + Duration::from_millis(20));
@@ -179,9 +179,9 @@ impl Bench {
         }
     }
 
-    fn soc(&mut self, flags: u8) {
+    fn soc(&mut self, from: NodeId, flags: u8) {
         let soc = Soc { flags: Flags::from_bits_retain(flags), ..Soc::default() };
-        self.of_mn(group::SOC, NodeId::BROADCAST, Body::Soc(soc));
+        self.send(group::SOC, NodeId::BROADCAST, from, Body::Soc(soc));
     }
 
     fn soa(&mut self, service: u8, target: NodeId, flags: u8) {

@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | 0 | time passes and a tick comes; bit 7: unnoticed; bit 6: backwards | [span](crate::input::span) |
 //! | 1 | the time of the next deadline comes, with a tick; bit 7: one nanosecond before | |
-//! | 2 | SoC; bit 7 MC | |
+//! | 2 | SoC; bit 7 MC, bits 5-4 one in four of another node | |
 //! | 3 | PReq; bit 7 with a Size that is one more than the data, bit 6 without padding | flags, version, length, data |
 //! | 4 | SoA; bits 6-4 choose the request, bit 7 for another node | flags |
 //! | 5 | an NMT command; bits 5-4 whom: the node, all, another, all by a list | command |
@@ -35,7 +35,7 @@ pub(super) enum Op {
     Elapse(Duration),
     Past(Duration),
     Deadline { early: bool },
-    Soc { multiplexed: bool },
+    Soc { from: u8, multiplexed: bool },
     Preq { from: u8, flags: u8, version: u8, size: usize, data: Vec<u8>, is_padded: bool },
     Soa { service: u8, is_own: bool, flags: u8 },
     Command { command: u8, whom: u8 },
@@ -93,12 +93,12 @@ pub(super) fn op(input: &mut Unstructured<'_>) -> Result<Op> {
             }
         }
         1 => Op::Deadline { early: high },
-        2 => Op::Soc { multiplexed: high },
+        2 => Op::Soc { from: sender(code), multiplexed: high },
         3 => {
             let [flags, version]: [u8; 2] = input.arbitrary()?;
             let data = bytes(input, 96)?;
             Op::Preq {
-                from: [240, 240, 240, 2][usize::from(code >> 4 & 3)],
+                from: sender(code),
                 flags,
                 version,
                 size: data.len() + usize::from(high),
@@ -126,6 +126,11 @@ pub(super) fn op(input: &mut Unstructured<'_>) -> Result<Op> {
         14 => Op::Status { reset: high },
         _ => Op::Bytes(bytes(input, 255)?),
     })
+}
+
+/// Most of the time the managing node.
+fn sender(code: u8) -> u8 {
+    [240, 240, 240, 2][usize::from(code >> 4 & 3)]
 }
 
 /// Most of the time a command that a controlled node knows.

@@ -5,7 +5,7 @@ use core::fmt;
 use crate::dictionary::ObjectAddress;
 use crate::indicator::StatusLed;
 use crate::nmt::{Cause, NmtState};
-use crate::wire::{AbortCode, ErrorCode, NmtCommandId, ParseError, SdoCommandId};
+use crate::wire::{AbortCode, ErrorCode, MessageType, NmtCommandId, ParseError, SdoCommandId};
 use crate::{MacAddress, NodeId};
 
 /// What happened.
@@ -84,8 +84,10 @@ pub enum NodeEvent {
     },
     /// An error was put into the history, and is told to the managing node.
     Error(ErrorCode),
-    /// A node that is not the managing node sent a PReq, which was ignored.
-    ForeignPoll {
+    /// A node that is not the managing node sent a PReq to this node, a SoC or a SoA, which was ignored.
+    ForeignFrame {
+        /// What it sent.
+        message: MessageType,
         /// Who.
         from: NodeId,
     },
@@ -109,8 +111,8 @@ pub struct NodeCounters {
     pub bad_frames: u32,
     /// Frames with a destination MAC address that is not the node's.
     pub other_destinations: u32,
-    /// PReq for the node that are not of the managing node.
-    pub foreign_polls: u32,
+    /// PReq for the node, SoC and SoA that are not of the managing node.
+    pub foreign_frames: u32,
     /// PRes and ASnd of another node with this node's ID.
     pub address_conflicts: u32,
     /// Own frames that came back.
@@ -166,7 +168,9 @@ impl fmt::Display for NodeEvent {
             }
             Self::SdoRefused { client } => write!(f, "SDO connection of {client} refused: there is no room"),
             Self::Error(code) => write!(f, "error: {code}"),
-            Self::ForeignPoll { from } => write!(f, "PReq of {from} ignored: it is not the managing node"),
+            Self::ForeignFrame { message, from } => {
+                write!(f, "{message} of {from} ignored: it is not the managing node")
+            }
             Self::AddressConflict { source } => write!(f, "another node has the same node ID: {source}"),
             Self::BadFrame(error) => write!(f, "bad frame: {error}"),
             Self::BufferTooShort => f.write_str("frame not sent: the buffer is too short"),

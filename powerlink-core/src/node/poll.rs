@@ -76,8 +76,7 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         if header.from == NodeId::MANAGING_NODE {
             self.poll_without_answer(self.nmt.state());
         } else {
-            count(&mut self.counters.foreign_polls);
-            self.raise(NodeEvent::ForeignPoll { from: header.from });
+            self.foreign_frame(header);
         }
         Ok(())
     }

@@ -6,7 +6,6 @@ use link_core::ethernet::LinkEvent;
 use super::event::{NodeEvent, count};
 use super::machine::{ControlledNode, Reply};
 use super::poll::ProcessData;
-use crate::MacAddress;
 use crate::cycle::CycleEvent;
 use crate::dictionary::ObjectSet;
 use crate::error::Symptom;
@@ -15,6 +14,7 @@ use crate::nmt::Cause;
 use crate::wire::{
     ErrorCode, Flags, FrameError, Header, MessageType, ParseError, Pres, RequestedService, Soa, Soc,
 };
+use crate::{MacAddress, NodeId};
 
 impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, SDO> {
     #[inline(never)]
@@ -64,10 +64,17 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         if header.from == self.config.node {
             self.address_conflict(&header);
         }
+        let is_of_managing_node = header.from == NodeId::MANAGING_NODE;
         let result = match header.message_type {
             MessageType::PREQ => self.preq(&header, &mut reader),
-            MessageType::SOC => Soc::read(&mut reader).map(|soc| self.soc(&soc)),
-            MessageType::SOA => Soa::read(&mut reader).map(|soa| self.soa(&soa)),
+            MessageType::SOC => Soc::read(&mut reader).map(|soc| match is_of_managing_node {
+                true => self.soc(&soc),
+                false => self.foreign_frame(&header),
+            }),
+            MessageType::SOA => Soa::read(&mut reader).map(|soa| match is_of_managing_node {
+                true => self.soa(&soa),
+                false => self.foreign_frame(&header),
+            }),
             MessageType::PRES => match Pres::read(&mut reader) {
                 Ok(pres) => return self.pres(&header, &pres),
                 Err(error) => Err(error),
@@ -85,6 +92,13 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
             self.bad_frame(error);
         }
         None
+    }
+
+    /// What only the managing node sends, of another node.
+    #[cold]
+    pub(super) fn foreign_frame(&mut self, header: &Header) {
+        count(&mut self.counters.foreign_frames);
+        self.raise(NodeEvent::ForeignFrame { message: header.message_type, from: header.from });
     }
 
     /// A frame under the ID of this node from another MAC address. What it means for the cycle it means nevertheless.

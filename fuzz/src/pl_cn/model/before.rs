@@ -28,7 +28,7 @@ pub(super) fn fields(counters: &NodeCounters) -> [u32; 14] {
     let NodeCounters {
         bad_frames,
         other_destinations,
-        foreign_polls,
+        foreign_frames,
         address_conflicts,
         echoes,
         unknown,
@@ -44,7 +44,7 @@ pub(super) fn fields(counters: &NodeCounters) -> [u32; 14] {
     [
         bad_frames,
         other_destinations,
-        foreign_polls,
+        foreign_frames,
         address_conflicts,
         echoes,
         unknown,

@@ -138,6 +138,16 @@ pub(super) fn pl_cn() -> Seeds {
                 ],
             ),
         ),
+        (
+            "cycle-of-another-node",
+            with(
+                PLAIN,
+                &[
+                    &[OPERATIONAL, 0x32, 0x02, 0x39, 9, 0x05, 0xFF, 2, 0xFD, 0, 0, 0x01, 1, 0x20],
+                    &[0x04, 0, 0x32, 0x0B, 0x01, 0x32, 0x39, 9, 0x05, 0xFF, 2, 0xFD, 0, 0, 0x01, 1, 0x20],
+                ],
+            ),
+        ),
         ("cross-traffic", with(PLAIN, &[&[OPERATIONAL, 0x02, 0x06, 2, 1, 0, 1, 7]])),
         (
             "multiplexed",

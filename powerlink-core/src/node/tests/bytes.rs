@@ -5,7 +5,7 @@ use super::bench::*;
 use crate::error::Symptom;
 use crate::nmt::NmtState;
 use crate::node::{NodeCounters, NodeEvent};
-use crate::wire::ErrorCode;
+use crate::wire::{ErrorCode, MessageType};
 use crate::{MacAddress, NodeId};
 
 fn bytes(hex: &str) -> std::vec::Vec<u8> {
@@ -129,8 +129,9 @@ fn a_poll_of_another_node_is_ignored() {
             bench.says_nothing();
             bench.is(state);
             assert_eq!(bench.node.objects().output, 0, "{from} in {state}");
-            assert_eq!(counters, NodeCounters { foreign_polls: 1, ..NodeCounters::default() });
-            assert_eq!(bench.events, [NodeEvent::ForeignPoll { from: NodeId(from) }]);
+            assert_eq!(counters, NodeCounters { foreign_frames: 1, ..NodeCounters::default() });
+            let (message, from) = (MessageType::PREQ, NodeId(from));
+            assert_eq!(bench.events, [NodeEvent::ForeignFrame { message, from }]);
             if state == NmtState::Operational {
                 bench.soa();
                 let lost = bench.node.dictionary().counters.of(Symptom::LossOfPreq).cumulative;
@@ -147,6 +148,33 @@ fn a_poll_of_another_node_is_ignored() {
     bench.bytes(&bytes("0200000000010200000000f088ab030102000100000001007700"));
     bench.wait(core::time::Duration::from_secs(1));
     bench.is(NmtState::BasicEthernet);
+}
+
+/// Nor do SoC and SoA of another node start a cycle, end one, or invite.
+#[test]
+fn a_cycle_of_another_node_is_ignored() {
+    let soc = (MessageType::SOC, 1, "00".repeat(19));
+    let soa = (MessageType::SOA, 3, std::format!("fd00000101{:02x}00", 0x20));
+    for (message, group, rest) in [soc, soa] {
+        for state in [ALL.as_slice(), &[NmtState::NotActive, NmtState::BasicEthernet]].concat() {
+            for from in [0, 1, 2, 239, 241, 250, 253, 255] {
+                let kind = message.0;
+                let at = |from: u8| {
+                    std::format!("01111e0000{group:02x}0200000000f088ab{kind:02x}ff{from:02x}{rest}")
+                };
+                let (mut bench, counters) = hears(state, &at(from));
+                let case = std::format!("{message} of {from} in {state}");
+                assert_eq!(counters, NodeCounters { foreign_frames: 1, ..NodeCounters::default() }, "{case}");
+                let from = NodeId(from);
+                assert_eq!(bench.events, [NodeEvent::ForeignFrame { message, from }], "{case}");
+                bench.says_nothing();
+                bench.is(state);
+                let (bench, counters) = hears(state, &at(240));
+                assert_eq!(counters, NodeCounters::default());
+                assert!(!bench.events.iter().any(|event| matches!(event, NodeEvent::ForeignFrame { .. })));
+            }
+        }
+    }
 }
 
 /// A PRes, IdentResponse, StatusResponse, NMTRequest or SDO under the number of this node: another one has it too. From its own
