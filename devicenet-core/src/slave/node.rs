@@ -167,7 +167,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         let from = self.io(kind).state();
         let result = self.io_mut(kind).handle(cause);
         self.io_moved(kind, from, cause);
-        self.io_watchdog(kind, result?);
+        apply(&mut self.timers, Timer::Io(kind), result?);
         Ok(())
     }
 
@@ -258,10 +258,6 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             self.io_moved(kind, from, IoCause::Allocated);
             self.timers.clear(Timer::Io(kind));
         }
-    }
-
-    fn io_watchdog(&mut self, kind: IoKind, watchdog: Watchdog) {
-        apply(&mut self.timers, Timer::Io(kind), watchdog);
     }
 
     fn io_moved(&mut self, kind: IoKind, from: IoState, cause: IoCause) {
