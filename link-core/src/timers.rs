@@ -221,8 +221,6 @@ pub trait TimerSet<K> {
     fn clear(&mut self, key: K);
     /// [`Timers::at`]
     fn at(&self, key: K) -> Option<Instant>;
-    /// [`Timers::is_due`]
-    fn is_due(&mut self, now: Instant) -> bool;
     /// [`Timers::may_be_due`]
     fn may_be_due(&self, now: Instant) -> bool;
     /// [`Timers::take_expired`]
@@ -257,10 +255,6 @@ impl<K: TimerKey<N>, const N: usize> TimerSet<K> for Timers<K, N> {
     }
     fn at(&self, key: K) -> Option<Instant> {
         self.at(key)
-    }
-    #[inline]
-    fn is_due(&mut self, now: Instant) -> bool {
-        self.is_due(now)
     }
     #[inline]
     fn may_be_due(&self, now: Instant) -> bool {
