@@ -36,7 +36,7 @@ impl Stamps {
 
     /// The present moment.
     pub fn now(&mut self) -> Instant {
-        self.last = self.last.max(self.clock.now());
+        self.last = self.present();
         self.last
     }
 
