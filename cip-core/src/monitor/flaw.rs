@@ -3,7 +3,7 @@
 use core::fmt;
 
 use crate::code::ServiceCode;
-use crate::text::{write_decimal, write_prefixed_hex};
+use crate::text::{ByteCount, write_decimal, write_prefixed_hex};
 
 /// Why a message is wrong or suspicious, as far as no network has rules of its own for it.
 ///
@@ -163,14 +163,13 @@ impl fmt::Display for Flaw {
         match *self {
             Self::DataLengthCode { dlc } => number(f, "data length code ", dlc.into()),
             Self::Length { expected, found } | Self::IoLength { expected, found } => {
-                write_decimal(f, expected.into())?;
-                f.write_str(bytes(expected))?;
+                ByteCount(expected.into()).fmt(f)?;
                 number(f, " expected, ", found.into())?;
                 f.write_str(" found")
             }
             Self::TooShort { at_least, found } => {
-                number(f, "at least ", at_least.into())?;
-                f.write_str(bytes(at_least))?;
+                f.write_str("at least ")?;
+                ByteCount(at_least.into()).fmt(f)?;
                 number(f, " expected, ", found.into())?;
                 f.write_str(" found")
             }
@@ -209,8 +208,8 @@ impl fmt::Display for Flaw {
             Self::FragmentNotAllowed => f.write_str("fragment of a message that is never fragmented"),
             Self::TransactionChanged => f.write_str("transaction ID changed within the message"),
             Self::TooLong { limit } => {
-                number(f, "longer than the connection size of ", limit.into())?;
-                f.write_str(bytes(limit))
+                f.write_str("longer than the connection size of ")?;
+                ByteCount(limit.into()).fmt(f)
             }
             Self::FragmentUnacknowledged { count } => {
                 number(f, "fragment ", count.into())?;
@@ -235,8 +234,4 @@ impl fmt::Display for Flaw {
 fn number(f: &mut fmt::Formatter<'_>, words: &str, value: u64) -> fmt::Result {
     f.write_str(words)?;
     write_decimal(f, value)
-}
-
-fn bytes(count: u16) -> &'static str {
-    if count == 1 { " byte" } else { " bytes" }
 }

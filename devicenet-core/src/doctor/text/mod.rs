@@ -7,6 +7,7 @@ use core::fmt;
 use cip_core::code::ClassId;
 use cip_core::monitor::text::write_status;
 use cip_core::names::additional_code_name;
+use cip_core::text::ByteCount;
 
 use super::finding::{Change, ChangeKind, Exchange, Facts, Finding};
 use super::rule::Rule;
@@ -166,12 +167,12 @@ impl Finding {
             }
             (Rule::SizeMismatch, Facts::RejectedSize { master, exchange, is_produced, found }) => {
                 let verb = if is_produced { "produces" } else { "consumes" };
-                let unit = if found == 1 { "byte" } else { "bytes" };
                 write!(
                     f,
-                    "{} lets {node} go each time that it has read that its {} {verb} {found} {unit}: it expects another size",
+                    "{} lets {node} go each time that it has read that its {} {verb} {}: it expects another size",
                     Master(master),
-                    exchange.connection()
+                    exchange.connection(),
+                    ByteCount(found.into())
                 )
             }
             (Rule::IdentityChanged, Facts::Identity { field, expected, found }) => {
