@@ -12,6 +12,7 @@ use super::sight::{Observer, index};
 use super::socketcand::{ClientId, Complaint, MOST_CLIENTS, Outgoing, Server};
 use crate::recording::controller;
 use crate::scenario::{Role, Scenario};
+use crate::text;
 
 /// The machine of an external node. Each frame knows whose it is.
 pub(super) type Outside = External<ClientId>;
@@ -127,8 +128,7 @@ impl Doors {
             self.told = Some(now);
         }
         for ((channel, client), count) in lost {
-            let plural = if count == 1 { "" } else { "s" };
-            let words = format!("{count} frame{plural} of {client} not sent");
+            let words = format!("{} of {client} not sent", text::count(count, "frame"));
             observer.trouble(network.now(), Some(node(channel)), words);
         }
         for (client, Complaint { channel, words, more }) in complaints {

@@ -259,8 +259,8 @@ fn conclude(output: &mut Output, outcome: &Outcome, with_summary: bool, json: bo
         let _ = writeln!(out, "expectation failed: {}, {failure}", scenario.file);
     }
     let judged = verdict.held + verdict.failures.len();
-    let plural = if judged == 1 { "" } else { "s" };
-    let _ = write!(out, "{} of {judged} expectation{plural} held", verdict.held);
+    let judged = crate::text::count(judged as u64, "expectation");
+    let _ = write!(out, "{} of {judged} held", verdict.held);
     let _ = match verdict.unjudged {
         0 => writeln!(out),
         1 => writeln!(out, ", 1 lies after the end of the run"),
