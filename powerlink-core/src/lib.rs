@@ -106,7 +106,7 @@
 //! assert_eq!(trace[4..], [
 //!     "ResetConfiguration -> NotActive: done",
 //!     "NotActive -> PreOperational1: SoA",
-//!     "node 1 -> all: IdentResponse, NMT_PRE_OPERATIONAL_1, vendor 0x00000123, product 0x00000007, revision 0x00010000, PR=0 RS=0",
+//!     "node 1 -> all: IdentResponse, NMT_PRE_OPERATIONAL_1, vendor 0x00000123, product 0x00000007, revision 1.0, PR=0 RS=0",
 //!     "PreOperational1 -> PreOperational2: SoC",
 //!     "PreOperational2 -> ReadyToOperate: NMTEnableReadyToOperate",
 //!     "ReadyToOperate -> Operational: NMTStartNode",
@@ -135,6 +135,8 @@ pub mod cycle;
 pub mod dictionary;
 pub mod error;
 pub mod ethernet;
+#[cfg(feature = "serde")]
+mod fields;
 pub mod indicator;
 pub mod managing;
 pub mod monitor;

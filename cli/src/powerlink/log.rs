@@ -1,6 +1,7 @@
 //! What a station tells: a line of text each, or an object.
 
 use core::fmt::Display;
+use core::time::Duration;
 use std::io;
 
 use link_core::Instant;
@@ -10,6 +11,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::folds::{Folds, Told};
+use super::limits::Limits;
 use crate::losses::Losses;
 use crate::output::Output;
 use crate::text::{self, LOWER, push_hex};
@@ -22,7 +24,9 @@ pub(super) struct Log {
     /// The same in JSON.
     node: u8,
     folds: Folds,
+    limits: Limits,
     losses: Losses,
+    is_muted: bool,
 }
 
 impl Log {
@@ -33,25 +37,48 @@ impl Log {
             name: node.to_string(),
             node: node.0,
             folds: Folds::default(),
+            limits: Limits::default(),
             losses: Losses::default(),
+            is_muted: false,
         }
     }
 
-    /// An event as it stands in the core: its name, and what it carries. One that others can cause without end may be held back.
+    /// The first line: when it was 0 o'clock, since 1970.
+    pub(super) fn start(&mut self, now: Instant, zero: Duration) -> io::Result<()> {
+        let micros = zero.as_micros();
+        let words = format!(
+            "starts; time 0 is {}.{:06} s since 1970-01-01 UTC",
+            micros / 1_000_000,
+            micros % 1_000_000
+        );
+        self.line(now, "start", fields([("unix_time", (micros as f64 / 1e6).into())]), &words)
+    }
+
+    /// Tells nothing any more: there is nobody who reads it.
+    pub(super) const fn mute(&mut self) {
+        self.is_muted = true;
+    }
+
+    /// An event as it stands in the core: its name, and what it carries. One that comes too often may be held back.
     pub(super) fn event<E: Serialize + Display>(&mut self, now: Instant, event: &E) -> io::Result<()> {
-        self.time(now)?;
         let (name, fields) = parts(event);
-        let told = Told { name, fields, words: event.to_string() };
-        if self.folds.admit(now, &told) {
-            self.line(now, &told.name, told.fields, &told.words)
-        } else {
-            Ok(())
-        }
+        self.tell(now, Told { name, fields, words: event.to_string() })
+    }
+
+    fn tell(&mut self, now: Instant, told: Told) -> io::Result<()> {
+        self.time(now)?;
+        let is_told = match Folds::concern(&told) {
+            true => self.folds.admit(now, &told),
+            false => self.limits.admit(now, &told),
+        };
+        if is_told { self.line(now, &told.name, told.fields, &told.words) } else { Ok(()) }
     }
 
     /// Tells what was held back long enough.
     pub(super) fn time(&mut self, now: Instant) -> io::Result<()> {
         let due = self.folds.due(now);
+        self.held_back(now, due)?;
+        let due = self.limits.due(now);
         self.held_back(now, due)?;
         match self.losses.due(now) {
             Some(count) => self.lost(now, count),
@@ -92,15 +119,16 @@ impl Log {
             }
             None => format!("{node}: no inputs"),
         };
-        self.line(now, "inputs", fields, &words)
+        self.tell(now, Told { name: "inputs".to_owned(), fields, words })
     }
 
-    /// Process data.
-    pub(super) fn data(&mut self, now: Instant, name: &str, data: &[u8], is_valid: bool) -> io::Result<()> {
+    /// Process data of this node.
+    pub(super) fn outputs(&mut self, now: Instant, data: &[u8], is_valid: bool) -> io::Result<()> {
         let hex = hex(data);
         let remark = if is_valid { "" } else { ", not valid" };
-        let words = format!("{name} {hex}{remark}");
-        self.line(now, name, fields([("data", hex.into()), ("valid", is_valid.into())]), &words)
+        let words = format!("outputs {hex}{remark}");
+        let fields = fields([("data", hex.into()), ("valid", is_valid.into())]);
+        self.tell(now, Told { name: "outputs".to_owned(), fields, words })
     }
 
     /// The last line: where it ended, and what was counted.
@@ -111,6 +139,8 @@ impl Log {
         counters: &impl Serialize,
     ) -> io::Result<()> {
         let rest = self.folds.rest(now);
+        self.held_back(now, rest)?;
+        let rest = self.limits.rest(now);
         self.held_back(now, rest)?;
         if let Some(count) = self.losses.rest() {
             self.lost(now, count)?;
@@ -129,16 +159,22 @@ impl Log {
         self.line(now, "end", fields([("state", state), ("counters", counters)]), &words)
     }
 
-    fn line(&mut self, now: Instant, event: &str, fields: Map<String, Value>, words: &str) -> io::Result<()> {
+    fn line(
+        &mut self,
+        now: Instant,
+        event: &str,
+        mut fields: Map<String, Value>,
+        words: &str,
+    ) -> io::Result<()> {
+        if self.is_muted {
+            return Ok(());
+        }
         let line = match self.json {
             true => {
-                let mut object = Map::new();
-                object.insert("t".into(), seconds(now).into());
-                object.insert("node".into(), self.node.into());
-                object.insert("event".into(), event.into());
-                object.extend(fields);
-                object.insert("text".into(), words.into());
-                Value::Object(object).to_string()
+                let node = fields.remove("node").unwrap_or_else(|| self.node.into());
+                let line = Line { t: seconds(now), node, event, fields, text: words };
+                // Numbers and strings: nothing in it can fail.
+                serde_json::to_string(&line).unwrap_or_default()
             }
             false => format!("{now:.6}  {}  {words}", self.name),
         };
@@ -148,14 +184,24 @@ impl Log {
     }
 }
 
-/// The name of an event, and its fields; a single value is `value`.
+/// An object, in this order.
+#[derive(Serialize)]
+struct Line<'a> {
+    t: f64,
+    /// Whom it is about.
+    node: Value,
+    event: &'a str,
+    #[serde(flatten)]
+    fields: Map<String, Value>,
+    text: &'a str,
+}
+
+/// The name of an event, and its fields.
 fn parts(event: &impl Serialize) -> (String, Map<String, Value>) {
     match serde_json::to_value(event).unwrap_or_default() {
-        Value::String(name) => (name, Map::new()),
-        Value::Object(object) => match object.into_iter().next() {
-            Some((name, Value::Object(fields))) => (name, fields),
-            Some((name, value)) => (name, fields([("value", value)])),
-            None => Default::default(),
+        Value::Object(mut fields) => match fields.remove("event") {
+            Some(Value::String(name)) => (name, fields),
+            _ => Default::default(),
         },
         _ => Default::default(),
     }

@@ -14,6 +14,8 @@ mod cn;
 #[cfg(target_os = "linux")]
 mod folds;
 #[cfg(target_os = "linux")]
+mod limits;
+#[cfg(target_os = "linux")]
 mod log;
 #[cfg(target_os = "linux")]
 mod mn;

@@ -4,7 +4,6 @@ use core::time::Duration;
 use std::fs::File;
 use std::io::{BufWriter, ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
 
 use link_core::Instant;
 use pcap_file::pcap::{PcapHeader, PcapPacket, PcapWriter};
@@ -17,12 +16,12 @@ pub(super) struct Recorder {
     writer: PcapWriter<BufWriter<File>>,
     path: PathBuf,
     /// The zero of the session's clock, since 1970.
-    zero: Option<Duration>,
+    zero: Duration,
 }
 
 impl Recorder {
     /// A new file; one that exists is not touched.
-    pub(super) fn create(path: &Path) -> Result<Self, Failure> {
+    pub(super) fn create(path: &Path, zero: Duration) -> Result<Self, Failure> {
         if is_standard(path) {
             return Err(Failure::Usage(
                 "--record -: standard output has the lines of the station; record into a file".to_owned(),
@@ -43,17 +42,13 @@ impl Recorder {
             ..PcapHeader::default()
         };
         let writer = PcapWriter::with_header(BufWriter::new(file), header).map_err(|error| wrong(&error))?;
-        Ok(Self { writer, path: path.into(), zero: None })
+        Ok(Self { writer, path: path.into(), zero })
     }
 
     pub(super) fn write(&mut self, at: Instant, frame: &[u8]) -> Result<(), Failure> {
         let since_zero = at.saturating_since(Instant::ZERO);
-        let zero = *self.zero.get_or_insert_with(|| {
-            let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-            wall.saturating_sub(since_zero)
-        });
         let len = u32::try_from(frame.len()).unwrap_or(u32::MAX);
-        let packet = PcapPacket::new(zero + since_zero, len, frame);
+        let packet = PcapPacket::new(self.zero + since_zero, len, frame);
         match self.writer.write_packet(&packet) {
             Ok(_) => Ok(()),
             Err(error) => Err(self.failed(&error)),

@@ -4,6 +4,7 @@ use core::ops::ControlFlow;
 use core::sync::atomic::{AtomicBool, Ordering};
 use core::time::Duration;
 use std::io;
+use std::time::SystemTime;
 
 use link_core::ethernet::drive::drain;
 use link_core::ethernet::{Input, LinkEvent, MAX_FRAME, Machine, Port};
@@ -19,6 +20,8 @@ use crate::{output, simulate};
 /// A port with an end, and with a recording if one is wanted.
 pub(super) struct Session {
     port: EthernetPort,
+    /// The zero of its clock, since 1970.
+    zero: Duration,
     end: Instant,
     interrupted: &'static AtomicBool,
     recorder: Option<Recorder>,
@@ -42,7 +45,7 @@ impl Session {
     ) -> Result<Self, Failure> {
         let name = &args.interface;
         let groups = &[group::SOC, group::PRES, group::SOA, group::ASND];
-        let port = EthernetPort::open(name, Options { ethertype: ETHERTYPE, groups, answer_within })
+        let mut port = EthernetPort::open(name, Options { ethertype: ETHERTYPE, groups, answer_within })
             .map_err(failed)?;
         if !args.allow_tx {
             return Err(Failure::Refused(format!(
@@ -50,7 +53,9 @@ impl Session {
             )));
         }
         let interrupted = simulate::interruption()?;
-        let recorder = args.record.as_deref().map(Recorder::create).transpose()?;
+        let wall = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+        let zero = wall.saturating_sub(port.now().saturating_since(Instant::ZERO));
+        let recorder = args.record.as_deref().map(|path| Recorder::create(path, zero)).transpose()?;
         output::note(format_args!("sends on {name} {what}"));
         if !port.interface().has_link() {
             output::note(format_args!(
@@ -59,7 +64,7 @@ impl Session {
         }
         // Without it waits end up to 50 us later.
         let _ = sharpen_timers();
-        let mut session = Self { port, end: Instant::MAX, interrupted, recorder };
+        let mut session = Self { port, zero, end: Instant::MAX, interrupted, recorder };
         if let Some(span) = args.span {
             session.end = session.now() + span.0;
         }
@@ -69,6 +74,16 @@ impl Session {
     /// The interface.
     pub(super) const fn interface(&self) -> &transport_ethernet::Interface {
         self.port.interface()
+    }
+
+    /// When it was 0 o'clock, since 1970: what the times of its recording begin with.
+    pub(super) const fn zero(&self) -> Duration {
+        self.zero
+    }
+
+    /// Records no more, after what cannot be written.
+    pub(super) fn stop_recording(&mut self) {
+        self.recorder = None;
     }
 
     /// Interrupted or not, there is a little time to come to an end.

@@ -23,6 +23,12 @@ fn the_reference_names_every_event_and_every_field() {
         .map(|line| serde_json::from_str(line).unwrap())
         .collect();
     assert!(lines.len() > 30);
+    for line in ended.iter().flat_map(|ended| ended.out.lines()) {
+        let at = ["{\"t\":", ",\"node\":", ",\"event\":"].map(|key| line.find(key).unwrap());
+        let others =
+            [",\"text\":", ",\"cause\":", ",\"data\":"].map(|key| line.find(key).unwrap_or(usize::MAX));
+        assert!(at[0] == 0 && at[1] < at[2] && others.iter().all(|other| at[2] < *other), "{line}");
+    }
     for line in &lines {
         let event = line["event"].as_str().unwrap();
         assert!(named.contains(event), "{event} is missing in docs/json.md");

@@ -51,7 +51,7 @@ fn garbage_is_counted_and_disturbs_nobody() {
 fn a_flood_of_equal_frames_is_told_with_its_number() {
     let cable = Cable::new("flo0", "flo1");
     let mut node = controlled(cable.0, &["--json"]);
-    node.until("not_active");
+    node.until("NMT_NOT_ACTIVE");
     let mut port = EthernetPort::open(cable.1, Options::new(0x88AB)).unwrap();
     // It sends as soon as there is a link.
     assert!(matches!(port.wait(None), Ok((_, Input::Link(LinkEvent::Up)))));
@@ -69,4 +69,49 @@ fn a_flood_of_equal_frames_is_told_with_its_number() {
     let frames: u64 = told.iter().map(|line| line["count"].as_u64().unwrap_or(1)).sum();
     assert_eq!(lines.last().unwrap()["counters"]["bad_frames"], frames);
     assert!(frames > 1_000 && told.len() < 10, "{frames} frames, {} lines", told.len());
+}
+
+/// Frames that are obeyed, as fast as they can be sent: the node changes its state with many of them, and says so now and then.
+#[test]
+#[ignore = "needs a namespace"]
+fn a_flood_of_cycles_is_told_in_few_lines() {
+    let cable = Cable::new("soc0", "soc1");
+    let mut node = controlled(cable.0, &["--json"]);
+    node.until("NMT_NOT_ACTIVE");
+    let mut port = EthernetPort::open(cable.1, Options::new(0x88AB)).unwrap();
+    assert!(matches!(port.wait(None), Ok((_, Input::Link(LinkEvent::Up)))));
+    let frame = |group: u8, message: &[u8]| {
+        let header = [0x01, 0x11, 0x1E, 0, 0, group, 2, 0, 0, 0, 0, 0x77, 0x88, 0xAB];
+        let mut frame = [&header[..], message].concat();
+        frame.resize(60, 0);
+        frame
+    };
+    // The managing node is in PreOperational1; a cycle begins; NMTResetConfiguration, NMTStopNode, NMTEnterPreOperational2.
+    let command = |id: u8| frame(4, &[6, 255, 240, 4, id]);
+    let frames = [
+        frame(3, &[5, 255, 240, 0x1D]),
+        frame(1, &[1, 255, 240]),
+        command(0x2A),
+        command(0x22),
+        command(0x23),
+    ];
+    for number in 0..20_000 {
+        port.transmit(&frames[number % frames.len()]).unwrap();
+    }
+    node.until("(the last of ");
+    let ended = node.interrupted();
+    let lines: Vec<serde_json::Value> =
+        ended.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let changes: Vec<_> = lines.iter().filter(|line| line["event"] == "state_changed").collect();
+    let all: u64 = changes.iter().map(|line| line["count"].as_u64().unwrap_or(1)).sum();
+    let seconds = lines.last().unwrap()["t"].as_f64().unwrap();
+    // 30 and the last of the others, in every second that was begun.
+    let full = u32::try_from(changes.len() / 31).unwrap();
+    assert!(
+        all > 1_000 && f64::from(full) < seconds + 2.0,
+        "{all} changes, {} lines in {seconds} s",
+        changes.len()
+    );
+    // The end of what was held back is what the node is in the end.
+    assert_eq!(changes.last().unwrap()["to"], lines.last().unwrap()["state"]);
 }

@@ -1,6 +1,11 @@
 //! The end of a session, and what is recorded of it.
 
+use std::io::{BufRead as _, BufReader};
+use std::process::Stdio;
+
+use link_core::ethernet::{Input, LinkEvent, Port as _};
 use rustix::process::Signal;
+use transport_ethernet::{EthernetPort, Options};
 
 use crate::rig::{Cable, NODE_OPERATIONAL, controlled, devicenet, managing};
 
@@ -30,6 +35,31 @@ fn two_signals_right_behind_one_another_are_one() {
     let ended = manager.ended();
     assert_eq!(ended.code, 0, "{}", ended.err);
     assert!(ended.err.contains("note: told every node NMTResetNode"), "{}", ended.err);
+}
+
+/// As with `| head`: nobody reads on, and the nodes are reset all the same.
+#[test]
+#[ignore = "needs a namespace"]
+fn a_manager_that_nobody_listens_to_any_more_resets_its_nodes() {
+    let cable = Cable::new("pipe0", "pipe1");
+    let mut node = controlled(cable.0, &[]);
+    let mut manager = devicenet(&["powerlink", "mn", cable.1, "network.toml", "--allow-tx"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let lines = BufReader::new(manager.stdout.take().unwrap()).lines().map(Result::unwrap);
+    let told: Vec<String> = lines.take_while(|line| !line.contains(NODE_OPERATIONAL)).collect();
+    assert!(told[0].contains(" starts; time 0 is "), "{told:?}");
+    node.until("ReadyToOperate -> Operational: NMTStartNode");
+    // It would tell of this.
+    let mut port = EthernetPort::open(cable.0, Options::new(0x88AB)).unwrap();
+    assert!(matches!(port.wait(None), Ok((_, Input::Link(LinkEvent::Up)))));
+    port.transmit(&[&[0xFF; 6][..], &[2, 0, 0, 0, 0, 0x77, 0x88, 0xAB, 4, 255, 9]].concat()).unwrap();
+    node.until("Operational -> ResetApplication: NMTResetNode");
+    let ended = manager.wait_with_output().unwrap();
+    let err = String::from_utf8(ended.stderr).unwrap();
+    assert!(ended.status.success() && err.contains("note: told every node NMTResetNode"), "{err}");
 }
 
 #[test]

@@ -21,7 +21,9 @@ fn process_data_go_both_ways() {
     assert_eq!(manager.code, 0, "{}", manager.err);
     assert!(manager.out.contains("ends in Operational: cycles"), "{}", manager.out);
     assert!(manager.err.contains("note: told every node NMTResetNode"), "{}", manager.err);
+    // A reset restores outputs, and nobody may think that the last ones count.
     node.until("Operational -> ResetApplication: NMTResetNode");
+    node.until("outputs 000000, not valid");
     assert_eq!(node.interrupted().code, 0);
 }
 
@@ -73,6 +75,7 @@ fn a_managing_node_that_dies_is_replaced_by_another() {
     // Killed, without a word to its node.
     drop(manager);
     node.until("Operational -> PreOperational1: ");
+    node.until("outputs 5a0201, not valid");
     let mut manager = managing(cable.1, &[]);
     is_running(&mut node, &mut manager);
 }

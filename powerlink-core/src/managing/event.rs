@@ -12,7 +12,6 @@ use crate::{MacAddress, NodeId};
 /// What happened.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 pub enum MnEvent {
     /// Another state of the managing node.
     StateChanged {

@@ -43,6 +43,8 @@ mod command;
 mod config;
 mod cycle;
 mod event;
+#[cfg(feature = "serde")]
+mod json;
 mod machine;
 mod receive;
 mod schedule;

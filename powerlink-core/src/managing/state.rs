@@ -7,7 +7,6 @@ use crate::wire::NmtStateCode;
 /// The NMT state of the managing node.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 pub enum MnState {
     /// It was not started.
     Off,
@@ -62,6 +61,7 @@ pub enum NodePhase {
     /// It waits for the cycle, and for `PreOperational2`.
     Configured,
     /// It is polled, and told NMTEnableReadyToOperate.
+    #[cfg_attr(feature = "serde", serde(rename = "pre_operational_2"))]
     PreOperational2,
     /// It is polled, and waits for NMTStartNode.
     ReadyToOperate,
@@ -362,6 +362,14 @@ macro_rules! displayed {
 }
 
 displayed!(MnState, MnCause, NodePhase, NodeCause);
+
+/// As in readings of frames: `NMT_PRE_OPERATIONAL_2`.
+#[cfg(feature = "serde")]
+impl serde::Serialize for MnState {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(&self.code())
+    }
+}
 
 /// `| Off | start | NotActive |`
 impl<S: fmt::Display, C: fmt::Display> fmt::Display for Edge<S, C> {

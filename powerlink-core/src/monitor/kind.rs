@@ -135,7 +135,7 @@ impl Kind {
     }
 
     /// What the headers say, without the content; `None` for an ASnd that ends before its service.
-    pub(super) const fn told(message_type: MessageType, service: Option<ServiceId>) -> Option<Self> {
+    pub(crate) const fn told(message_type: MessageType, service: Option<ServiceId>) -> Option<Self> {
         Some(match message_type {
             MessageType::SOC => Self::Soc,
             MessageType::PREQ => Self::Preq,

@@ -22,7 +22,6 @@ use crate::wire::{NmtCommandId, NmtStateCode};
 /// | `BasicEthernet` | 0x1E | no | flickering |
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 pub enum NmtState {
     /// NMT_GS_OFF: without power.
     Off,
@@ -76,6 +75,7 @@ pub enum Cause {
     /// NMTStopNode
     StopNode,
     /// NMTEnterPreOperational2
+    #[cfg_attr(feature = "serde", serde(rename = "enter_pre_operational_2"))]
     EnterPreOperational2,
     /// NMTEnableReadyToOperate
     EnableReadyToOperate,
@@ -208,6 +208,14 @@ impl NmtState {
 impl fmt::Display for NmtState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
+    }
+}
+
+/// As in readings of frames: `NMT_PRE_OPERATIONAL_2`.
+#[cfg(feature = "serde")]
+impl serde::Serialize for NmtState {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(&self.code())
     }
 }
 

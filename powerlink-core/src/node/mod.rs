@@ -19,6 +19,8 @@ mod asynchronous;
 mod command;
 mod config;
 mod event;
+#[cfg(feature = "serde")]
+mod json;
 mod machine;
 mod output;
 mod poll;

@@ -21,6 +21,8 @@ pub(super) struct Io {
     digital_outputs: [u8; DIGITAL],
     analog_inputs: [[u8; 2]; ANALOG],
     analog_outputs: [[u8; 2]; ANALOG],
+    /// The inputs of the beginning.
+    first: ([u8; DIGITAL], [[u8; 2]; ANALOG]),
     /// Inputs follow outputs.
     pub(super) mirror: bool,
 }
@@ -33,6 +35,7 @@ impl Io {
         for (input, word) in self.analog_inputs.as_flattened_mut().iter_mut().zip(words) {
             *input = *word;
         }
+        self.first = (self.digital_inputs, self.analog_inputs);
     }
 
     /// The first outputs, in the same order.
@@ -96,7 +99,9 @@ impl ObjectSet for Io {
         Ok(())
     }
 
+    /// Nothing that was written is left, in inputs that follow outputs neither.
     fn restore(&mut self) {
+        (self.digital_inputs, self.analog_inputs) = self.first;
         self.digital_outputs = [0; DIGITAL];
         self.analog_outputs = [[0; 2]; ANALOG];
     }
@@ -175,8 +180,9 @@ mod tests {
     #[test]
     fn mirrored_inputs_follow_outputs() {
         let mut io = Io::default();
+        io.set_inputs(&[9, 1, 2], 1);
         io.write(ObjectAddress::new(0x6200, 1), &[5]).unwrap();
-        assert_eq!((read(&io, 0x6000, 1), io.outputs(1, 1)), (vec![0], vec![5, 0, 0]));
+        assert_eq!((read(&io, 0x6000, 1), io.outputs(1, 1)), (vec![9], vec![5, 0, 0]));
         io.mirror = true;
         io.write(ObjectAddress::new(0x6411, 1), &[7, 8]).unwrap();
         assert_eq!((read(&io, 0x6401, 1), io.outputs(1, 1)), (vec![7, 8], vec![5, 7, 8]));
@@ -184,6 +190,7 @@ mod tests {
         assert_eq!(io.write(ObjectAddress::new(0x6000, 1), &[7]), Err(AbortCode::READ_ONLY));
         io.restore();
         assert_eq!(io.outputs(1, 1), [0, 0, 0]);
+        assert_eq!([read(&io, 0x6000, 1), read(&io, 0x6401, 1)], [vec![9], vec![1, 2]]);
     }
 
     #[test]

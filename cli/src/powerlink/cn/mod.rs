@@ -5,6 +5,7 @@ mod io;
 use link_core::Instant;
 use link_core::ethernet::Port as _;
 use powerlink_core::dictionary::Device;
+use powerlink_core::nmt::NmtState;
 use powerlink_core::node::{Config, DefaultMapping, NodeEvent};
 use powerlink_core::wire::Identity;
 use powerlink_core::{ControlledNode, MacAddress, NodeId};
@@ -35,10 +36,17 @@ pub(super) fn run(args: &CnArgs, json: bool) -> Result<Exit, Failure> {
         .map_err(|error| Failure::Usage(error.to_string()))?;
     let mut log = Log::new(NodeId(args.node), json);
     let mut outputs = Outputs { digital, analog, told: None };
+    log.start(session.now(), session.zero())?;
     node.power_on(session.now());
     let tell = |node: &mut Node, now, news| match news {
         News::Event(NodeEvent::ProcessData { is_valid, .. }) => outputs.tell(node, now, is_valid, &mut log),
-        News::Event(event) => log.event(now, &event),
+        News::Event(event) => {
+            log.event(now, &event)?;
+            match event {
+                NodeEvent::StateChanged { to, .. } => outputs.follow(node, now, to, &mut log),
+                _ => Ok(()),
+            }
+        }
         News::Link(event) => log.link(now, event),
         News::Time => log.time(now),
     };
@@ -90,13 +98,21 @@ struct Outputs {
 }
 
 impl Outputs {
+    /// They count in `Operational` only, and a reset restores them.
+    fn follow(&mut self, node: &Node, now: Instant, to: NmtState, log: &mut Log) -> std::io::Result<()> {
+        match self.told {
+            Some(_) if to != NmtState::Operational => self.tell(node, now, false, log),
+            _ => Ok(()),
+        }
+    }
+
     fn tell(&mut self, node: &Node, now: Instant, is_valid: bool, log: &mut Log) -> std::io::Result<()> {
         let outputs = node.objects().outputs(self.digital, self.analog);
         let is_known = self.told.as_ref().is_some_and(|(told, valid)| (told, *valid) == (&outputs, is_valid));
         if is_known {
             return Ok(());
         }
-        log.data(now, "outputs", &outputs, is_valid)?;
+        log.outputs(now, &outputs, is_valid)?;
         self.told = Some((outputs, is_valid));
         Ok(())
     }

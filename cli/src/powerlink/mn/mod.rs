@@ -25,9 +25,11 @@ pub(super) fn run(args: &MnArgs, json: bool) -> Result<Exit, Failure> {
     // With an address of nobody, to see whether there can be such a network before anything is opened.
     machine(args, &network, &network.plans(&network.writes()))?;
     let list = network.nodes.iter().map(|node| node.id().0.to_string()).collect::<Vec<_>>().join(", ");
+    let nodes =
+        if network.nodes.len() == 1 { format!("node {list}") } else { format!("each of nodes {list}") };
     let cycle = crate::scenario::Time(network.config.cycle);
     let what = format!(
-        "as managing node 240: NMTResetNode to every node, a cycle of {cycle}, and to each of nodes {list} its configuration and \
+        "as managing node 240: NMTResetNode to every node, a cycle of {cycle}, and to {nodes} its configuration and \
          process data"
     );
     let mut session = Session::open(&args.station, None, &what)?;
@@ -37,15 +39,20 @@ pub(super) fn run(args: &MnArgs, json: bool) -> Result<Exit, Failure> {
     let mut machine = machine(args, &network, &plans)?;
     let mut log = Log::new(NodeId::MANAGING_NODE, json);
     let mut inputs = Inputs::default();
+    log.start(session.now(), session.zero())?;
     machine.start(session.now());
-    session.run(
+    let ran = session.run(
         &mut *machine,
         |machine, now, news| tell(machine, now, news, &mut inputs, &mut log),
         |_| false,
-    )?;
+    );
+    if ran.is_err() {
+        silence(&mut session, &mut log);
+    }
     let is_complete = machine.is_complete();
     let missing: Vec<String> = missing(&machine);
-    leave(&mut session, &mut machine, &mut inputs, &mut log)?;
+    let left = leave(&mut session, &mut machine, &mut inputs, &mut log);
+    ran.and(left)?;
     session.finish()?;
     if is_complete {
         return Ok(Exit::Done);
@@ -72,8 +79,29 @@ fn machine<'p>(
 /// Room for every node, with as much process data as there can be.
 type Machine<'p> = ManagingNode<'p, 239, 1490>;
 
-/// Resets every node, so that none goes on alone, and falls silent.
+/// Resets every node, so that none goes on alone, and falls silent; whether that can be told or not.
 fn leave(
+    session: &mut Session,
+    machine: &mut Machine<'_>,
+    inputs: &mut Inputs,
+    log: &mut Log,
+) -> Result<(), Failure> {
+    let left = reset_all(session, machine, inputs, log);
+    if left.is_err() {
+        silence(session, log);
+        // The first failure is the one that is told.
+        let _ = reset_all(session, machine, inputs, log);
+    }
+    left
+}
+
+/// The pipe is closed, or the disk is full: what is done from now on is not told.
+fn silence(session: &mut Session, log: &mut Log) {
+    log.mute();
+    session.stop_recording();
+}
+
+fn reset_all(
     session: &mut Session,
     machine: &mut Machine<'_>,
     inputs: &mut Inputs,

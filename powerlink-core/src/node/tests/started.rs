@@ -34,7 +34,7 @@ fn an_ident_response_has_176_bytes_in_every_state() {
         let mut bench = Bench::in_state(state, config());
         bench.asks(RequestedService::IDENT_REQUEST);
         bench.says(&std::format!(
-            "node 1 -> all: IdentResponse, {}, vendor 0x00000123, product 0x00000007, revision 0x00010000, PR=0 RS=0",
+            "node 1 -> all: IdentResponse, {}, vendor 0x00000123, product 0x00000007, revision 1.0, PR=0 RS=0",
             state.code()
         ));
         assert_eq!(bench.last.len(), 176);
@@ -170,7 +170,7 @@ fn without_a_pres_the_responses_ask_for_the_slot() {
             bench.says(&std::format!("node 1 -> all: StatusResponse, {code}, EC=1 EN=0, {request}"));
             bench.asks(RequestedService::IDENT_REQUEST);
             bench.says(&std::format!(
-                "node 1 -> all: IdentResponse, {code}, vendor 0x00000123, product 0x00000007, revision 0x00010000, {request}"
+                "node 1 -> all: IdentResponse, {code}, vendor 0x00000123, product 0x00000007, revision 1.0, {request}"
             ));
         };
         asks("PR=0 RS=0", &mut bench);
