@@ -35,7 +35,8 @@ Examples:
   devicenet simulate
   devicenet monitor can0
   devicenet scan can0
-  devicenet get can0 10 1/1/7 --allow-tx"
+  devicenet get can0 10 1/1/7 --allow-tx
+  devicenet powerlink cn eth0 --node 1 --allow-tx"
 )]
 pub struct Cli {
     /// What to do.

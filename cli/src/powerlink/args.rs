@@ -10,6 +10,13 @@ use crate::text::{hex_bytes, unsigned};
 
 /// `devicenet powerlink`.
 #[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+Examples:
+  devicenet powerlink cn eth0 --node 1 --allow-tx
+  devicenet powerlink mn eth0 network.toml --allow-tx
+  devicenet decode --summary powerlink.pcap
+
+`cn --help` has more of them, `mn --help` all of a network file.")]
 pub struct PowerlinkArgs {
     /// What to be.
     #[command(subcommand)]
@@ -47,8 +54,8 @@ pub struct StationArgs {
 #[command(after_long_help = "\
 A node with inputs and outputs after CiA 401: digital ones of 8 bits, 0x6000 and 0x6200, and analog ones of 16 bits, 0x6401 and \
 0x6411. The first --digital and --analog of each are mapped, in this order, until the managing node maps others. What happens is \
-printed, one line each, until Ctrl-C or --for; process data when they change, and what comes again and again, such as bad frames, once a \
-second with its number.
+printed, one line each, until Ctrl-C or --for; process data when they change, and what comes again and again, such as bad frames and \
+errors, once a second with its number. Times are seconds since the first line, which says when that was.
 
 It sends only what a managing node asks for. An answer that would come later than --answer-within, or after the managing node has \
 gone on, is withheld, and counted as not sent. An interface that goes down, or is unplugged, is waited for.
@@ -83,7 +90,7 @@ pub struct CnArgs {
     /// The inputs: a byte for each 8 digital ones, then two for each analog one, the low byte first; what is missing is 0
     #[arg(long, value_name = "HEX", default_value = "", value_parser = parse_hex)]
     pub inputs: Hex,
-    /// Inputs have the values of the outputs of the same number, as soon as there are any
+    /// Inputs have the values of the outputs of the same number, as soon as there are any, until a reset
     #[arg(long)]
     pub mirror: bool,
     /// The vendor ID (0x1018/1); 0 is no vendor's
@@ -108,42 +115,18 @@ pub struct CnArgs {
 
 /// `devicenet powerlink mn`.
 #[derive(Args, Clone, Debug)]
-#[command(after_long_help = "\
+#[command(after_long_help = concat!(
+    "\
 It listens for another managing node first, then resets, identifies, configures and starts every node, and brings back those that are \
 lost. What happens is printed, one line each, until Ctrl-C or --for; process data when they change, and what comes again and again, such \
-as bad frames, once a second with its number. At its end it resets every node, so that none goes on alone. It is a small managing node, \
+as bad frames and errors, once a second with its number. Times are seconds since the first line, which says when that was. At its end it resets every node, so that none goes on alone. It is a small managing node, \
 for tests and demonstrations.
 
-FILE is a network file in TOML. Times have a unit, numbers may be hexadecimal; only [[node]] with its number is required:
-  cycle = \"20ms\"             from one SoC to the next
-  pres_timeout = \"1ms\"       until a node begins its PRes
-  loss_of_soc_tolerance = \"50ms\"
-                              how late a SoC may be until a node misses it: written to 0x1C14 of every node that takes it, because
-                              the SoC of a computer comes later than the 100 us of most nodes at times; \"0s\" leaves theirs
-  async_slot = \"1ms\"         until an invited node begins to answer
-  async_mtu = 300             the longest payload of an asynchronous frame
-  wait_not_active, wait_after_reset, wait_pre_operational_1, wait_soc_preq, command_timeout, command_repeat,
-  status_period, retry_after, sdo_timeout
-                              further times
-  multiplexed_cycles, prescaler, status_threshold, state_threshold, check_cycles
-                              numbers
-  follows_requests, asks_diagnostic_device
-                              true or false
-  [[node]]
-  node = 1                    1 to 239
-  identity = { device_type = 0x000F0191, vendor = 0x123, product = 7, revision = 1, serial = 42 }
-                              what it must be; what is not named is not checked
-  map_outputs = [{ object = \"0x6200/1\", bits = 8, offset = 0 }]
-  map_inputs = [{ object = \"0x6000/1\", bits = 8 }]
-                              what is in its PReq and PRes, one behind the other unless an offset is given, in bits
-  outputs = \"5a\"            the process data of its PReq
-  write = [{ object = \"0x1C0B/3\", value = 80, size = 4 }, { object = \"0x6200/2\", data = \"07\", may_fail = true }]
-                              written before the mapping, in this order
-  configuration = { date = 1, time = 1 }
-                              a node that has it already is not written again
-  mandatory = true, async_only = false, multiplexed_slot = 0, pres_timeout = \"1ms\", loss_of_soc_tolerance = \"50ms\",
-  loss_of_pres_threshold = 15, preq_limit = 36, pres_limit = 36, pdo_version = 0
-
+FILE is a network file in TOML. Times have a unit, numbers may be hexadecimal; only [[node]] with its number is required. What is \
+given here are the defaults, unless it says otherwise:
+",
+    include_str!("mn/network-file.txt"),
+    "
 Raw Ethernet frames need the right cap_net_raw: run it as root, or, as root: setcap cap_net_raw+ep devicenet
 
 Exit codes:
@@ -156,7 +139,8 @@ Exit codes:
 
 Examples:
   devicenet powerlink mn eth0 network.toml --allow-tx
-  devicenet powerlink mn eth0 network.toml --allow-tx --for 10s --json --record network.pcap")]
+  devicenet powerlink mn eth0 network.toml --allow-tx --for 10s --json --record network.pcap"
+))]
 pub struct MnArgs {
     /// How to take part.
     #[command(flatten)]

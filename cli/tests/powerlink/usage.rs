@@ -46,7 +46,7 @@ fn without_permission_it_says_what_it_would_send() {
     );
     let (code, error) = refused(&mut mn(cable.0, "network.toml"));
     assert_eq!(code, 4);
-    let what = "would send on per0 as managing node 240: NMTResetNode to every node, a cycle of 50ms, and to each of nodes 1 its";
+    let what = "would send on per0 as managing node 240: NMTResetNode to every node, a cycle of 50ms, and to node 1 its";
     assert!(error.starts_with(what), "{error}");
 }
 
@@ -91,6 +91,16 @@ fn a_wrong_network_file_is_told_with_the_place() {
         ("loss_of_soc_tolerance = \"5s\"\n[[node]]\nnode = 1", ":1:25", "expected at most 4.2s"),
         ("[[node]]\nnode = 1\noutputs = \"5\"", ":3:11", "expected an even number of hexadecimal digits"),
         (
+            "[[node]]\nnode = 1\noutputs = \"5a\"\nmap_outputs = [{ object = \"0x6411/1\", bits = 16 }]",
+            ":3:11",
+            "1 byte; `map_outputs` of this node has 2 bytes",
+        ),
+        (
+            "[[node]]\nnode = 1\nmap_outputs = [{ object = \"0x6200/1\", bits = 8 }]\noutputs = \"5a0201\"",
+            ":4:11",
+            "3 bytes; `map_outputs` of this node has 1 byte",
+        ),
+        (
             "[[node]]\nnode = 1\nidentity = { vendor = -1 }",
             ":3:23",
             "-1 is out of range; expected 0 to 4294967295",
@@ -104,6 +114,22 @@ fn a_wrong_network_file_is_told_with_the_place() {
             "[[node]]\nnode = 1\nmap_inputs = [{ object = \"0x6000/1\" }]",
             ":3:15",
             "`bits`, the length of the object, is missing",
+        ),
+        (
+            "[[node]]\nnode = 1\nmap_inputs = [{ object = \"0x6000/1\", bits = 8 }, { object = \"0x6000/2\", bits = 8, offset = 7 }]",
+            ":3:50",
+            "bits 0 to 7 are those of 0x6000/1",
+        ),
+        (
+            "[[node]]\nnode = 1\nmap_inputs = [{ object = \"0x6000/1\", bits = 11912, offset = 8 }]",
+            ":3:15",
+            "it ends at byte 1490; `pres_limit` of this node is 36",
+        ),
+        ("[node]\nnode = 1", ":1:1", "`[node]` is one table; expected `[[node]]`, as many as there are"),
+        (
+            "[[node]]\nnode = 1\nmap_inputs = { object = \"0x6000/1\" }",
+            ":3:14",
+            "expected a list, such as [{ .. }]",
         ),
         (
             "[[node]]\nnode = 1\nwrite = [{ object = \"0x6000/1\" }]",
@@ -154,5 +180,23 @@ fn the_help_names_every_key_of_a_network_file() {
                 .any(|word| word == key),
             "{key}"
         );
+    }
+}
+
+/// What it says of a network file is one, each line as it stands there.
+#[test]
+fn the_network_file_in_the_help_is_not_broken() {
+    let help = devicenet(&["powerlink", "mn", "--help"]).output().unwrap();
+    let help = String::from_utf8(help.stdout).unwrap();
+    let file = include_str!("../../src/powerlink/mn/network-file.txt");
+    assert!(file.lines().all(|line| line.len() <= 100) && help.contains(file), "{help}");
+}
+
+#[test]
+fn the_help_has_examples() {
+    for command in [&["--help"][..], &["powerlink", "--help"]] {
+        let help = devicenet(command).output().unwrap();
+        let help = String::from_utf8(help.stdout).unwrap();
+        assert!(help.contains("\n  devicenet powerlink cn eth0 --node 1 --allow-tx\n"), "{help}");
     }
 }

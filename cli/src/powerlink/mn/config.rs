@@ -5,6 +5,7 @@ use core::time::Duration;
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use link_core::text::ByteCount;
 use powerlink_core::dictionary::ObjectAddress;
 use powerlink_core::managing::{Config, NodePlan, ObjectWrite};
 use powerlink_core::pdo::MappingEntry;
@@ -185,7 +186,19 @@ impl Check<'_> {
         let mut version = 0_u8;
         self.number(&mut version, raw.pdo_version.as_ref(), 0, 255)?;
         plan.pdo_version = PdoVersion(version);
+        let map_outputs = self.mapping(&raw.map_outputs, ("preq_limit", plan.preq_limit))?;
+        let map_inputs = self.mapping(&raw.map_inputs, ("pres_limit", plan.pres_limit))?;
         let outputs = self.bytes(raw.outputs.as_ref())?;
+        let mapped = NodePlan { outputs: &map_outputs, ..plan }.output_len();
+        if let Some(given) =
+            raw.outputs.as_ref().filter(|_| !map_outputs.is_empty() && outputs.len() != mapped)
+        {
+            let given_len = ByteCount(outputs.len());
+            return self.fail(
+                &given.span(),
+                format!("{given_len}; `map_outputs` of this node has {}", ByteCount(mapped)),
+            );
+        }
         if let Some(given) = raw.outputs.as_ref().filter(|_| outputs.len() > plan.preq_limit.into()) {
             let limit = plan.preq_limit;
             return self.fail(
@@ -203,17 +216,22 @@ impl Check<'_> {
         let writes = raw.write.iter().map(|write| self.write(write));
         Ok(Node {
             plan,
-            map_outputs: self.mapping(&raw.map_outputs)?,
-            map_inputs: self.mapping(&raw.map_inputs)?,
+            map_outputs,
+            map_inputs,
             writes: tolerance.map(Ok).into_iter().chain(writes).collect::<Result<_, _>>()?,
             outputs,
         })
     }
 
-    /// Objects follow one another without a gap where no offset is given.
-    fn mapping(&self, items: &[Spanned<RawMapped>]) -> Result<Vec<MappingEntry>, ScenarioError> {
+    /// Objects follow one another without a gap where no offset is given. No bit is two objects', and the limit of the node,
+    /// in bytes, has room for all.
+    fn mapping(
+        &self,
+        items: &[Spanned<RawMapped>],
+        (key, limit): (&str, u16),
+    ) -> Result<Vec<MappingEntry>, ScenarioError> {
         let mut end = 0_u16;
-        let mut entries = Vec::new();
+        let mut entries: Vec<MappingEntry> = Vec::new();
         for item in items {
             let (raw, span) = (item.get_ref(), item.span());
             let object = self.object(raw.object.as_ref(), &span)?;
@@ -224,6 +242,18 @@ impl Check<'_> {
             self.number(&mut length, Some(bits), 1, 11_920)?;
             self.number(&mut offset, raw.offset.as_ref(), 0, 11_919)?;
             end = offset.saturating_add(length);
+            let bytes = end.div_ceil(8);
+            if bytes > limit {
+                return self.fail(&span, format!("it ends at byte {bytes}; `{key}` of this node is {limit}"));
+            }
+            let is_apart = |other: &MappingEntry| {
+                end <= other.offset || offset >= other.offset.saturating_add(other.length)
+            };
+            if let Some(other) = entries.iter().find(|other| !is_apart(other)) {
+                let last = other.offset.saturating_add(other.length) - 1;
+                let message = format!("bits {} to {last} are those of {}", other.offset, other.object);
+                return self.fail(&span, message);
+            }
             entries.push(MappingEntry { object, offset, length });
         }
         Ok(entries)
@@ -356,6 +386,18 @@ mod tests {
             (&50_000_000_u32.to_le_bytes()[..], &[0x5A][..])
         );
         assert_eq!(plans[0].pres_timeout, Duration::from_millis(2));
+    }
+
+    /// The keys of the network, and those of a node that have a default.
+    #[test]
+    fn the_help_gives_the_defaults() {
+        let help = include_str!("network-file.txt");
+        let (defaults, others) = help.split_once("  # What follows has no default.\n").unwrap();
+        let told = Network::parse("help", defaults).unwrap();
+        let empty = Network::parse("empty", "[[node]]\nnode = 1\n").unwrap();
+        assert_eq!((told.config, told.nodes), (empty.config, empty.nodes));
+        let whole = Network::parse("help", &format!("{defaults}{others}")).unwrap();
+        assert_eq!(whole.nodes[0].writes.len(), 3);
     }
 
     #[test]

@@ -72,8 +72,20 @@ pub(crate) fn toml_error(file: &str, text: &str, error: &toml::de::Error) -> Sce
     if let Some(message) = unknown::key(error.message(), text, &span) {
         return ScenarioError::at(file, text, &span, message);
     }
+    if error.message().starts_with("invalid type: map, expected a sequence") {
+        return ScenarioError::at(file, text, &span, one_of_a_list(text, &span));
+    }
     let message = error.message().replace("expected i64", "expected a whole number");
     ScenarioError::at(file, text, &span, message.replace("expected f64", "expected a number such as 1e-4"))
+}
+
+/// The words for a table where a list of tables is expected.
+fn one_of_a_list(text: &str, span: &Range<usize>) -> String {
+    let found = text.get(span.start..).unwrap_or_default();
+    match found.strip_prefix('[').and_then(|header| header.split_once(']')) {
+        Some((name, _)) => format!("`[{name}]` is one table; expected `[[{name}]]`, as many as there are"),
+        None => "expected a list, such as [{ .. }]".to_owned(),
+    }
 }
 
 fn each<T, U>(items: &[T], check: impl Fn(&T) -> Result<U, ScenarioError>) -> Result<Vec<U>, ScenarioError> {
