@@ -47,6 +47,19 @@ pub(crate) fn push_seconds(out: &mut Vec<u8>, at: Instant, decimals: u8) {
     out.extend_from_slice(&text[..=usize::from(decimals.min(9))]);
 }
 
+/// The same as text of its own.
+pub(crate) fn seconds(at: Instant, decimals: u8) -> String {
+    let mut out = Vec::new();
+    push_seconds(&mut out, at, decimals);
+    String::from_utf8_lossy(&out).into_owned()
+}
+
+/// Seconds since an earlier moment; 0 before it: `0.563104 s`.
+pub(crate) fn seconds_since(origin: Instant, at: Instant, decimals: u8) -> String {
+    let since = Instant::from_nanos(at.as_nanos().saturating_sub(origin.as_nanos()));
+    seconds(since, decimals) + " s"
+}
+
 /// A number in decimal.
 #[inline]
 pub(crate) fn push_number(out: &mut Vec<u8>, number: impl itoa::Integer) {

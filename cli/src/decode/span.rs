@@ -22,6 +22,11 @@ impl Span {
         Self { from, to, first: None }
     }
 
+    /// The first frame of the recording.
+    pub(super) fn begin(&self) -> Instant {
+        self.first.unwrap_or_default()
+    }
+
     /// Whether a frame is in it; one that is earlier than the first is at 0.
     #[inline]
     pub(super) fn contains(&mut self, at: Instant) -> bool {

@@ -14,6 +14,7 @@ mod frames;
 mod nex;
 mod pcapng;
 mod powerlink;
+mod powerlink_losses;
 mod powerlink_tshark;
 mod selection;
 mod summary;

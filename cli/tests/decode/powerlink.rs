@@ -22,7 +22,7 @@ pub(super) fn boot(options: &[&str]) -> Output {
 }
 
 /// A file with these bytes, decoded.
-fn decode(name: &str, bytes: &[u8], options: &[&str]) -> Output {
+pub(super) fn decode(name: &str, bytes: &[u8], options: &[&str]) -> Output {
     let path = temporary(name);
     std::fs::write(&path, bytes).unwrap();
     run(&[&["decode", &*path], options].concat())
@@ -254,8 +254,8 @@ fn a_summary_tells_which_errors_nodes_report() {
     assert_exit(&summary, 1);
     let table = "\
 node  error                         told by              times  first frame  first time
-   1  0x8245 loss of SoC threshold   the node                 2            1    0.000000
-   1  0x8243 loss of PRes threshold  MN, which resets it      1            2    0.000000
+   1  0x8245 loss of SoC threshold   the node                 2            1    0.000000 s
+   1  0x8243 loss of PRes threshold  MN, which resets it      1            2    0.000000 s
 ";
     let squeezed = |text: &str| {
         text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect::<Vec<_>>()
@@ -294,7 +294,7 @@ fn damaged_frames_are_problems_with_their_place() {
     // PReq to node 1 whose Size, 99, is more than the frame has.
     out.bytes(&[2, 0, 0, 0, 0, 1, 2, 0, 0, 0, 0, 0xF0, 0x88, 0xAB, 3, 1, 0xF0, 0, 0, 0, 0, 0, 99, 0])
         .unwrap();
-    let file = capture_of(&[&buffer[..60], &buffer[..10], &buffer[..22]]);
+    let file = capture_of(&[&buffer[..60], &buffer[..10], &buffer[..14], &buffer[..22]]);
     let output = decode("frames.pcap", &file, &[]);
     assert_exit(&output, 1);
     let lines: Vec<_> = stdout(&output).lines().map(|line| line.split_once(" | ").unwrap().1).collect();
@@ -303,6 +303,7 @@ fn damaged_frames_are_problems_with_their_place() {
         [
             "MN -> 1  POWERLINK, 46 bytes  ! process data at offset 24: 99 bytes expected, 36 found",
             "? -> ?  frame, 10 bytes  ! source MAC at offset 6: 6 bytes expected, 4 found",
+            "02-00-00-00-00-F0 -> 02-00-00-00-00-01  frame, 14 bytes  ! POWERLINK header at offset 14: 3 bytes expected, 0 found",
             "MN -> 1  POWERLINK, 8 bytes  ! Size at offset 22: 2 bytes expected, 0 found",
         ]
     );
@@ -312,7 +313,7 @@ fn damaged_frames_are_problems_with_their_place() {
     );
     let summary = decode("frames.pcap", &file, &["--summary"]);
     assert_exit(&summary, 1);
-    assert!(stdout(&summary).contains("verdict: 3 faulty frames\n"), "{}", stdout(&summary));
+    assert!(stdout(&summary).contains("verdict: 4 faulty frames\n"), "{}", stdout(&summary));
 }
 
 proptest! {

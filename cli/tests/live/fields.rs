@@ -149,7 +149,7 @@ fn of_a_summary_of_powerlink() {
         let is_identity = field.starts_with("identity.");
         (field != "summary" && !is_kind && !is_identity).then_some(field)
     };
-    let rare = ["states_forgotten", "sdo_given_up", "sdo_not_stored"];
+    let rare = ["states_forgotten", "sdo_given_up", "sdo_not_stored", "clock_back"];
     agree(&["### decode --summary of Ethernet POWERLINK"], &runs, &rare, known);
 }
 

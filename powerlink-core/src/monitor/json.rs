@@ -1,14 +1,12 @@
 //! Readings as one flat object.
 
-use core::fmt;
-
 use link_core::recording::json::{Words, optional};
 use link_core::text::LowerHex;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::{Kind, Note, Reading};
-use crate::NodeId;
 use crate::wire::{Body, Flags, IdentResponse, NodeList, SdoCommand, Segmentation, StatusResponse};
+use crate::{NodeId, fields};
 
 /// The fields that the decoder adds to those of the captured frame (time, number, length, data), absent ones left out:
 ///
@@ -138,7 +136,7 @@ impl Serialize for IdentityFields<'_> {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("vendor", &ident.identity.vendor_id)?;
         map.serialize_entry("product", &ident.identity.product_code)?;
-        map.serialize_entry("revision", &Words(Revision(ident.identity.revision)))?;
+        map.serialize_entry("revision", &Words(ident.identity.revision()))?;
         map.serialize_entry("serial", &ident.identity.serial_number)?;
         map.serialize_entry("device_type", &ident.device_type)?;
         map.serialize_entry("features", &ident.features.bits())?;
@@ -150,15 +148,6 @@ impl Serialize for IdentityFields<'_> {
         )?;
         map.serialize_entry("ip", &Words(ident.ip.address))?;
         map.end()
-    }
-}
-
-/// `2.7`
-struct Revision(u32);
-
-impl fmt::Display for Revision {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}.{}", self.0 >> 16, self.0 & 0xFFFF)
     }
 }
 
@@ -174,8 +163,7 @@ impl Serialize for SdoFields<'_> {
         map.serialize_entry("command", &Words(command.command))?;
         map.serialize_entry("response", &command.is_response)?;
         map.serialize_entry("transaction", &command.transaction)?;
-        optional(&mut map, "index", reading.object.map(|object| object.index))?;
-        optional(&mut map, "subindex", reading.object.map(|object| object.sub))?;
+        reading.object.map_or(Ok(()), |at| fields::object(&mut map, at))?;
         optional(&mut map, "name", reading.object_name())?;
         let (part, total) = match command.segmentation {
             Segmentation::Expedited => (None, None),
@@ -185,8 +173,7 @@ impl Serialize for SdoFields<'_> {
         };
         optional(&mut map, "part", part)?;
         optional(&mut map, "total", total)?;
-        optional(&mut map, "abort", command.abort())?;
-        optional(&mut map, "abort_name", command.abort().and_then(|code| code.name()))?;
+        command.abort().map_or(Ok(()), |code| fields::abort(&mut map, code))?;
         map.end()
     }
 }

@@ -95,6 +95,8 @@ pub struct SizedMonitor<const N: usize, const B: usize> {
     /// By node ID.
     nodes: [NodeRecord; NODES],
     cycle: Cycle,
+    /// When the last frame came.
+    last: Option<Instant>,
     /// Whose PRes is awaited.
     polled: Option<NodeId>,
     slot: Slot,
@@ -126,6 +128,7 @@ impl<const N: usize, const B: usize> SizedMonitor<N, B> {
         Self {
             nodes,
             cycle: Cycle::new(),
+            last: None,
             polled: None,
             slot: Slot::Unknown,
             connections: Connections::new(),
@@ -135,6 +138,10 @@ impl<const N: usize, const B: usize> SizedMonitor<N, B> {
     /// Reads frame number `n`, which was on the wire at `at`.
     pub fn observe<'a>(&'a mut self, at: Instant, n: u64, frame: Captured<'a>) -> Reading<'a> {
         let mut reading = Reading::parse(at, n, frame);
+        let before = self.last.replace(at).unwrap_or(at);
+        if let Some(by) = before.checked_since(at).filter(|by| !by.is_zero()) {
+            reading.note.get_or_insert(Note::ClockBack { by });
+        }
         if let (Some(envelope), Some(from), Some(to)) = (reading.envelope, reading.src, reading.dst)
             && reading.kind != Kind::Invalid
         {

@@ -1,7 +1,5 @@
 //! What is known of the nodes.
 
-use core::time::Duration;
-
 use heapless::Vec;
 use link_core::Instant;
 
@@ -195,7 +193,7 @@ impl NodeRecord {
                 self.tracking.poll = Poll::Answered;
             }
             Poll::Missed { at } => {
-                let after: Duration = reading.at.saturating_since(at);
+                let after = reading.at.checked_since(at);
                 self.pres_late = self.pres_late.saturating_add(1);
                 self.tracking.poll = Poll::Answered;
                 reading.flag(Problem::PresLate { after });

@@ -57,8 +57,8 @@ pub enum Problem {
     },
     /// A PRes after the managing node has gone on.
     PresLate {
-        /// Since the PReq.
-        after: Duration,
+        /// Since the PReq; `None` where the clock of the capture has gone back between.
+        after: Option<Duration>,
     },
     /// A second PRes to one PReq, or one without a PReq of a node that is polled.
     PresWithoutPreq,
@@ -142,8 +142,11 @@ impl fmt::Display for Problem {
             Self::WrongGroup { expected } => write!(f, "not to {expected}, where the nodes listen"),
             Self::TwoSources { before } => write!(f, "the node ID had the address {before} before"),
             Self::PresMissing { node } => write!(f, "no PRes of {node} to the PReq before"),
-            Self::PresLate { after } => {
+            Self::PresLate { after: Some(after) } => {
                 write!(f, "too late, {} us after its PReq", after.as_micros())
+            }
+            Self::PresLate { after: None } => {
+                f.write_str("too late; the clock of the capture has gone back since its PReq")
             }
             Self::PresWithoutPreq => f.write_str("no PReq before it"),
             Self::AnswerMissing { node, service } => write!(f, "no answer of {node} to the {service} before"),

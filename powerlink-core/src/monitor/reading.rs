@@ -83,6 +83,11 @@ pub enum Note {
         /// Bytes on the wire.
         length: usize,
     },
+    /// It has an earlier time than the frame before it: times across that moment mean nothing.
+    ClockBack {
+        /// How much earlier.
+        by: Duration,
+    },
     /// An SDO frame that came before with the same number.
     Repeated,
     /// A transfer in several parts is longer than what the monitor keeps.

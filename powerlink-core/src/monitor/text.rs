@@ -63,6 +63,9 @@ impl fmt::Display for Note {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
             Self::Cut { kept, length } => write!(f, "cut: the capture has {kept} of its {length} bytes"),
+            Self::ClockBack { by } => {
+                write!(f, "the clock of the capture goes back by {} us", by.as_micros())
+            }
             Self::Repeated => f.write_str("repeated"),
             Self::NotStored => f.write_str("transfer too long for the decoder"),
         }
@@ -92,7 +95,7 @@ fn write_node(f: &mut Formatter<'_>, node: NodeId) -> fmt::Result {
 
 /// `ARP`, `EtherType 0x9000`, `PReq`, and how many bytes there are; the note tells it of a frame that is cut.
 fn write_unread(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fmt::Result {
-    let bytes = reading.payload().len();
+    let mut bytes = reading.payload().len();
     match (reading.kind, reading.envelope) {
         (Kind::Foreign, Some(envelope)) => match envelope.protocol() {
             Some(protocol) => f.write_str(protocol)?,
@@ -107,7 +110,10 @@ fn write_unread(f: &mut Formatter<'_>, reading: &Reading<'_>) -> fmt::Result {
         (Kind::AsndNmtCommand, _) => f.write_str("NMTCommand")?,
         (Kind::AsndSdo, _) => f.write_str("SDO")?,
         (Kind::Invalid, _) if reading.src.is_some() => f.write_str("POWERLINK")?,
-        (Kind::Invalid | Kind::Foreign, _) => f.write_str("frame")?,
+        (Kind::Invalid | Kind::Foreign, _) => {
+            bytes = reading.frame.length;
+            f.write_str("frame")?;
+        }
         (kind, _) => f.write_str(kind.message())?,
     }
     if matches!(reading.note, Some(Note::Cut { .. })) {

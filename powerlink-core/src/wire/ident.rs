@@ -85,6 +85,25 @@ pub struct Identity {
     pub serial_number: u32,
 }
 
+impl Identity {
+    /// The revision as people write it: its halves, `2.7`.
+    #[must_use]
+    pub const fn revision(&self) -> Revision {
+        Revision(self.revision)
+    }
+}
+
+/// A revision in words: `2.7` is 0x00020007. See [`Identity::revision`].
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Revision(pub u32);
+
+impl fmt::Display for Revision {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}.{}", self.0 >> 16, self.0 & 0xFFFF)
+    }
+}
+
 /// A date, in days since 1984-01-01, and a time, in ms since midnight, that tell two configurations apart: object 0x1020.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -262,13 +281,14 @@ impl Wire<'_> for IdentResponse {
     }
 }
 
-/// `IdentResponse, NMT_PRE_OPERATIONAL_1, vendor 0x00000000, product 0x00000000, revision 0x00020007, PR=0 RS=0`
+/// `IdentResponse, NMT_PRE_OPERATIONAL_1, vendor 0x00000000, product 0x00000000, revision 2.7, PR=0 RS=0`
 impl fmt::Display for IdentResponse {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Identity { vendor_id, product_code, revision, .. } = self.identity;
+        let Identity { vendor_id, product_code, .. } = self.identity;
+        let revision = self.identity.revision();
         write!(
             f,
-            "IdentResponse, {}, vendor 0x{vendor_id:08X}, product 0x{product_code:08X}, revision 0x{revision:08X}, {}",
+            "IdentResponse, {}, vendor 0x{vendor_id:08X}, product 0x{product_code:08X}, revision {revision}, {}",
             self.state, self.request
         )
     }

@@ -38,7 +38,7 @@ pub use code::{
 pub use cycle::{NetTime, POWERLINK_V2, PdoVersion, Preq, Pres, Soa, Soc};
 pub use flags::{AsyncRequest, Flags};
 pub use frame::{Body, Frame, FrameError, Header};
-pub use ident::{ConfigurationStamp, FeatureFlags, IdentResponse, Identity, IpParameters};
+pub use ident::{ConfigurationStamp, FeatureFlags, IdentResponse, Identity, IpParameters, Revision};
 pub use nmt::{MAX_COMMAND_DATA, NmtCommand, NmtRequest, NodeList};
 pub use sdo::{Con, InitiateSize, Sdo, SdoCommand, SdoSequence, Segmentation, SequenceHalf};
 pub use status::{EntryType, ErrorEntry, MAX_ENTRIES, MIN_ENTRIES, StatusResponse};

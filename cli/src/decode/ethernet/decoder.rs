@@ -95,7 +95,8 @@ impl Decoder {
         summary.conclude(unread);
         let name = |bus| channels.iter().nth(bus).unwrap_or(file).to_owned();
         let monitors = &self.monitors;
-        let text = if *json { summary.json(monitors, name) } else { summary.text(monitors, name) };
+        let origin = self.span.begin();
+        let text = if *json { summary.json(monitors, name) } else { summary.text(monitors, name, origin) };
         out.extend_from_slice(text.as_bytes());
     }
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::decode::meaning::Meaning;
 use crate::recording::RecordedFrame;
 use crate::table::{Cell, Table};
-use crate::text::push_seconds;
+use crate::text::{seconds, seconds_since};
 
 /// One entry for each kind of problem, of which there is a fixed number.
 #[derive(Debug, Default)]
@@ -25,8 +25,9 @@ struct Entry {
 #[derive(Debug)]
 struct First {
     n: u64,
-    /// Seconds, with the digits of the recording.
-    time: String,
+    at: Instant,
+    /// Decimals of a second that the recording gives.
+    digits: u8,
     words: String,
 }
 
@@ -51,10 +52,7 @@ impl Problems {
             entry.count += 1;
             return;
         }
-        let mut time = Vec::new();
-        push_seconds(&mut time, at, digits);
-        let time = String::from_utf8_lossy(&time).into_owned();
-        self.0.push(Entry { code, severity, count: 1, first: First { n, time, words: words() } });
+        self.0.push(Entry { code, severity, count: 1, first: First { n, at, digits, words: words() } });
     }
 
     pub(in crate::decode) fn is_empty(&self) -> bool {
@@ -74,16 +72,21 @@ impl Problems {
         entries
     }
 
-    pub(in crate::decode) fn table(&self) -> Table {
+    /// With times as they are recorded, or since a moment.
+    pub(in crate::decode) fn table(&self, origin: Option<Instant>) -> Table {
         let mut table =
             Table::new(&["problem", "severity", "frames", "first frame", "first time", "first in words"]);
         for Entry { code, severity, count, first } in self.sorted() {
+            let time = match origin {
+                Some(origin) => seconds_since(origin, first.at, first.digits),
+                None => seconds(first.at, first.digits),
+            };
             table.row(vec![
                 Cell::left(*code),
                 Cell::left(severity.name()),
                 Cell::right(count.to_string()),
                 Cell::right(first.n.to_string()),
-                Cell::right(first.time.clone()),
+                Cell::right(time),
                 Cell::left(first.words.clone()),
             ]);
         }
@@ -97,7 +100,11 @@ impl Problems {
             problem: code,
             severity: *severity,
             frames: *count,
-            first: FirstRecord { n: first.n, t: first.time.parse().unwrap_or_default(), text: &first.words },
+            first: FirstRecord {
+                n: first.n,
+                t: seconds(first.at, first.digits).parse().unwrap_or_default(),
+                text: &first.words,
+            },
         })
     }
 }

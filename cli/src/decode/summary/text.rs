@@ -51,7 +51,7 @@ impl Summary {
                 out += &format!("\n{}", bus.findings);
             }
             if !bus.problems.is_empty() {
-                out += &format!("\n{}", bus.problems.table());
+                out += &format!("\n{}", bus.problems.table(None));
             }
         }
         out

@@ -11,11 +11,24 @@ fn a_pres_that_does_not_come_is_told_by_the_next_frame_of_the_managing_node() {
     assert_eq!(network.preq(2, &[]).problem, Some(Problem::PresMissing { node: NodeId(1) }));
     assert_eq!(network.pres(2, NmtStateCode::PRE_OPERATIONAL_2).request, Some(2));
     let late = network.pres(1, NmtStateCode::PRE_OPERATIONAL_2);
-    assert_eq!(late.problem, Some(Problem::PresLate { after: Duration::from_millis(3) }));
+    assert_eq!(late.problem, Some(Problem::PresLate { after: Some(Duration::from_millis(3)) }));
     assert_eq!(network.pres(2, NmtStateCode::PRE_OPERATIONAL_2).problem, Some(Problem::PresWithoutPreq));
     assert_eq!(network.soa(RequestedService::NO_SERVICE, 0, false).problem, None);
     let node = network.monitor.node(NodeId(1)).unwrap();
     assert_eq!((node.polls, node.pres_missing, node.pres_late, node.mac), (1, 1, 1, Some(mac(1))));
+}
+
+/// How late is not known.
+#[test]
+fn a_late_pres_after_a_clock_was_set_back() {
+    let mut network = Network::new();
+    network.at = Instant::from_millis(10);
+    network.preq(1, &[]);
+    network.preq(2, &[]);
+    network.at = Instant::ZERO;
+    let late = network.pres(1, NmtStateCode::PRE_OPERATIONAL_2);
+    assert_eq!(late.problem, Some(Problem::PresLate { after: None }));
+    assert_eq!(late.note, Some(Note::ClockBack { by: Duration::from_millis(11) }));
 }
 
 /// A capture that starts in the middle of a cycle, and PRes chaining, which knows no PReq.

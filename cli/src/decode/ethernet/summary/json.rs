@@ -8,7 +8,6 @@ use serde_json::{Map, Value, json};
 
 use super::{Abort, Count, Network, Summary, Transfers};
 use crate::histogram::Histogram;
-use crate::text::push_seconds;
 
 impl Summary {
     /// As JSON, one object a line: first the network, then its nodes, its SDO connections, what was refused, which errors nodes report, its
@@ -70,6 +69,7 @@ impl Network {
         let lost = monitor.map(Monitor::lost).unwrap_or_default();
         put(&mut record, "sdo_given_up", Some(lost.connections).filter(|count| *count > 0));
         put(&mut record, "sdo_not_stored", Some(lost.transfers).filter(|count| *count > 0));
+        put(&mut record, "clock_back", Some(self.clock_back).filter(|count| *count > 0));
         put(&mut record, "cycle", monitor.and_then(|monitor| self.cycle_record(monitor.cycle())));
         record
     }
@@ -113,9 +113,7 @@ impl Network {
 
 /// A moment with the decimals of the capture.
 fn seconds(at: Instant, digits: u8) -> f64 {
-    let mut text = Vec::new();
-    push_seconds(&mut text, at, digits);
-    String::from_utf8_lossy(&text).parse().unwrap_or_default()
+    crate::text::seconds(at, digits).parse().unwrap_or_default()
 }
 
 /// One line.

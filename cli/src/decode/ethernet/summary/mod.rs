@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use devicenet_core::doctor::Severity;
 use link_core::Instant;
-use powerlink_core::monitor::{Kind, Reading};
+use powerlink_core::monitor::{Kind, Note, Reading};
 use powerlink_core::wire::{AbortCode, Body, SdoCommandId};
 
 use reports::Reports;
@@ -30,6 +30,8 @@ struct Network {
     /// Decimals of a second that the capture gives.
     digits: u8,
     total: Count,
+    /// Frames with an earlier time than the one before.
+    clock_back: u64,
     kinds: [u64; Kind::ALL.len()],
     /// Intervals from SoC to SoC.
     cycle: Histogram,
@@ -117,6 +119,7 @@ impl Network {
             span: None,
             digits: 0,
             total: Count::default(),
+            clock_back: 0,
             kinds: [0; Kind::ALL.len()],
             cycle: Histogram::default(),
             nodes: core::iter::repeat_with(Count::default).take(NODES + 1).collect(),
@@ -141,6 +144,7 @@ impl Network {
         for count in [&mut self.total, &mut self.nodes[sender]] {
             count.add(reading);
         }
+        self.clock_back += u64::from(matches!(reading.note, Some(Note::ClockBack { .. })));
         if let Some(interval) = reading.interval {
             self.cycle.record(interval);
         }

@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use link_core::Instant;
 use powerlink_core::monitor::Reading;
 use powerlink_core::wire::{Body, ErrorCode};
 use serde_json::{Value, json};
 
 use crate::table::{Cell, Table};
-use crate::text::push_seconds;
+use crate::text::{seconds, seconds_since};
 
 /// Each error of a node, with the frame that told it first.
 #[derive(Debug, Default)]
@@ -37,8 +38,9 @@ enum By {
 struct Told {
     count: u64,
     first: u64,
-    /// Seconds, with the digits of the recording.
-    time: String,
+    at: Instant,
+    /// Decimals of a second that the recording gives.
+    digits: u8,
 }
 
 impl Reports {
@@ -69,10 +71,7 @@ impl Reports {
         if let Some(told) = self.told.get_mut(&report) {
             told.count += 1;
         } else if self.told.len() < MOST {
-            let mut time = Vec::new();
-            push_seconds(&mut time, reading.at, digits);
-            let time = String::from_utf8_lossy(&time).into_owned();
-            self.told.insert(report, Told { count: 1, first: reading.n, time });
+            self.told.insert(report, Told { count: 1, first: reading.n, at: reading.at, digits });
         } else {
             self.others += 1;
         }
@@ -83,16 +82,17 @@ impl Reports {
         self.told.len() as u64 + self.others
     }
 
-    pub(super) fn table(&self) -> Table {
+    /// With times since the begin of the capture.
+    pub(super) fn table(&self, origin: Instant) -> Table {
         let mut table = Table::new(&["node", "error", "told by", "times", "first frame", "first time"]);
-        for (Report { node, by, code }, Told { count, first, time }) in &self.told {
+        for (Report { node, by, code }, Told { count, first, at, digits }) in &self.told {
             table.row(vec![
                 Cell::right(node.to_string()),
                 Cell::left(words(*code)),
                 Cell::left(by.words()),
                 Cell::right(count.to_string()),
                 Cell::right(first.to_string()),
-                Cell::right(time.clone()),
+                Cell::right(seconds_since(origin, *at, *digits)),
             ]);
         }
         if self.others > 0 {
@@ -108,10 +108,10 @@ impl Reports {
     }
 
     pub(super) fn records(&self) -> impl Iterator<Item = Value> {
-        let told = self.told.iter().map(|(Report { node, by, code }, Told { count, first, time })| {
+        let told = self.told.iter().map(|(Report { node, by, code }, Told { count, first, at, digits })| {
             let mut record = json!({
                 "node": node, "error": code, "by": by.name(), "count": count,
-                "first": { "n": first, "t": time.parse::<f64>().unwrap_or_default() },
+                "first": { "n": first, "t": seconds(*at, *digits).parse::<f64>().unwrap_or_default() },
             });
             if let Some(name) = code.name() {
                 record["error_name"] = name.into();

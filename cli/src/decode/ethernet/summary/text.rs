@@ -1,5 +1,6 @@
 //! The summary as tables for people.
 
+use link_core::Instant;
 use powerlink_core::NodeId;
 use powerlink_core::dictionary::ObjectAddress;
 use powerlink_core::monitor::{Monitor, NodeRecord, StateChange};
@@ -7,14 +8,15 @@ use powerlink_core::monitor::{Monitor, NodeRecord, StateChange};
 use super::{Abort, Count, Network, Summary};
 use crate::histogram::{Histogram, exact_milliseconds, milliseconds};
 use crate::table::{Cell, Table};
-use crate::text::{count, printable, push_seconds};
+use crate::text::{count, printable, seconds_since};
 
 impl Summary {
-    /// As tables for people.
+    /// As tables for people, with times since the begin of the capture.
     pub(in crate::decode::ethernet) fn text(
         &self,
         monitors: &[Box<Monitor>],
         channel: impl Fn(usize) -> String,
+        origin: Instant,
     ) -> String {
         let mut out = String::new();
         for (index, network) in self.networks.iter().enumerate() {
@@ -26,7 +28,7 @@ impl Summary {
             if network.total.frames > 0 {
                 out += &format!("\n{}", network.node_table(monitor));
             }
-            let histories = network.histories(monitor);
+            let histories = network.histories(monitor, origin);
             if !histories.is_empty() {
                 out += &format!("\n{histories}");
             }
@@ -37,10 +39,10 @@ impl Summary {
                 out += &format!("\n{}", network.abort_table());
             }
             if network.reports.count() > 0 {
-                out += &format!("\n{}", network.reports.table());
+                out += &format!("\n{}", network.reports.table(origin));
             }
             if !network.problems.is_empty() {
-                out += &format!("\n{}", network.problems.table());
+                out += &format!("\n{}", network.problems.table(Some(origin)));
             }
         }
         out
@@ -73,6 +75,12 @@ impl Network {
                 count(cycle.missing, "SoC"),
             );
         }
+        if self.clock_back > 0 {
+            let times = count(self.clock_back, "time");
+            out += &format!(
+                "the clock of the capture goes back {times}: what is measured across that means nothing\n"
+            );
+        }
         let lost = monitor.map(Monitor::lost).unwrap_or_default();
         for (number, of, what) in [
             (lost.connections, "SDO connection", "given up for others: there were too many at a time"),
@@ -90,7 +98,18 @@ impl Network {
 
     fn node_table(&self, monitor: Option<&Monitor>) -> Table {
         let mut table = Table::new(&[
-            "node", "frames", "bytes", "problems", "polls", "lost", "late", "PRes p50", "p99", "max", "MAC",
+            "node",
+            "frames",
+            "bytes",
+            "problems",
+            "polls",
+            "PRes lost",
+            "late",
+            "p50",
+            "p99",
+            "max",
+            "unanswered",
+            "MAC",
             "device",
         ]);
         for (node, count) in self.senders() {
@@ -106,11 +125,12 @@ impl Network {
                 Cell::right(bytes.to_string()),
                 Cell::right(problems.to_string()),
                 number(|known| known.polls),
-                number(|known| known.pres_missing + known.answers_missing),
+                number(|known| known.pres_missing),
                 number(|known| known.pres_late),
                 Cell::right(percentile(pres, 50)),
                 Cell::right(percentile(pres, 99)),
                 Cell::right(max),
+                number(|known| known.answers_missing),
                 Cell::left(known.and_then(|known| known.mac).map_or_else(String::new, |mac| mac.to_string())),
                 Cell::left(known.map_or_else(String::new, device)),
             ]);
@@ -118,14 +138,12 @@ impl Network {
         table
     }
 
-    /// One line a node: `1: NMT_PRE_OPERATIONAL_1 (113, 0.563104), ...`.
-    fn histories(&self, monitor: Option<&Monitor>) -> String {
+    /// One line a node: `states of node 1: NMT_PRE_OPERATIONAL_1 (0.562752 s, frame 113), ...`.
+    fn histories(&self, monitor: Option<&Monitor>, origin: Instant) -> String {
         let mut out = String::new();
         for known in monitor.into_iter().flat_map(Monitor::nodes).filter(|known| !known.history.is_empty()) {
             let changes = known.history.iter().map(|StateChange { at, n, state }| {
-                let mut time = Vec::new();
-                push_seconds(&mut time, *at, self.digits);
-                format!("{state} ({}, frame {n})", String::from_utf8_lossy(&time))
+                format!("{state} ({}, frame {n})", seconds_since(origin, *at, self.digits))
             });
             let before = (known.forgotten > 0).then(|| format!("{} before", count(known.forgotten, "state")));
             let states: Vec<_> = before.into_iter().chain(changes).collect();
@@ -196,11 +214,10 @@ fn device(known: &NodeRecord) -> String {
     let Some(ident) = known.ident else { return String::new() };
     let identity = ident.identity;
     format!(
-        "vendor 0x{:08X}, product 0x{:08X}, revision {}.{}, serial 0x{:08X}",
+        "vendor 0x{:08X}, product 0x{:08X}, revision {}, serial 0x{:08X}",
         identity.vendor_id,
         identity.product_code,
-        identity.revision >> 16,
-        identity.revision & 0xFFFF,
+        identity.revision(),
         identity.serial_number,
     )
 }
