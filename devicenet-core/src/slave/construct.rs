@@ -115,6 +115,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             heartbeat_due: false,
             errand: Errand::None,
             online: false,
+            pending: false,
             shown: NetworkStatus::Off,
             module,
             receive_time_out: config.receive_time_out,

@@ -4,7 +4,7 @@ use cip_core::connection::ExplicitState;
 
 use super::application::Application;
 use super::event::SlaveEvent;
-use super::machine::{Errand, Slave};
+use super::machine::Slave;
 use super::node::Changed;
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
@@ -12,7 +12,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     #[inline]
     pub(super) fn follow(&mut self) {
         // What network access does is an errand.
-        if self.errand != Errand::None || self.node.departure.is_some() || !self.node.changed.is_empty() {
+        if self.may_have_errand() || self.node.departure.is_some() || !self.node.changed.is_empty() {
             self.follow_changes();
         }
     }

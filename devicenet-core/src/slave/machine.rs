@@ -31,7 +31,8 @@ use crate::id::Identifier;
 pub struct Slave<A: Application, const MESSAGE: usize, const DYNAMIC: usize> {
     pub(super) errand: Errand,
     pub(super) online: bool,
-    pub(super) heartbeat_due: bool,
+    /// What may have followed from the last input has not been fetched to its end.
+    pub(super) pending: bool,
     pub(super) shown: NetworkStatus,
     pub(super) module: ModuleStatus,
     pub(super) detection: Detection,
@@ -42,6 +43,7 @@ pub struct Slave<A: Application, const MESSAGE: usize, const DYNAMIC: usize> {
     pub(super) explicit: Transfer<MESSAGE>,
     /// Responses of the unconnected ports that are still to be sent.
     pub(super) answers: Queue<Answer, 3>,
+    pub(super) heartbeat_due: bool,
     pub(super) application: A,
     pub(super) transfers: [DynamicTransfer<MESSAGE>; DYNAMIC],
     pub(super) long: A::Long,
@@ -87,6 +89,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// The same, to change its data. If what is produced by change of state has changed, call
     /// [`inputs_changed`](Self::inputs_changed) after that; sizes must stay as they are.
     pub const fn application_mut(&mut self) -> &mut A {
+        self.pending = true;
         &mut self.application
     }
 
@@ -168,11 +171,15 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if DYNAMIC > 0 { self.dynamic_frame(id, field) } else { self.foreign() }
     }
 
-    #[inline(never)]
     pub(super) fn look_for_errands(&mut self) {
-        if self.errand == Errand::None {
+        if A::PARTS.contains(Parts::FAST_WAYS) && self.errand == Errand::None {
             self.errand = Errand::Perhaps;
         }
+    }
+
+    /// Whether there may be an errand. What does without [`Parts::FAST_WAYS`] looks every time.
+    pub(super) fn may_have_errand(&self) -> bool {
+        !A::PARTS.contains(Parts::FAST_WAYS) || self.errand != Errand::None
     }
 
     pub(super) fn foreign(&mut self) {
@@ -301,6 +308,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
     type Event = Event;
 
     fn input(&mut self, now: Instant, input: Input) {
+        self.pending = true;
         let now = self.node.advance_inline(now);
         let may_be_due = self.may_be_due(now);
         if may_be_due {
@@ -318,7 +326,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
     }
 
     fn poll(&mut self, now: Instant) -> Option<Action<Event>> {
-        self.output(now)
+        let action = self.output(now);
+        self.pending = action.is_some();
+        action
     }
 
     fn deadline(&self) -> Option<Deadline> {

@@ -33,10 +33,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     #[inline(never)]
     fn output_besides_io(&mut self, now: Instant) -> Option<Action<Event>> {
-        debug_assert!(
-            self.errand != Errand::None || !self.has_errand(),
-            "what an errand follows from is marked"
-        );
+        debug_assert!(self.may_have_errand() || !self.has_errand(), "what an errand follows from is marked");
         if A::PARTS.contains(Parts::FAST_WAYS)
             && self.errand == Errand::None
             && self.answers.is_empty()
@@ -51,7 +48,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     #[inline(never)]
     fn output_by_turns(&mut self, now: Instant) -> Option<Action<Event>> {
         self.node.advance_inline(now);
-        if self.errand != Errand::None {
+        if self.may_have_errand() {
             if let Some(action) = self.manage() {
                 return Some(action);
             }
@@ -110,16 +107,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.access.poll_except_transmit::<Needed<A>, _>(Event::Access)
     }
 
-    pub(crate) fn has_output(&self) -> bool {
-        let lines = &self.node.lines;
-        lines.ready::<A>().is_some()
-            || (self.errand != Errand::None && self.has_errand())
-            || self.access.wants_to_transmit::<Needed<A>>()
-            || !self.node.events.is_empty::<A>()
-            || (A::PARTS.contains(Parts::INDICATOR_EVENTS)
-                && (self.shown != self.network_status() || self.module != self.module_status()))
-            || self.is_explicit_ready()
-            || (DYNAMIC > 0 && (self.is_dynamic_due() || (lines.is_free(Line::UCMM) && self.is_ucmm_due())))
+    /// Whether there may be something to fetch: as long as it was not looked for to the end since the last input.
+    pub(crate) const fn has_output(&self) -> bool {
+        self.pending
     }
 
     fn send_io(&mut self, kind: IoKind) -> Option<Action<Event>> {
