@@ -10,9 +10,18 @@ use super::machine::Slave;
 use crate::id::{Identifier, MacId};
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
-    #[inline(never)]
+    #[inline]
     pub(super) fn explicit_frame(&mut self, id: Identifier, field: &[u8]) {
-        if !A::PARTS.contains(Parts::FAST_WAYS) || !self.fast_get(field) {
+        if A::PARTS.contains(Parts::FAST_WAYS) {
+            self.explicit_frame_fast(id, field);
+        } else {
+            self.any_explicit_frame(id, field);
+        }
+    }
+
+    #[inline(never)]
+    fn explicit_frame_fast(&mut self, id: Identifier, field: &[u8]) {
+        if !self.fast_get(field) {
             self.any_explicit_frame(id, field);
         }
     }

@@ -128,29 +128,30 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// A frame while the node is on line. Most of them are poll commands.
     #[inline]
     fn frame(&mut self, now: Instant, input: &Input, frame: &Frame) {
+        let field = frame.data();
         match Identifier::of_frame(frame) {
             Some(id) if id == Identifier::poll_command(self.access.mac_id()) && !self.is_dynamic(id) => {
-                self.command(id, IoKind::Poll, frame.data());
+                self.command(id, IoKind::Poll, field);
             }
             Some(id) if id == Identifier::explicit_request(self.access.mac_id()) && !self.is_dynamic(id) => {
-                self.explicit_frame(id, frame.data());
+                self.explicit_frame(id, field);
             }
-            Some(id) => self.frame_besides_poll(now, id, input, frame),
+            Some(id) => self.frame_besides_poll(now, id, input, field),
             None => self.tell_access(now, input),
         }
     }
 
-    fn frame_besides_poll(&mut self, now: Instant, id: Identifier, input: &Input, frame: &Frame) {
+    fn frame_besides_poll(&mut self, now: Instant, id: Identifier, input: &Input, field: &[u8]) {
         if self.is_dynamic(id) {
-            return self.dynamic_frame(id, frame.data());
+            return self.dynamic_frame(id, field);
         }
         // In group 2 the Message ID is below the MAC ID.
         let own = Identifier::bit_strobe_command(self.access.mac_id());
         match id.raw() ^ own.raw() {
-            6 => self.unconnected_frame(id, frame.data()),
+            6 => self.unconnected_frame(id, field),
             7 => self.tell_access(now, input),
             2 if changes::<A>() => self.change_of_state_acknowledged(id),
-            _ => self.frame_to_many(id, frame.data()),
+            _ => self.frame_to_many(id, field),
         }
     }
 

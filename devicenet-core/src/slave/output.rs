@@ -27,15 +27,16 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
         match self.node.lines.ready::<A>() {
             Some(kind) => self.send_io(kind),
-            None => self.output_besides_io(now),
+            None if A::PARTS.contains(Parts::FAST_WAYS) => self.output_besides_io(now),
+            None => self.output_by_turns(now),
         }
     }
 
+    /// A response in one frame if nothing goes before it, else what comes next.
     #[inline(never)]
     fn output_besides_io(&mut self, now: Instant) -> Option<Action<Event>> {
         debug_assert!(self.may_have_errand() || !self.has_errand(), "what an errand follows from is marked");
-        if A::PARTS.contains(Parts::FAST_WAYS)
-            && self.errand == Errand::None
+        if self.errand == Errand::None
             && self.answers.is_empty()
             && self.node.lines.is_free(Line::EXPLICIT)
             && let Some(frame) = self.explicit.take_whole(Identifier::explicit_response(self.access.mac_id()))
