@@ -135,6 +135,7 @@ impl Access {
         self.timers.set_after_millis(Timer::BackOffOrIdentify, self.config.bus_off_back_off.into());
     }
 
+    #[inline(never)]
     pub(super) fn link<P: Extent>(&mut self, event: LinkEvent) {
         match event {
             LinkEvent::Up => self.up::<P>(),

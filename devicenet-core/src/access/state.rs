@@ -181,6 +181,7 @@ impl State {
     }
 
     /// The controller went off the bus, and has not come back.
+    #[inline(never)]
     pub(super) const fn is_off_the_bus(&self) -> bool {
         match self {
             Self::SendingDupMac { stage, .. } => {

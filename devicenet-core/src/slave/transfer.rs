@@ -334,6 +334,7 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
     }
 
     /// The response in progress.
+    #[inline(never)]
     fn abort(&mut self, timers: &mut impl TimerSet<Timer>) {
         // Where there is none nothing is waited for.
         if self.stage != Stage::Idle {
@@ -343,6 +344,7 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
     }
 
     /// What has arrived of a request, or the last one.
+    #[inline(never)]
     fn forget(&mut self, timers: &mut impl TimerSet<Timer>) {
         // Where nothing is remembered no timer runs.
         if !self.receive.is_idle() {
