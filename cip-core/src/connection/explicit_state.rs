@@ -130,6 +130,8 @@ impl ExplicitConnection {
 
     /// The state machine. An error is the general status of the response to the service that was the cause; messages and
     /// time-outs that a state does not know change nothing.
+    // As a call it returns two registers; in line they are put together and taken apart.
+    #[inline(never)]
     pub fn handle(&mut self, cause: ExplicitCause) -> Result<Watchdog, GeneralStatus> {
         use ExplicitCause as Cause;
         use ExplicitState as State;

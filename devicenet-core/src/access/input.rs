@@ -135,6 +135,7 @@ impl Access {
         self.timers.set_after_millis(Timer::BackOffOrIdentify, self.config.bus_off_back_off.into());
     }
 
+    // In line, the function around it needs more registers than a Cortex-M0 has.
     #[inline(never)]
     pub(super) fn link<P: Extent>(&mut self, event: LinkEvent) {
         match event {

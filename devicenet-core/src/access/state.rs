@@ -181,6 +181,7 @@ impl State {
     }
 
     /// The controller went off the bus, and has not come back.
+    // Called from several places: in a small device a copy for each is too much.
     #[inline(never)]
     pub(super) const fn is_off_the_bus(&self) -> bool {
         match self {

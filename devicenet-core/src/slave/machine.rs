@@ -128,15 +128,11 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// A frame while the node is on line. Most of them are poll commands.
     #[inline]
     fn frame(&mut self, now: Instant, input: &Input, frame: &Frame) {
-        let field = frame.data();
         match Identifier::of_frame(frame) {
             Some(id) if id == Identifier::poll_command(self.access.mac_id()) && !self.is_dynamic(id) => {
-                self.command(id, IoKind::Poll, field);
+                self.command(id, IoKind::Poll, frame.data());
             }
-            Some(id) if id == Identifier::explicit_request(self.access.mac_id()) && !self.is_dynamic(id) => {
-                self.explicit_frame(id, field);
-            }
-            Some(id) => self.frame_besides_poll(now, id, input, field),
+            Some(id) => self.frame_besides_poll(now, id, input, frame.data()),
             None => self.tell_access(now, input),
         }
     }
@@ -148,6 +144,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         // In group 2 the Message ID is below the MAC ID.
         let own = Identifier::bit_strobe_command(self.access.mac_id());
         match id.raw() ^ own.raw() {
+            4 => self.explicit_frame(id, field),
             6 => self.unconnected_frame(id, field),
             7 => self.tell_access(now, input),
             2 if changes::<A>() => self.change_of_state_acknowledged(id),
@@ -327,9 +324,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
     }
 
     fn poll(&mut self, now: Instant) -> Option<Action<Event>> {
-        let action = self.output(now);
-        self.pending = action.is_some();
-        action
+        self.output(now)
     }
 
     fn deadline(&self) -> Option<Deadline> {

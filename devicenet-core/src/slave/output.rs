@@ -74,7 +74,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         {
             return Some(action);
         }
-        self.tell().map(|event| Action::Event(Event::Slave(event)))
+        let told = self.tell();
+        self.pending = told.is_some();
+        told.map(|event| Action::Event(Event::Slave(event)))
     }
 
     /// Whether [`manage`](Self::manage) has something to do.

@@ -334,6 +334,7 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
     }
 
     /// The response in progress.
+    // Called from several places: in a small device a copy for each is too much.
     #[inline(never)]
     fn abort(&mut self, timers: &mut impl TimerSet<Timer>) {
         // Where there is none nothing is waited for.
@@ -344,6 +345,7 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
     }
 
     /// What has arrived of a request, or the last one.
+    // Called from several places: in a small device a copy for each is too much.
     #[inline(never)]
     fn forget(&mut self, timers: &mut impl TimerSet<Timer>) {
         // Where nothing is remembered no timer runs.
