@@ -55,7 +55,8 @@ fn ticks_change_nothing_early_or_twice() {
 /// After an input and after a command it is to be looked for what follows; after that nothing is pending until the next.
 #[test]
 fn what_may_follow_is_to_be_fetched_once() {
-    let commands: [(&str, fn(&mut Full)); 5] = [
+    type Command = fn(&mut Full);
+    let commands: [(&str, Command); 5] = [
         ("an input", |bus| bus.slave.input(bus.now, Input::Tick)),
         ("new data", |bus| bus.slave.inputs_changed(bus.now)),
         ("access to the application", |bus| bus.slave.application_mut().valid = true),
