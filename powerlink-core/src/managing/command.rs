@@ -84,17 +84,23 @@ impl<'p, const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'p, N
         Ok(())
     }
 
-    /// Sets the process data of a node's PReq. They count (RD) while the managing node is in `Operational`; before this is
-    /// called for the first time, they are zeros that do not count.
+    /// Sets the process data of a node's PReq, all of them. They count (RD) while the managing node is in `Operational`; before
+    /// this is called for the first time, they are zeros that do not count.
     ///
     /// # Errors
-    /// [`MnError`] if the node has no plan, or they are longer than its limit.
+    /// [`MnError`] if the node has no plan, they are not as long as its plan maps, or, where that maps nothing, longer than its
+    /// limit.
     pub fn set_outputs(&mut self, node: NodeId, data: &[u8]) -> Result<(), MnError> {
         let index = self.index_of(node).ok_or(MnError::NoPlan(node))?;
-        let limit = self.plans.get(index).map_or(0, |plan| plan.preq_limit);
-        let station = self.stations.get_mut(index).ok_or(MnError::NoPlan(node))?;
-        if data.len() > usize::from(limit) || !station.outputs.set(data) {
-            return Err(MnError::TooLong { len: data.len(), limit });
+        let (Some(plan), Some(station)) = (self.plans.get(index), self.stations.get_mut(index)) else {
+            return Err(MnError::NoPlan(node));
+        };
+        let (len, limit, mapped) = (data.len(), plan.preq_limit, plan.output_len());
+        if !plan.outputs.is_empty() && len != mapped {
+            return Err(MnError::OutputLength { node, len, mapped });
+        }
+        if len > usize::from(limit) || !station.outputs.set(data) {
+            return Err(MnError::TooLong { node, len, limit });
         }
         station.has_outputs = true;
         Ok(())

@@ -1,5 +1,6 @@
 //! What the managing node is told at the start.
 
+use core::fmt;
 use core::time::Duration;
 
 use super::timing::{poll_time, slot_time, wire_time};
@@ -18,7 +19,7 @@ use crate::{MacAddress, NodeId};
 pub struct Config {
     /// The address of its adapter.
     pub mac: MacAddress,
-    /// 0x1006: from one SoC to the next. Default: 20 ms.
+    /// 0x1006: from one SoC to the next, in whole microseconds. Default: 20 ms.
     pub cycle: Duration,
     /// 0x1F89/1: how long it listens for another managing node. Default: 1 s.
     pub wait_not_active: Duration,
@@ -126,13 +127,25 @@ pub struct ObjectWrite<'p> {
     pub may_fail: bool,
 }
 
-/// A managing node cannot be made so.
+/// Process data of a node, as the managing node sees them.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Direction {
+    /// In its PReq: 0x1600 and 0x1F98/4.
+    Outputs,
+    /// In its PRes: 0x1A00 and 0x1F98/5.
+    Inputs,
+}
+
+/// A managing node cannot be made so. [`node`](Self::node) tells whose plan it is about.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ConfigError {
     /// There are more plans than `N`.
-    #[error("{plans} nodes: there is room for {room}")]
+    #[error("{plans} nodes: there is room for {room}, and {node} is the next")]
     TooManyNodes {
+        /// The first without room.
+        node: NodeId,
         /// How many there are.
         plans: usize,
         /// How many there may be.
@@ -145,30 +158,50 @@ pub enum ConfigError {
     #[error("{0} has two plans")]
     Twice(NodeId),
     /// Process data are too long, or too short for the limits of the protocol.
-    #[error("{node}: process data of {limit} bytes: use 36 to {room}")]
+    #[error("{node}: {direction} of {limit} bytes: use 36 to {room}")]
     DataLimit {
         /// Which node.
         node: NodeId,
+        /// Which of its limits.
+        direction: Direction,
         /// What its plan says.
         limit: u16,
         /// What there is room for.
         room: usize,
     },
     /// The mapping needs more process data than the limit.
-    #[error("{node}: {len} bytes are mapped: the limit is {limit}")]
+    #[error("{node}: {direction}: object {at} ends at byte {len}: the limit is {limit}")]
     Mapping {
         /// Which node.
         node: NodeId,
-        /// What is mapped.
+        /// Which mapping.
+        direction: Direction,
+        /// The place of the first entry beyond the limit, counted from 0.
+        entry: usize,
+        /// Its object.
+        at: ObjectAddress,
+        /// Where it ends, in bytes.
         len: usize,
-        /// What its plan says.
+        /// What the plan says.
         limit: u16,
+    },
+    /// A mapping has more objects than sub-indices.
+    #[error("{node}: {direction}: {mapped} objects: a mapping has room for 254")]
+    TooManyMapped {
+        /// Which node.
+        node: NodeId,
+        /// Which mapping; its first entry without a sub-index is at place 254, counted from 0.
+        direction: Direction,
+        /// How many there are.
+        mapped: usize,
     },
     /// A value is longer than the SDO buffer.
     #[error("{node}: {at} has {len} bytes: there is room for {room}")]
     Value {
         /// Which node.
         node: NodeId,
+        /// The place of the write, counted from 0.
+        write: usize,
         /// The object.
         at: ObjectAddress,
         /// The length of the value.
@@ -185,6 +218,12 @@ pub enum ConfigError {
         slot: u8,
         /// The length of the multiplexed cycle.
         cycles: u8,
+    },
+    /// 0x1006 cannot say the cycle length.
+    #[error("a cycle of {cycle:?}: use whole microseconds, up to 4294967295 (0x1006)")]
+    CycleLength {
+        /// What the configuration says.
+        cycle: Duration,
     },
     /// Not everything fits into a cycle.
     #[error("a cycle of {cycle:?} is too short: it needs {needed:?}")]
@@ -240,7 +279,16 @@ impl Config {
         begin.saturating_add(polls).saturating_add(slot_time(self))
     }
 
+    /// The cycle length as 0x1006 has it.
+    pub(super) fn cycle_micros(&self) -> Option<u32> {
+        let micros = u32::try_from(self.cycle.as_micros()).ok()?;
+        (Duration::from_micros(micros.into()) == self.cycle).then_some(micros)
+    }
+
     pub(super) fn check(&self, plans: &[NodePlan<'_>], data: usize, sdo: usize) -> Result<(), ConfigError> {
+        if self.cycle_micros().is_none() {
+            return Err(ConfigError::CycleLength { cycle: self.cycle });
+        }
         for (place, plan) in plans.iter().enumerate() {
             plan.check(self, data, sdo)?;
             if plans.iter().skip(place.saturating_add(1)).any(|other| other.node == plan.node) {
@@ -284,7 +332,7 @@ impl<'p> NodePlan<'p> {
     /// The bytes of process data that the mapping of its PReq needs.
     #[must_use]
     pub fn output_len(&self) -> usize {
-        mapped_len(self.outputs)
+        self.outputs.iter().map(end).max().unwrap_or(0)
     }
 
     fn check(&self, config: &Config, data: usize, sdo: usize) -> Result<(), ConfigError> {
@@ -293,18 +341,26 @@ impl<'p> NodePlan<'p> {
             return Err(ConfigError::Node(node));
         }
         let room = data.min(MAX_PROCESS_DATA);
-        for (limit, mapping) in [(self.preq_limit, self.outputs), (self.pres_limit, self.inputs)] {
+        let directions = [
+            (Direction::Outputs, self.preq_limit, self.outputs),
+            (Direction::Inputs, self.pres_limit, self.inputs),
+        ];
+        for (direction, limit, mapping) in directions {
             if usize::from(limit) > room || limit < MIN_LIMIT {
-                return Err(ConfigError::DataLimit { node, limit, room });
+                return Err(ConfigError::DataLimit { node, direction, limit, room });
             }
-            let len = mapped_len(mapping);
-            if len > usize::from(limit) {
-                return Err(ConfigError::Mapping { node, len, limit });
+            if mapping.len() > MOST_MAPPED.into() {
+                return Err(ConfigError::TooManyMapped { node, direction, mapped: mapping.len() });
+            }
+            let mut ends = mapping.iter().map(|mapped| (mapped.object, end(mapped))).enumerate();
+            if let Some((entry, (at, len))) = ends.find(|(_, (_, end))| *end > usize::from(limit)) {
+                return Err(ConfigError::Mapping { node, direction, entry, at, len, limit });
             }
         }
         let room = sdo.saturating_sub(ADDRESS);
-        if let Some(write) = self.writes.iter().find(|write| write.data.len() > room) {
-            return Err(ConfigError::Value { node, at: write.at, len: write.data.len(), room });
+        let mut writes = self.writes.iter().map(|write| (write.at, write.data.len())).enumerate();
+        if let Some((write, (at, len))) = writes.find(|(_, (_, len))| *len > room) {
+            return Err(ConfigError::Value { node, write, at, len, room });
         }
         match self.multiplexed_slot {
             Some(slot) if slot >= config.multiplexed_cycles => {
@@ -323,11 +379,36 @@ impl<'p> ObjectWrite<'p> {
     }
 }
 
-fn mapped_len(mapping: &[MappingEntry]) -> usize {
-    let end = |entry: &MappingEntry| {
-        usize::from(entry.offset).saturating_add(usize::from(entry.length)).div_ceil(8)
-    };
-    mapping.iter().map(end).max().unwrap_or(0)
+impl ConfigError {
+    /// Whose plan it is about; `None` if it is about the cycle.
+    #[must_use]
+    pub const fn node(&self) -> Option<NodeId> {
+        match *self {
+            Self::Node(node)
+            | Self::Twice(node)
+            | Self::TooManyNodes { node, .. }
+            | Self::DataLimit { node, .. }
+            | Self::Mapping { node, .. }
+            | Self::TooManyMapped { node, .. }
+            | Self::Value { node, .. }
+            | Self::MultiplexedSlot { node, .. } => Some(node),
+            Self::CycleLength { .. } | Self::Cycle { .. } => None,
+        }
+    }
+}
+
+impl fmt::Display for Direction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Outputs => "outputs",
+            Self::Inputs => "inputs",
+        })
+    }
+}
+
+/// Where an object ends in process data, in bytes.
+fn end(entry: &MappingEntry) -> usize {
+    usize::from(entry.offset).saturating_add(usize::from(entry.length)).div_ceil(8)
 }
 
 /// Why the application cannot have what it asks for.
@@ -338,12 +419,24 @@ pub enum MnError {
     #[error("{0} has no plan: give one to `ManagingNode::new`")]
     NoPlan(NodeId),
     /// Outputs are longer than 0x1F98/4 of the node.
-    #[error("{len} bytes of outputs: the limit of the node is {limit}")]
+    #[error("{node}: {len} bytes of outputs: the limit is {limit}")]
     TooLong {
+        /// Which node.
+        node: NodeId,
         /// What was given.
         len: usize,
         /// What its plan says.
         limit: u16,
+    },
+    /// Outputs are not as long as their mapping: the node would report shorter ones as an error, and not use longer ones.
+    #[error("{node}: {len} bytes of outputs: the mapping has {mapped}")]
+    OutputLength {
+        /// Which node.
+        node: NodeId,
+        /// What was given.
+        len: usize,
+        /// What is mapped: [`NodePlan::output_len`].
+        mapped: usize,
     },
     /// Another transfer of the application is under way.
     #[error("an object is being read or written: wait for `ObjectRead`, `ObjectWritten` or `SdoFailed`")]
@@ -366,5 +459,7 @@ pub enum MnError {
 
 /// The least that 0x1F98/4 and /5 can be.
 const MIN_LIMIT: u16 = 36;
+/// The sub-indices of a mapping object, of 0x01 to 0xFE.
+pub(super) const MOST_MAPPED: u8 = 254;
 /// Index, sub-index and a reserved byte, before a value.
 pub(super) const ADDRESS: usize = 4;

@@ -164,12 +164,14 @@ impl<'p, const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'p, N
     /// [`ConfigError`] if a plan cannot be followed, or a cycle is too short for all of them.
     pub fn new(config: Config, plans: &[NodePlan<'p>]) -> Result<Self, ConfigError> {
         config.check(plans, DATA, SDO)?;
-        let too_many = ConfigError::TooManyNodes { plans: plans.len(), room: N };
+        if let Some(NodePlan { node, .. }) = plans.get(N) {
+            return Err(ConfigError::TooManyNodes { node: *node, plans: plans.len(), room: N });
+        }
         let stations = plans.iter().map(|plan| Station::new(plan.loss_of_pres_threshold, plan.output_len()));
         Ok(Self {
             config,
-            stations: if plans.len() > N { return Err(too_many) } else { stations.collect() },
-            plans: Vec::from_slice(plans).map_err(|_| too_many)?,
+            stations: stations.collect(),
+            plans: plans.iter().copied().collect(),
             state: MnState::Off,
             step: Step::Silent,
             due: None,

@@ -55,7 +55,7 @@ mod tests;
 mod timing;
 mod transfer;
 
-pub use config::{Config, ConfigError, MnError, NodePlan, ObjectWrite};
+pub use config::{Config, ConfigError, Direction, MnError, NodePlan, ObjectWrite};
 pub use event::{MnCounters, MnEvent};
 pub use machine::ManagingNode;
 pub use state::{Edge, MN_EDGES, MnCause, MnState, NODE_EDGES, NodeCause, NodePhase};

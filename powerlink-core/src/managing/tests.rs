@@ -31,25 +31,26 @@ fn a_plan_that_cannot_be_is_refused() {
     assert_eq!(make(&[NodePlan::new(NodeId(240))]), Err(ConfigError::Node(NodeId(240))));
     assert_eq!(make(&[plan, plan]), Err(ConfigError::Twice(node)));
     let three = [1, 2, 3].map(|number| NodePlan::new(NodeId(number)));
-    assert_eq!(make(&three), Err(ConfigError::TooManyNodes { plans: 3, room: 2 }));
+    assert_eq!(make(&three), Err(ConfigError::TooManyNodes { node: NodeId(3), plans: 3, room: 2 }));
     assert_eq!(
         make(&[NodePlan { pres_limit: 37, ..plan }]),
-        Err(ConfigError::DataLimit { node, limit: 37, room: 36 })
+        Err(ConfigError::DataLimit { node, direction: Direction::Inputs, limit: 37, room: 36 })
     );
     assert_eq!(
         make(&[NodePlan { preq_limit: 35, ..plan }]),
-        Err(ConfigError::DataLimit { node, limit: 35, room: 36 })
+        Err(ConfigError::DataLimit { node, direction: Direction::Outputs, limit: 35, room: 36 })
     );
-    let far = [MappingEntry { object: ObjectAddress::new(0x6000, 1), offset: 288, length: 8 }];
+    let (object, direction) = (ObjectAddress::new(0x6000, 1), Direction::Inputs);
+    let far = [0, 288, 296].map(|offset| MappingEntry { object, offset, length: 8 });
     assert_eq!(
         make(&[NodePlan { inputs: &far, ..plan }]),
-        Err(ConfigError::Mapping { node, len: 37, limit: 36 })
+        Err(ConfigError::Mapping { node, direction, entry: 1, at: object, len: 37, limit: 36 })
     );
     let (at, value) = (ObjectAddress::new(0x2000, 0), [0; 253]);
     let long = [ObjectWrite::new(at, &value)];
     assert_eq!(
         make(&[NodePlan { writes: &long, ..plan }]),
-        Err(ConfigError::Value { node, at, len: 253, room: 252 })
+        Err(ConfigError::Value { node, write: 0, at, len: 253, room: 252 })
     );
     assert_eq!(
         make(&[NodePlan { multiplexed_slot: Some(0), ..plan }]),
@@ -57,6 +58,61 @@ fn a_plan_that_cannot_be_is_refused() {
     );
     let slow = NodePlan { pres_timeout: Duration::from_millis(20), ..plan };
     assert!(matches!(make(&[slow]), Err(ConfigError::Cycle { .. })));
+}
+
+/// 0x1600 and 0x1A00 have the sub-indices 0x01 to 0xFE.
+#[test]
+fn a_mapping_has_at_most_254_objects() {
+    let (node, object) = (NodeId(1), ObjectAddress::new(0x6000, 1));
+    let entries: std::vec::Vec<_> =
+        (0..280).map(|offset| MappingEntry { object, offset, length: 1 }).collect();
+    let make = |outputs: usize, inputs: usize| {
+        let (outputs, inputs) = (&entries[..outputs], &entries[..inputs]);
+        ManagingNode::<1>::new(Config::new(MAC), &[NodePlan { outputs, inputs, ..NodePlan::new(node) }])
+            .map(|_| ())
+    };
+    assert_eq!(make(254, 254), Ok(()));
+    for mapped in [255, 256, 280] {
+        let too_many = |direction| Err(ConfigError::TooManyMapped { node, direction, mapped });
+        assert_eq!(make(mapped, 0), too_many(Direction::Outputs));
+        assert_eq!(make(0, mapped), too_many(Direction::Inputs));
+    }
+}
+
+/// 0x1006 counts microseconds in 32 bits.
+#[test]
+fn a_cycle_has_whole_microseconds() {
+    let make = |cycle| {
+        let made = ManagingNode::<1>::new(Config { cycle, ..Config::new(MAC) }, &[]);
+        made.map(|_| ()).map_err(|error| (error, error.node()))
+    };
+    let most = Duration::from_micros(u32::MAX.into());
+    for cycle in [Duration::from_micros(20_001), most] {
+        assert_eq!(make(cycle), Ok(()));
+    }
+    for cycle in [Duration::from_nanos(20_000_500), most + Duration::from_micros(1)] {
+        assert_eq!(make(cycle), Err((ConfigError::CycleLength { cycle }, None)));
+    }
+}
+
+/// What is mapped is set, all of it; where the plan maps nothing, the node knows.
+#[test]
+fn outputs_are_as_long_as_their_mapping() {
+    let byte =
+        |sub| MappingEntry { object: ObjectAddress::new(0x6200, sub), offset: 8 * u16::from(sub), length: 8 };
+    let (outputs, node) = ([byte(0), byte(1)], NodeId(1));
+    let plans = [NodePlan { outputs: &outputs, ..NodePlan::new(node) }, NodePlan::new(NodeId(2))];
+    let mut mn = ManagingNode::<2>::new(Config::new(MAC), &plans).unwrap();
+    assert_eq!(mn.set_outputs(node, &[1, 2]), Ok(()));
+    for len in [0, 1, 3, 37] {
+        let wrong = Err(MnError::OutputLength { node, len, mapped: 2 });
+        assert_eq!(mn.set_outputs(node, &[0; 37][..len]), wrong);
+    }
+    for len in [0, 1, 36] {
+        assert_eq!(mn.set_outputs(NodeId(2), &[0; 36][..len]), Ok(()));
+    }
+    let too_long = Err(MnError::TooLong { node: NodeId(2), len: 37, limit: 36 });
+    assert_eq!(mn.set_outputs(NodeId(2), &[0; 37]), too_long);
 }
 
 /// EPSG DS 301 at 100 Mbit/s: SoC, 1 us, PReq and PRes of 60 bytes with 25 us between, SoA, 100 us, an ASnd of 314 bytes.

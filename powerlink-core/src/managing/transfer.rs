@@ -1,6 +1,6 @@
 //! Objects of the nodes are written and read: the configuration, and what the application asks for.
 
-use super::config::{ADDRESS, MnError, NodePlan};
+use super::config::{ADDRESS, MOST_MAPPED, MnError, NodePlan};
 use super::event::MnEvent;
 use super::machine::{ManagingNode, Timer};
 use super::state::{NodeCause, NodePhase};
@@ -126,8 +126,8 @@ impl<'p, const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'p, N
         let (plan, station) = (*self.plans.get(index)?, self.stations.get(index)?);
         let is_due = !station.has_configuration;
         let all = configuration(plan, station.limits, self.config.multiplexed_cycles).filter(|_| is_due);
-        let micros = u32::try_from(self.config.cycle.as_micros()).unwrap_or(u32::MAX);
-        let last = (CYCLE_LENGTH, number(u64::from(micros), 4), false);
+        let micros = self.config.cycle_micros()?;
+        let last = (CYCLE_LENGTH, number(micros.into(), 4), false);
         all.chain([last]).nth(station.step.into())
     }
 
@@ -230,7 +230,7 @@ fn configuration<'p>(
     let limits = limits.into_iter().filter(|(_, wanted, is)| wanted != is);
     let stamp = plan.configuration.into_iter().flat_map(|stamp| [(1, stamp.date), (2, stamp.time)]);
     let entries = mappings.clone().flat_map(move |(index, mapping)| {
-        (1..).zip(mapping).map(move |(sub, entry)| must((index, sub), entry.number(), 8))
+        (1..=MOST_MAPPED).zip(mapping).map(move |(sub, entry)| must((index, sub), entry.number(), 8))
     });
     mappings
         .clone()
@@ -259,3 +259,30 @@ const LOSS_OF_PREQ: u16 = 0x1C0D;
 const CYCLE_TIMING: u16 = 0x1F98;
 /// POWERLINK header, ServiceID, sequence layer and command header.
 const ASND_HEADER: usize = 3 + 1 + 4 + COMMAND_HEADER;
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::pdo::MappingEntry;
+
+    /// Sub-index 0 is 0 while the entries are written, and their number then: EPSG DS 301, as the recorded managing node does.
+    #[test]
+    fn the_longest_mapping_is_written_from_the_first_to_the_last_sub_index() {
+        let object = ObjectAddress::new(0x6000, 1);
+        let entries: Vec<_> = (0..254).map(|offset| MappingEntry { object, offset, length: 1 }).collect();
+        let plan = NodePlan { inputs: &entries, ..NodePlan::new(NodeId(1)) };
+        let writes: Vec<_> = configuration(plan, (36, 36), 0)
+            .map(|(at, value, _)| (at.index, at.sub, value.bytes().to_vec()))
+            .collect();
+        let numbers = (1..=254)
+            .zip(&entries)
+            .map(|(sub, entry): (u8, _)| (TRANSMIT_MAPPING, sub, entry.number().to_le_bytes().to_vec()));
+        let first = [(TRANSMIT_MAPPING, 0, std::vec![0])];
+        let expected: Vec<_> =
+            first.into_iter().chain(numbers).chain([(TRANSMIT_MAPPING, 0, std::vec![254])]).collect();
+        assert_eq!(writes, expected);
+    }
+}

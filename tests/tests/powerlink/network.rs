@@ -72,8 +72,9 @@ fn process_data_go_both_ways() {
             assert_eq!(mn.inputs(NodeId(2)), Some(&[value.wrapping_add(2)][..]));
         });
     }
-    let (node, limit) = (NodeId(1), 36);
-    net.mn(|mn, _| assert_eq!(mn.set_outputs(node, &[0; 37]), Err(MnError::TooLong { len: 37, limit })));
+    let node = NodeId(1);
+    let wrong = Err(MnError::OutputLength { node, len: 2, mapped: 1 });
+    net.mn(|mn, _| assert_eq!(mn.set_outputs(node, &[0; 2]), wrong));
     net.mn(|mn, _| assert_eq!(mn.set_outputs(NodeId(9), &[]), Err(MnError::NoPlan(NodeId(9)))));
 }
 
