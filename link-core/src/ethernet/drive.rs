@@ -50,8 +50,8 @@ where
     M: Machine,
     P: Port,
 {
-    // Only here is the present asked for. Later actions are of the moment of an input: by the present, a deadline would
-    // overtake frames that came before it and still wait in the port.
+    // Later actions are of the moment of an input: by the present, a deadline would overtake frames that came before it and
+    // still wait in the port. Only when a frame was sent is told by the present.
     let mut now = port.now();
     let mut buffer = [0; MAX_FRAME];
     loop {
@@ -82,7 +82,10 @@ where
 {
     while let Some(action) = machine.poll(now, buffer) {
         match action {
-            Action::Transmit(frame) => port.transmit(frame)?,
+            Action::Transmit(frame) => {
+                port.transmit(frame)?;
+                machine.sent(port.now());
+            }
             Action::Event(event) => {
                 if let ControlFlow::Break(value) = on_event(machine, now, event) {
                     return Ok(ControlFlow::Break(value));
@@ -106,6 +109,8 @@ mod tests {
     struct Echo {
         until: Option<Instant>,
         answer: Option<Vec<u8>>,
+        /// When its answers were sent.
+        sent: Vec<Instant>,
     }
 
     impl Machine for Echo {
@@ -124,6 +129,10 @@ mod tests {
                 return Some(Action::Transmit(frame));
             }
             self.until.take_if(|until| *until <= now).map(|_| Action::Event(now))
+        }
+
+        fn sent(&mut self, at: Instant) {
+            self.sent.push(at);
         }
 
         fn deadline(&self) -> Option<Deadline> {
@@ -162,10 +171,11 @@ mod tests {
     #[test]
     fn frames_are_answered_one_by_one_and_before_a_later_deadline() {
         let ms = Instant::from_millis;
-        let mut machine = Echo { until: Some(ms(4)), answer: None };
+        let mut machine = Echo { until: Some(ms(4)), answer: None, sent: Vec::new() };
         let frames: VecDeque<(Instant, &[u8])> = [(ms(1), &b"one"[..]), (ms(2), &b"two"[..])].into();
         let mut port = Late { now: ms(0), frames, sent: Vec::new() };
         let Ok(at) = drive(&mut machine, &mut port, |_, at, _| ControlFlow::Break(at));
         assert_eq!((at, &port.sent[..]), (ms(15), &[b"one".to_vec(), b"two".to_vec()][..]));
+        assert_eq!(machine.sent, [ms(5), ms(10)], "by the clock, not by the stamp of what is answered");
     }
 }

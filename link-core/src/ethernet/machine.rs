@@ -4,7 +4,7 @@
 //! borrowed, and what is sent is written into a buffer of the caller. Time, timers and deadlines are the same.
 //!
 //! A transmission is not answered: in a protocol for this contract one station decides who sends when, so nothing waits for
-//! the medium, and the protocol itself notices a frame that does not arrive.
+//! the medium, and the protocol itself notices a frame that does not arrive. A driver only tells when it handed the frame over.
 
 use core::fmt::Debug;
 
@@ -73,6 +73,13 @@ pub trait Machine {
     /// The next thing to do, or `None` when there is nothing more for now. A frame is written to the front of `buffer`,
     /// which must have room for the longest, [`MAX_FRAME`] bytes.
     fn poll<'b>(&mut self, now: Instant, buffer: &'b mut [u8]) -> Option<Action<'b, Self::Event>>;
+
+    /// The frame of the last [`Transmit`](Action::Transmit) was handed to the adapter at this moment, which may be later than the
+    /// `now` of [`poll`](Self::poll): a time-out for its answer counts from here. It is no input, and moves no clock: what
+    /// arrived before may still have to be told. A driver whose time stands still meanwhile need not call it.
+    fn sent(&mut self, at: Instant) {
+        let _ = at;
+    }
 
     /// When it must be called next; a moment that has passed while output is pending.
     fn deadline(&self) -> Option<Deadline>;
