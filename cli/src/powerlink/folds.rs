@@ -107,6 +107,9 @@ const FOLDED: &[&str] = &[
     "address_conflict",
     "value_refused",
     "value_unreadable",
+    "pres_lost",
+    "pres_late",
+    "cycle_exceeded",
 ];
 /// How many different ones of a name are told apart.
 const DIFFERENT: usize = 4;

@@ -126,8 +126,8 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
                 return self.enter_phase(index, NodePhase::Clearing, NodeCause::SignallingStuck);
             }
             NodePhase::Absent | NodePhase::Refused => return,
-            // It was switched off and on again, and begins anew.
-            _ if is_cleared => return self.enter_phase(index, NodePhase::Absent, NodeCause::Lost),
+            // It was switched off and on again, and begins anew by itself.
+            _ if is_cleared => return self.give_up(index, ErrorCode::WRONG_STATE),
             _ => {}
         }
         if station.request.count() == 0 {
@@ -203,13 +203,18 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
         }
     }
 
-    /// A node is lost: it is told to reset, and begins anew.
-    pub(super) fn lose(&mut self, index: usize, reason: ErrorCode) {
+    /// A node is lost, and begins anew.
+    fn give_up(&mut self, index: usize, reason: ErrorCode) {
         let Some(node) = self.plans.get(index).map(|plan| plan.node) else { return };
         self.raise(MnEvent::NodeLost { node, reason });
         if self.stations.get(index).is_some_and(|station| station.phase != NodePhase::Absent) {
             self.enter_phase(index, NodePhase::Absent, NodeCause::Lost);
         }
+    }
+
+    /// A node is lost, and is told to reset.
+    pub(super) fn lose(&mut self, index: usize, reason: ErrorCode) {
+        self.give_up(index, reason);
         if let Some(station) = self.stations.get_mut(index) {
             station.command = Some(Command { command: NmtCommandId::RESET_NODE, reason });
         }

@@ -20,7 +20,7 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
     /// The next thing to do: frames before events.
     pub(super) fn output<'b>(&mut self, buffer: &'b mut [u8]) -> Option<Action<'b, MnEvent>> {
         let sent = match self.due.take() {
-            None => return self.events.pop().map(Action::Event),
+            None => return self.events.pop().or_else(|| self.ended_inputs()).map(Action::Event),
             Some(Due::Soc) => self.soc_frame(buffer),
             Some(Due::Preq(index)) => self.preq_frame(index, buffer),
             Some(Due::Soa) => self.soa_frame(buffer),
@@ -41,19 +41,24 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
             Soc { flags: self.soc_flags, net_time: NetTime::default(), relative_time: self.relative_time };
         self.after_soc();
         self.step = Step::Begin;
-        self.timers.set_after(Timer::Slot, wire_time(0).saturating_add(self.config.wait_soc_preq));
+        self.begin_wait();
         self.frame_to_all(group::SOC, Body::Soc(soc)).emit(buffer)
     }
 
     /// What the next SoC shows. The first of every multiplexed cycle has another MC.
     fn after_soc(&mut self) {
-        let micros = u64::try_from(self.config.cycle.as_micros()).unwrap_or(u64::MAX);
-        self.relative_time = self.relative_time.saturating_add(micros);
+        self.pass_cycles(1);
         self.prescaled = self.prescaled.saturating_add(1);
         if self.config.prescaler > 0 && self.prescaled >= self.config.prescaler {
             self.prescaled = 0;
             self.soc_flags.toggle(Flags::PRESCALED);
         }
+    }
+
+    /// RelativeTime goes on, whether a SoC is sent or left out.
+    fn pass_cycles(&mut self, count: u64) {
+        let micros = u64::from(self.cycle_micros()).saturating_mul(count);
+        self.relative_time = self.relative_time.saturating_add(micros);
     }
 
     /// After the polls of a cycle.
@@ -69,10 +74,10 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
 
     fn preq_frame<'b>(&mut self, index: usize, buffer: &'b mut [u8]) -> Result<&'b [u8], Full> {
         self.step = Step::Poll(index);
+        self.begin_wait();
         let (Some(plan), Some(station)) = (self.plans.get(index), self.stations.get(index)) else {
             return Err(Full);
         };
-        self.timers.set_after(Timer::Slot, poll_time(plan));
         let mut flags = Flags::empty();
         flags.set(Flags::MULTIPLEXED, plan.multiplexed_slot.is_some());
         flags.set(Flags::EXCEPTION_ACKNOWLEDGE, station.exception_acknowledge);
@@ -93,15 +98,47 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
             flags.set(Flags::EXCEPTION_RESET, station.phase == NodePhase::Clearing);
             flags.set(Flags::EXCEPTION_ACKNOWLEDGE, station.exception_acknowledge);
         }
-        let has_own = self.has_own();
-        if has_own {
+        if self.has_own() {
             self.due = Some(Due::Own);
         }
         self.step = Step::Slot;
-        let own = if has_own { wire_time(0) } else { Duration::ZERO };
-        self.timers.set_after(Timer::Slot, slot_time(&self.config).saturating_add(own));
+        self.begin_wait();
         let soa = Soa { state: self.state.code(), flags, service, target, version: POWERLINK_V2 };
         self.frame_to_all(group::SOA, Body::Soa(soa)).emit(buffer)
+    }
+
+    /// What was just sent leaves the others their time. A driver that knows better when that was tells it with `was_sent`.
+    fn begin_wait(&mut self) {
+        if let Some(span) = self.wait() {
+            self.timers.set_after(Timer::Slot, span);
+        }
+    }
+
+    /// How long it waits after the frame of its step.
+    fn wait(&self) -> Option<Duration> {
+        match self.step {
+            Step::Begin => Some(wire_time(0).saturating_add(self.config.wait_soc_preq)),
+            Step::Poll(index) => self.plans.get(index).map(poll_time),
+            Step::Slot => {
+                let own = if self.has_own() { wire_time(0) } else { Duration::ZERO };
+                Some(slot_time(&self.config).saturating_add(own))
+            }
+            Step::Silent | Step::Rest => None,
+        }
+    }
+
+    /// The frame that was made last left at this moment. Time-outs count from there, and so does the time between two SoCs.
+    pub(super) fn was_sent(&mut self, at: Instant) {
+        let is_own = self.step == Step::Slot && self.has_own() && self.due.is_none();
+        // The slot of an own frame began with its SoA.
+        if let Some(span) = self.wait().filter(|_| !is_own) {
+            self.timers.set(Timer::Slot, at.saturating_add(span));
+        }
+        if self.step == Step::Begin
+            && let Some(next) = self.timers.at(Timer::Cycle)
+        {
+            self.next_cycle(next, at.saturating_add(self.half_a_cycle()));
+        }
     }
 
     fn invitation(&self) -> (RequestedService, NodeId) {
@@ -168,9 +205,6 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
             self.reduced_cycle();
         } else if self.state.is_cyclic() {
             self.step = Step::Rest;
-            if core::mem::take(&mut self.is_late) {
-                self.begin_cycle();
-            }
         }
     }
 
@@ -186,17 +220,40 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
         self.due = Some(Due::Soa);
     }
 
-    /// It is time for the next SoC, which should have been at `at`.
+    /// It is time for the next SoC, which should have been at `at`. A late one is sent up to the middle of its cycle; what cannot be
+    /// sent by then, or while the cycle before is not over, is left out and not made up for.
     pub(super) fn cycle_is_over(&mut self, at: Instant) {
-        // A cycle that was missed is not made up for.
-        let next = at.saturating_add(self.config.cycle);
-        self.timers.set(Timer::Cycle, next.max(self.timers.now()));
-        if self.step == Step::Rest {
+        let now = self.timers.now();
+        if self.step == Step::Rest && now < at.saturating_add(self.half_a_cycle()) {
+            self.timers.set(Timer::Cycle, at.saturating_add(self.config.cycle));
             self.begin_cycle();
         } else {
-            count(&mut self.counters.cycles_exceeded);
-            self.is_late = true;
+            self.next_cycle(at, now.saturating_add_nanos(1));
         }
+    }
+
+    /// The next SoC is at the first moment of the grid, which `at` is one of, that is not before `earliest`. Those between are
+    /// left out.
+    fn next_cycle(&mut self, at: Instant, earliest: Instant) {
+        let cycle = u64::from(self.cycle_micros()).saturating_mul(1_000);
+        let missing = u64::try_from(earliest.saturating_since(at).as_nanos()).unwrap_or(u64::MAX);
+        let missed = missing.saturating_add(cycle.saturating_sub(1)).checked_div(cycle).unwrap_or(0);
+        self.timers.set(Timer::Cycle, at.saturating_add_nanos(cycle.saturating_mul(missed)));
+        if missed > 0 {
+            self.pass_cycles(missed);
+            let exceeded = &mut self.counters.cycles_exceeded;
+            *exceeded = exceeded.saturating_add(u32::try_from(missed).unwrap_or(u32::MAX));
+            self.raise(MnEvent::CycleExceeded);
+        }
+    }
+
+    fn half_a_cycle(&self) -> Duration {
+        self.config.cycle.checked_div(2).unwrap_or_default()
+    }
+
+    /// The length of a cycle; without one that 0x1006 can say, there is no managing node.
+    fn cycle_micros(&self) -> u32 {
+        self.config.cycle_micros().unwrap_or(u32::MAX)
     }
 
     fn begin_cycle(&mut self) {

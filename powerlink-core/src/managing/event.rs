@@ -33,7 +33,7 @@ pub enum MnEvent {
         /// Why.
         cause: NodeCause,
     },
-    /// A node is lost, and is told NMTResetNode.
+    /// A node is lost. It is told NMTResetNode, unless it has begun anew by itself.
     NodeLost {
         /// Which.
         node: NodeId,
@@ -56,11 +56,26 @@ pub enum MnEvent {
         /// Why.
         code: AbortCode,
     },
-    /// Valid process data of a node: [`inputs`](super::ManagingNode::inputs).
+    /// Process data of a node: [`inputs`](super::ManagingNode::inputs). That there are no valid ones any more is told once: a PRes
+    /// was lost or had no RD, or the node left `Operational`.
     Inputs {
         /// Which.
         node: NodeId,
+        /// Whether they count.
+        is_valid: bool,
     },
+    /// A PRes did not come in time.
+    PresLost {
+        /// Of which node.
+        node: NodeId,
+    },
+    /// A PRes came when nobody waited for it, late or unasked. It is not used.
+    PresLate {
+        /// Of which node.
+        node: NodeId,
+    },
+    /// No SoC was sent when there should have been one: the cycle before was not over, or the managing node was called too late.
+    CycleExceeded,
     /// A node reports an error.
     NodeError {
         /// Which.
@@ -126,7 +141,7 @@ pub enum MnEvent {
 pub struct MnCounters {
     /// Cycles that were begun.
     pub cycles: u32,
-    /// Cycles that were not over when the next should have begun.
+    /// SoCs that were left out, because the cycle before was not over, or the managing node was called too late.
     pub cycles_exceeded: u32,
     /// PRes that did not come in time.
     pub lost_pres: u32,
@@ -176,7 +191,11 @@ impl fmt::Display for MnEvent {
             Self::NodeLost { node, reason } => write!(f, "{node} is lost: {reason}"),
             Self::NodeRefused { node, reason } => write!(f, "{node} is refused: {reason}"),
             Self::ConfigurationAborted { node, at, code } => write!(f, "{node} does not take {at}: {code}"),
-            Self::Inputs { node } => write!(f, "inputs of {node}"),
+            Self::Inputs { node, is_valid: true } => write!(f, "inputs of {node}"),
+            Self::Inputs { node, is_valid: false } => write!(f, "no inputs of {node}"),
+            Self::PresLost { node } => write!(f, "PRes of {node} lost"),
+            Self::PresLate { node } => write!(f, "PRes of {node} late or unasked"),
+            Self::CycleExceeded => f.write_str("cycle exceeded"),
             Self::NodeError { node, code } => write!(f, "{node} reports an error: {code}"),
             Self::NmtRequested { from, command, target } => {
                 write!(f, "{from} asks for {command} for {target}")

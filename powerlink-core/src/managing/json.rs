@@ -33,7 +33,13 @@ impl Serialize for MnEvent {
                 fields::object(&mut map, *at)?;
                 fields::abort(&mut map, *code)?;
             }
-            Self::Inputs { node } | Self::UnknownNode(node) => map.serialize_entry("node", node)?,
+            Self::Inputs { node, is_valid } => {
+                map.serialize_entry("node", node)?;
+                map.serialize_entry("valid", is_valid)?;
+            }
+            Self::PresLost { node } | Self::PresLate { node } | Self::UnknownNode(node) => {
+                map.serialize_entry("node", node)?;
+            }
             Self::NodeError { node, code } => {
                 map.serialize_entry("node", node)?;
                 fields::error(&mut map, *code)?;
@@ -58,7 +64,7 @@ impl Serialize for MnEvent {
                 map.serialize_entry("src_mac", &Words(source))?;
             }
             Self::BadFrame(error) => map.serialize_entry("problem", &Words(error))?,
-            Self::BufferTooShort => {}
+            Self::CycleExceeded | Self::BufferTooShort => {}
         }
         map.end()
     }
@@ -73,6 +79,9 @@ impl MnEvent {
             Self::NodeRefused { .. } => "node_refused",
             Self::ConfigurationAborted { .. } => "configuration_aborted",
             Self::Inputs { .. } => "inputs",
+            Self::PresLost { .. } => "pres_lost",
+            Self::PresLate { .. } => "pres_late",
+            Self::CycleExceeded => "cycle_exceeded",
             Self::NodeError { .. } => "node_error",
             Self::NmtRequested { .. } => "nmt_requested",
             Self::ObjectRead { .. } => "object_read",

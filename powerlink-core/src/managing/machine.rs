@@ -53,8 +53,8 @@ pub struct ManagingNode<'p, const N: usize, const DATA: usize = 36, const SDO: u
     pub(super) soc_flags: Flags,
     /// µs
     pub(super) relative_time: u64,
-    /// The next SoC is overdue.
-    pub(super) is_late: bool,
+    /// There may be nodes whose inputs ended, which was not told yet.
+    pub(super) inputs_ended: bool,
     pub(super) counters: MnCounters,
     pub(super) timers: Timers<Timer, 5>,
     pub(super) events: Queue<MnEvent, EVENTS>,
@@ -149,8 +149,12 @@ impl<const N: usize, const DATA: usize, const SDO: usize> Machine for ManagingNo
         self.output(buffer)
     }
 
+    fn sent(&mut self, at: Instant) {
+        self.was_sent(at.max(self.timers.now()));
+    }
+
     fn deadline(&self) -> Option<Deadline> {
-        if self.due.is_some() || !self.events.is_empty() {
+        if self.due.is_some() || !self.events.is_empty() || self.inputs_ended {
             return Some(Deadline::now(self.timers.now()));
         }
         self.timers.next()
@@ -188,7 +192,7 @@ impl<'p, const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'p, N
             prescaled: 0,
             soc_flags: Flags::empty(),
             relative_time: 0,
-            is_late: false,
+            inputs_ended: false,
             counters: MnCounters::default(),
             timers: Timers::new(),
             events: Queue::new(),
@@ -242,9 +246,12 @@ impl<'p, const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'p, N
             station.forget();
         }
         if !to.is_polled() {
-            (station.inputs_valid, station.has_answered_poll) = (false, false);
+            station.has_answered_poll = false;
         }
         let node = plan.node;
+        if to != NodePhase::Operational {
+            self.end_inputs(index);
+        }
         self.raise(MnEvent::NodeChanged { node, from, to, cause });
         self.entered_phase(index, to);
     }
@@ -253,7 +260,7 @@ impl<'p, const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'p, N
     fn fall_silent(&mut self) {
         self.timers.clear_all();
         (self.step, self.due, self.slot) = (Step::Silent, None, Slot::Nothing);
-        (self.broadcast, self.invalid_request, self.is_late) = (None, None, false);
+        (self.broadcast, self.invalid_request) = (None, None);
         for index in 0..self.stations.len() {
             self.begin_anew(index);
             if let Some(station) = self.stations.get_mut(index) {
@@ -319,6 +326,27 @@ impl<'p, const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'p, N
 
     pub(super) fn index_of(&self, node: NodeId) -> Option<usize> {
         self.plans.iter().position(|plan| plan.node == node)
+    }
+
+    /// A node has no valid inputs any more.
+    pub(super) fn end_inputs(&mut self, index: usize) {
+        if let Some(station) = self.stations.get_mut(index) {
+            station.inputs_valid = false;
+            self.inputs_ended |= station.told_inputs;
+        }
+    }
+
+    /// Tells the end of inputs. It does not wait in the queue of events, where it could be lost: all nodes may leave at once.
+    pub(super) fn ended_inputs(&mut self) -> Option<MnEvent> {
+        if !self.inputs_ended {
+            return None;
+        }
+        let mut stations = self.plans.iter().zip(&mut self.stations);
+        let ended = stations.find(|(_, station)| station.told_inputs && !station.inputs_valid);
+        self.inputs_ended = ended.is_some();
+        let (plan, station) = ended?;
+        station.told_inputs = false;
+        Some(MnEvent::Inputs { node: plan.node, is_valid: false })
     }
 
     pub(super) fn raise(&mut self, event: MnEvent) {

@@ -11,7 +11,7 @@ use crate::NodeId;
 use crate::sdo::Progress;
 use crate::wire::{
     AsyncRequest, ErrorCode, Flags, FrameError, Header, IdentResponse, MessageType, NmtCommandId, NmtRequest,
-    ParseError, Pres, Sdo, ServiceId, StatusResponse,
+    NmtStateCode, ParseError, Pres, Sdo, ServiceId, StatusResponse,
 };
 
 impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DATA, SDO> {
@@ -89,7 +89,8 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
             return;
         }
         if self.step != Step::Poll(index) || self.due.is_some() {
-            return count(&mut self.counters.late_pres);
+            count(&mut self.counters.late_pres);
+            return self.raise(MnEvent::PresLate { node: header.from });
         }
         let Some(station) = self.stations.get_mut(index) else { return };
         station.loss_of_pres.good();
@@ -98,13 +99,17 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
         station.shown = pres.state;
         station.exception_new = pres.flags.contains(Flags::EXCEPTION_NEW);
         let is_valid = pres.flags.contains(Flags::DATA_VALID)
+            && pres.state == NmtStateCode::OPERATIONAL
             && station.phase == NodePhase::Operational
             && self.state == MnState::Operational;
-        station.inputs_valid = is_valid && station.inputs.set(pres.data);
-        if station.inputs_valid {
-            self.raise(MnEvent::Inputs { node: header.from });
-        } else if is_valid {
-            count(&mut self.counters.pres_too_long);
+        if is_valid && station.inputs.set(pres.data) {
+            (station.inputs_valid, station.told_inputs) = (true, true);
+            self.raise(MnEvent::Inputs { node: header.from, is_valid: true });
+        } else {
+            if is_valid {
+                count(&mut self.counters.pres_too_long);
+            }
+            self.end_inputs(index);
         }
         self.follow_state(index);
         self.poll_after(Some(index));
@@ -112,10 +117,14 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
 
     /// A poll was not answered in time.
     pub(super) fn pres_is_lost(&mut self, index: usize) {
+        let (Some(station), Some(plan)) = (self.stations.get_mut(index), self.plans.get(index)) else {
+            return;
+        };
         count(&mut self.counters.lost_pres);
-        let Some(station) = self.stations.get_mut(index) else { return };
-        station.inputs_valid = false;
-        if station.loss_of_pres.symptom() {
+        let (node, is_too_often) = (plan.node, station.loss_of_pres.symptom());
+        self.raise(MnEvent::PresLost { node });
+        self.end_inputs(index);
+        if is_too_often {
             self.lose(index, ErrorCode::LOSS_OF_PRES_THRESHOLD);
         }
     }

@@ -52,6 +52,8 @@ pub(super) struct Station<const DATA: usize> {
     pub(super) inputs: Data<DATA>,
     /// RD of the last PRes, in operation.
     pub(super) inputs_valid: bool,
+    /// The application knows of valid inputs, and not of their end.
+    pub(super) told_inputs: bool,
 }
 
 /// Process data.
@@ -106,6 +108,7 @@ impl<const DATA: usize> Station<DATA> {
             outputs: Data::zeros(output_len),
             inputs: Data::zeros(0),
             inputs_valid: false,
+            told_inputs: false,
         }
     }
 
@@ -119,6 +122,7 @@ impl<const DATA: usize> Station<DATA> {
             command: self.command,
             tries: self.tries,
             has_outputs: self.has_outputs,
+            told_inputs: self.told_inputs,
             outputs,
             loss_of_pres: ErrorCounter { threshold_count: 0, ..loss_of_pres },
             ..fresh

@@ -1,5 +1,7 @@
 //! Tables, sizes, and configurations that cannot be. Networks are tested on the simulated segment.
 
+mod held_up;
+
 use core::time::Duration;
 
 use link_core::ethernet::{Action, Input, Machine};

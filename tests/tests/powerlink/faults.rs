@@ -55,7 +55,12 @@ fn a_short_interruption_is_no_loss() {
     net.run(200);
     assert_eq!(net.states(), [NmtState::Operational]);
     let (node, code) = (NodeId(1), ErrorCode::LOSS_OF_LINK);
-    assert_eq!(said(&net), [MnEvent::NodeError { node, code }], "{}", net.trace());
+    assert_eq!(
+        said(&net),
+        [MnEvent::PresLost { node }, MnEvent::NodeError { node, code }],
+        "{}",
+        net.trace()
+    );
 }
 
 #[test]

@@ -19,3 +19,4 @@ mod network;
 mod recorded_order;
 mod recording;
 mod same_number;
+mod validity;

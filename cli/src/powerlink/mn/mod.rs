@@ -133,13 +133,8 @@ fn tell(
     log: &mut Log,
 ) -> io::Result<()> {
     match news {
-        News::Event(MnEvent::Inputs { node }) => inputs.tell(node, machine.inputs(node), now, log),
-        News::Event(event) => {
-            if let MnEvent::NodeLost { node, .. } = event {
-                inputs.told.remove(&node.0);
-            }
-            log.event(now, &event)
-        }
+        News::Event(MnEvent::Inputs { node, .. }) => inputs.tell(node, machine.inputs(node), now, log),
+        News::Event(event) => log.event(now, &event),
         News::Link(event) => log.link(now, event),
         News::Time => log.time(now),
     }
@@ -158,7 +153,7 @@ fn missing(machine: &Machine<'_>) -> Vec<String> {
     missing
 }
 
-/// Inputs are told when they change, or come back with their node, not in every cycle.
+/// Inputs are told when they change, and when there are none any more, not in every cycle.
 #[derive(Default)]
 struct Inputs {
     told: BTreeMap<u8, Option<Vec<u8>>>,
