@@ -194,6 +194,9 @@ impl Network {
         for number in 1..=self.nodes {
             let outputs = self.net.cn(number, |cn, _| cn.objects().outputs);
             self.referee.outputs(number, outputs);
+            if let Station::Mn(mn) = self.net.segment.machine(self.net.mn) {
+                self.referee.inputs(number, mn.inputs(NodeId(number)).is_some());
+            }
         }
     }
 

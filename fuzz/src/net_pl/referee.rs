@@ -5,6 +5,7 @@
 //! |---|---|
 //! | controlled nodes | each frame is what an invitation asked for that was on the wire, one for each; in `BasicEthernet` an SDO server answers unasked |
 //! | the managing node | after an invitation it waits for the answer, or until the time for it is over |
+//! | inputs | the managing node tells their end once, and only of those that it has told |
 //! | outputs | those of an application, given to the managing node for this node; told as valid in `Operational` only, and after a PReq with RD |
 
 use std::cell::RefCell;
@@ -15,7 +16,7 @@ use std::time::Duration;
 use devicenet_tests::powerlink::Event;
 use link_core::Instant;
 use powerlink_core::NodeId;
-use powerlink_core::managing::Config;
+use powerlink_core::managing::{Config, MnEvent};
 use powerlink_core::nmt::NmtState;
 use powerlink_core::node::NodeEvent;
 use powerlink_core::wire::{Body, Flags, Frame, RequestedService};
@@ -51,6 +52,8 @@ struct Node {
     given: HashSet<u8>,
     /// A PReq with RD was sent to it since it began.
     had_valid_poll: bool,
+    /// The managing node told that it has inputs of it, and no end of them.
+    has_inputs: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -77,18 +80,25 @@ impl Referee {
         let node = &mut self.nodes[usize::from(number) - 1];
         node.invitations.retain(|(_, sent)| at.saturating_since(*sent) < A_WHILE);
         let (given, invitations) = (std::mem::take(&mut node.given), std::mem::take(&mut node.invitations));
-        *node = Node { given, invitations, ..Node::new(node.id) };
+        *node = Node { given, invitations, has_inputs: node.has_inputs, ..Node::new(node.id) };
     }
 
     /// Another managing node does not know whom the last one asked.
     pub(super) fn restarts_mn(&mut self) {
         self.open = None;
+        self.nodes.iter_mut().for_each(|node| node.has_inputs = false);
     }
 
     pub(super) fn gives(&mut self, number: u8, outputs: u8) {
         if let Some(node) = self.nodes.get_mut(usize::from(number) - 1) {
             node.given.insert(outputs);
         }
+    }
+
+    /// Whether the managing node has inputs of a node.
+    pub(super) fn inputs(&self, number: u8, has_inputs: bool) {
+        let node = &self.nodes[usize::from(number) - 1];
+        assert_eq!(node.has_inputs, has_inputs, "node {number}: what was told of its inputs");
     }
 
     /// What the application of a node has.
@@ -110,6 +120,11 @@ impl Referee {
             match record {
                 Record::Frame(frame) => self.frame(frame),
                 Record::Event { at, station, event: Event::Cn(event) } => self.event(*at, *station, event),
+                Record::Event { event: Event::Mn(MnEvent::Inputs { node, is_valid }), .. } => {
+                    let had = &mut self.nodes[usize::from(node.0) - 1].has_inputs;
+                    assert!(*had || *is_valid, "{node}: the end of inputs that there are not");
+                    *had = *is_valid;
+                }
                 Record::Event { event: Event::Mn(_), .. } | Record::Link { .. } => {}
             }
         }
@@ -230,6 +245,7 @@ impl Node {
             invitations: Vec::new(),
             given: HashSet::new(),
             had_valid_poll: false,
+            has_inputs: false,
         }
     }
 }
