@@ -4,7 +4,8 @@ use core::time::Duration;
 
 use link_core::Instant;
 
-use super::config::{Config, MnError, NodePlan};
+use super::config::{Config, NodePlan};
+use super::error::MnError;
 use super::event::MnCounters;
 use super::machine::ManagingNode;
 use super::schedule::Broadcast;

@@ -7,7 +7,8 @@ use link_core::ethernet::{Action, Input, LinkEvent, Machine};
 use link_core::timers::TimerKey;
 use link_core::{Deadline, Instant, Queue, Timers};
 
-use super::config::{Config, ConfigError, NodePlan};
+use super::config::{Config, NodePlan};
+use super::error::ConfigError;
 use super::event::{MnCounters, MnEvent, count};
 use super::schedule::{Broadcast, Slot, Turns};
 use super::state::{MN_EDGES, MnCause, MnState, NODE_EDGES, NodeCause, NodePhase};

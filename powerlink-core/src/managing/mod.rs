@@ -42,6 +42,7 @@ mod boot;
 mod command;
 mod config;
 mod cycle;
+mod error;
 mod event;
 #[cfg(feature = "serde")]
 mod json;
@@ -55,7 +56,8 @@ mod tests;
 mod timing;
 mod transfer;
 
-pub use config::{Config, ConfigError, Direction, MnError, NodePlan, ObjectWrite};
+pub use config::{Config, NodePlan, ObjectWrite};
+pub use error::{ConfigError, Direction, MnError};
 pub use event::{MnCounters, MnEvent};
 pub use machine::ManagingNode;
 pub use state::{Edge, MN_EDGES, MnCause, MnState, NODE_EDGES, NodeCause, NodePhase};

@@ -1,6 +1,7 @@
 //! Objects of the nodes are written and read: the configuration, and what the application asks for.
 
-use super::config::{ADDRESS, MOST_MAPPED, MnError, NodePlan};
+use super::config::{ADDRESS, MOST_MAPPED, NodePlan};
+use super::error::MnError;
 use super::event::MnEvent;
 use super::machine::{ManagingNode, Timer};
 use super::state::{NodeCause, NodePhase};
