@@ -153,15 +153,36 @@ fn a_wrong_network_file_is_told_with_the_place() {
     assert!(error.contains("the network cannot be read"), "{error}");
 }
 
-/// What only the whole tells is told before anything is opened.
+/// What only the whole tells is told before anything is opened, at its place.
 #[test]
 fn a_network_that_cannot_be_is_told() {
     let path = std::env::temp_dir().join(format!("devicenet-whole-{}.toml", std::process::id()));
     let file = path.to_str().unwrap();
-    std::fs::write(&path, "cycle = \"1ms\"\n[[node]]\nnode = 1").unwrap();
-    let (code, error) = refused(mn("nosuch0", file).arg("--allow-tx"));
-    assert_eq!(code, 2, "{error}");
-    assert!(error.starts_with(&format!("{file}: a cycle of 1ms is too short: it needs ")), "{error}");
+    let long =
+        format!("[[node]]\nnode = 1\nwrite = [{{ object = \"0x2000/1\", data = \"{}\" }}]", "00".repeat(300));
+    let many: Vec<_> = (1..=255).map(|sub| format!("{{ object = \"0x6000/{sub}\", bits = 1 }}")).collect();
+    let many = format!("[[node]]\nnode = 1\nmap_inputs = [{}]", many.join(",\n"));
+    for (text, place, words) in [
+        ("cycle = \"1ms\"\n[[node]]\nnode = 1", "1:9", "a cycle of 1ms is too short: it needs "),
+        ("[[node]]\nnode = 1\npres_timeout = \"30ms\"", "1:1", "a cycle of 20ms is too short: it needs "),
+        (
+            "cycle = \"20.0005ms\"\n[[node]]\nnode = 1",
+            "1:9",
+            "a cycle of 20.0005ms; expected whole microseconds",
+        ),
+        (
+            "multiplexed_cycles = 2\n[[node]]\nnode = 1\nmultiplexed_slot = 3",
+            "4:20",
+            "node 1: multiplexed slot 3: there are 2 cycles",
+        ),
+        (&long, "3:10", "node 1: 0x2000/1 has 300 bytes: there is room for "),
+        (&many, "257:1", "node 1: inputs: 255 objects: a mapping has room for 254"),
+    ] {
+        std::fs::write(&path, text).unwrap();
+        let (code, error) = refused(mn("nosuch0", file).arg("--allow-tx"));
+        assert_eq!(code, 2, "{error}");
+        assert!(error.starts_with(&format!("{file}:{place}: {words}")) && !error.contains('µ'), "{error}");
+    }
     std::fs::remove_file(&path).unwrap();
 }
 

@@ -68,8 +68,8 @@ fn machine<'p>(
     plans: &'p [NodePlan<'p>],
 ) -> Result<Box<Machine<'p>>, Failure> {
     let usage = |error: &dyn core::fmt::Display| Failure::Usage(format!("{}: {error}", args.file.display()));
-    let mut machine: Box<Machine<'_>> =
-        Box::new(ManagingNode::new(network.config, plans).map_err(|error| usage(&error))?);
+    let refused = |error| Failure::Usage(network.places.refuse(&error).to_string());
+    let mut machine: Box<Machine<'_>> = Box::new(ManagingNode::new(network.config, plans).map_err(refused)?);
     for node in network.nodes.iter().filter(|node| !node.outputs.is_empty()) {
         machine.set_outputs(node.id(), &node.outputs).map_err(|error| usage(&error))?;
     }

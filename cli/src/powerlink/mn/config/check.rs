@@ -1,99 +1,41 @@
-//! The network file of a managing node.
+//! What a network file means, and what in it cannot be.
 
 use core::ops::Range;
 use core::time::Duration;
 use std::collections::BTreeSet;
-use std::path::Path;
 
 use link_core::text::ByteCount;
 use powerlink_core::dictionary::ObjectAddress;
-use powerlink_core::managing::{Config, NodePlan, ObjectWrite};
+use powerlink_core::managing::{Config, NodePlan};
 use powerlink_core::pdo::MappingEntry;
 use powerlink_core::wire::{ConfigurationStamp, PdoVersion};
 use powerlink_core::{MacAddress, NodeId};
 use toml::Spanned;
 
-use super::raw::{RawMapped, RawNetwork, RawNode, RawWrite};
+use super::places::NodePlaces;
+use super::{Network, Node, Places, Write};
+use crate::powerlink::mn::raw::{RawMapped, RawNetwork, RawNode, RawWrite};
 use crate::scenario::{ScenarioError, Time, toml_error};
 use crate::text::{hex_bytes, unsigned};
 
-/// What the file says. The help of the command is its reference.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) struct Network {
-    /// With an address of nobody, until the interface is known.
-    pub(super) config: Config,
-    pub(super) nodes: Vec<Node>,
-}
-
-/// A node of the network, with everything that its plan borrows.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub(super) struct Node {
-    plan: NodePlan<'static>,
-    map_outputs: Vec<MappingEntry>,
-    map_inputs: Vec<MappingEntry>,
-    writes: Vec<Write>,
-    /// The process data of its PReq.
-    pub(super) outputs: Vec<u8>,
-}
-
-#[derive(Clone, PartialEq, Eq, Debug)]
-struct Write {
-    at: ObjectAddress,
-    data: Vec<u8>,
-    may_fail: bool,
-}
-
-impl Network {
-    pub(super) fn load(path: &Path) -> Result<Self, ScenarioError> {
-        let file = path.display().to_string();
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| ScenarioError::of_file(&file, format!("the network cannot be read: {error}")))?;
-        Self::parse(&file, &text)
+/// The network in a text.
+pub(super) fn parse(file: &str, text: &str) -> Result<Network, ScenarioError> {
+    let raw: RawNetwork = toml::from_str(text).map_err(|error| toml_error(file, text, &error))?;
+    let check = Check { file, text };
+    if raw.node.is_empty() {
+        return Err(ScenarioError::of_file(file, "there is no [[node]]; expected at least one"));
     }
-
-    fn parse(file: &str, text: &str) -> Result<Self, ScenarioError> {
-        let raw: RawNetwork = toml::from_str(text).map_err(|error| toml_error(file, text, &error))?;
-        let check = Check { file, text };
-        if raw.node.is_empty() {
-            return Err(ScenarioError::of_file(file, "there is no [[node]]; expected at least one"));
-        }
-        check.numbers(&raw.node)?;
-        let config = check.config(&raw)?;
-        let times = NodeTimes {
-            pres_timeout: raw.pres_timeout.as_ref().map_or(PRES_TIMEOUT, time),
-            soc_tolerance: check.nanos(raw.loss_of_soc_tolerance.as_ref(), LOSS_OF_SOC_TOLERANCE)?,
-        };
-        let nodes = raw.node.iter().map(|node| check.node(node, times)).collect::<Result<_, _>>()?;
-        Ok(Self { config, nodes })
-    }
-
-    /// What is written to each node, for [`plans`](Self::plans).
-    pub(super) fn writes(&self) -> Vec<Vec<ObjectWrite<'_>>> {
-        self.nodes.iter().map(Node::writes).collect()
-    }
-
-    pub(super) fn plans<'p>(&'p self, writes: &'p [Vec<ObjectWrite<'p>>]) -> Vec<NodePlan<'p>> {
-        let plan = |(node, writes): (&'p Node, &'p Vec<ObjectWrite<'p>>)| NodePlan {
-            outputs: &node.map_outputs,
-            inputs: &node.map_inputs,
-            writes,
-            ..node.plan
-        };
-        self.nodes.iter().zip(writes).map(plan).collect()
-    }
-}
-
-impl Node {
-    pub(super) const fn id(&self) -> NodeId {
-        self.plan.node
-    }
-
-    fn writes(&self) -> Vec<ObjectWrite<'_>> {
-        self.writes
-            .iter()
-            .map(|write| ObjectWrite { at: write.at, data: &write.data, may_fail: write.may_fail })
-            .collect()
-    }
+    check.numbers(&raw.node)?;
+    let config = check.config(&raw)?;
+    let times = NodeTimes {
+        pres_timeout: raw.pres_timeout.as_ref().map_or(PRES_TIMEOUT, time),
+        soc_tolerance: check.nanos(raw.loss_of_soc_tolerance.as_ref(), LOSS_OF_SOC_TOLERANCE)?,
+    };
+    let nodes: Vec<_> = raw.node.iter().map(|node| check.node(node, times)).collect::<Result<_, _>>()?;
+    let (nodes, places) = nodes.into_iter().unzip();
+    let cycle = raw.cycle.as_ref().map(Spanned::span);
+    let places = Places { file: file.to_owned(), text: text.to_owned(), cycle, nodes: places };
+    Ok(Network { config, nodes, places })
 }
 
 /// What the file says for every node, unless the node has its own.
@@ -154,7 +96,7 @@ impl Check<'_> {
         }
     }
 
-    fn node(&self, table: &Spanned<RawNode>, times: NodeTimes) -> Result<Node, ScenarioError> {
+    fn node(&self, table: &Spanned<RawNode>, times: NodeTimes) -> Result<(Node, NodePlaces), ScenarioError> {
         let (raw, span) = (table.get_ref(), table.span());
         let Some(id) = &raw.node else {
             return self.fail(&span, "`node`, the number of the node, is missing");
@@ -214,13 +156,20 @@ impl Check<'_> {
             may_fail: true,
         });
         let writes = raw.write.iter().map(|write| self.write(write));
-        Ok(Node {
-            plan,
-            map_outputs,
-            map_inputs,
-            writes: tolerance.map(Ok).into_iter().chain(writes).collect::<Result<_, _>>()?,
-            outputs,
-        })
+        let places = NodePlaces {
+            node: plan.node,
+            multiplexed_slot: raw.multiplexed_slot.as_ref().map(Spanned::span),
+            map_outputs: raw.map_outputs.iter().map(Spanned::span).collect(),
+            map_inputs: raw.map_inputs.iter().map(Spanned::span).collect(),
+            writes: tolerance
+                .iter()
+                .map(|_| span.clone())
+                .chain(raw.write.iter().map(Spanned::span))
+                .collect(),
+            table: span,
+        };
+        let writes = tolerance.map(Ok).into_iter().chain(writes).collect::<Result<_, _>>()?;
+        Ok((Node { plan, map_outputs, map_inputs, writes, outputs }, places))
     }
 
     /// Objects follow one another without a gap where no offset is given. No bit is two objects', and the limit of the node,
@@ -367,80 +316,3 @@ const LOSS_OF_SOC_TOLERANCE: u32 = 50_000_000;
 const SOC_TOLERANCE: ObjectAddress = ObjectAddress::new(0x1C14, 0);
 /// The most process data.
 const LIMIT: i64 = 1490;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_network_in_the_readme_is_one() {
-        let readme = include_str!("../../../../README.md");
-        let (_, rest) = readme.split_once("<!-- network.toml -->\n```text\n").unwrap();
-        let (text, _) = rest.split_once("```").unwrap();
-        let network = Network::parse("network.toml", text).unwrap();
-        let writes = network.writes();
-        let plans = network.plans(&writes);
-        assert_eq!((plans[0].output_len(), plans[0].device_type), (1, Some(0x000F_0191)));
-        assert_eq!(
-            (plans[0].writes[0].data, &network.nodes[0].outputs[..]),
-            (&50_000_000_u32.to_le_bytes()[..], &[0x5A][..])
-        );
-        assert_eq!(plans[0].pres_timeout, Duration::from_millis(2));
-    }
-
-    /// The keys of the network, and those of a node that have a default.
-    #[test]
-    fn the_help_gives_the_defaults() {
-        let help = include_str!("network-file.txt");
-        let (defaults, others) = help.split_once("  # What follows has no default.\n").unwrap();
-        let told = Network::parse("help", defaults).unwrap();
-        let empty = Network::parse("empty", "[[node]]\nnode = 1\n").unwrap();
-        assert_eq!((told.config, told.nodes), (empty.config, empty.nodes));
-        let whole = Network::parse("help", &format!("{defaults}{others}")).unwrap();
-        assert_eq!(whole.nodes[0].writes.len(), 3);
-    }
-
-    #[test]
-    fn objects_follow_one_another_unless_an_offset_is_given() {
-        let text = "[[node]]\nnode = 1\nmap_inputs = [{ object = \"0x6000/1\", bits = 8 }, { object = \"0x6401/1\", bits = 16 }, \
-                    { object = \"0x6000/2\", bits = 8, offset = 64 }]";
-        let network = Network::parse("a.toml", text).unwrap();
-        let offsets: Vec<u16> = network.nodes[0].map_inputs.iter().map(|entry| entry.offset).collect();
-        assert_eq!(offsets, [0, 8, 64]);
-    }
-
-    /// 0x1C14, before what the file writes itself.
-    #[test]
-    fn every_node_gets_a_tolerance_for_late_socs_unless_the_file_says_0s() {
-        let writes = |network: &str, node: &str| {
-            let text = format!("{network}[[node]]\nnode = 1\n{node}");
-            Network::parse("a.toml", &text).map(|network| network.nodes[0].writes.clone())
-        };
-        let tolerance = |nanos: u32| Write {
-            at: ObjectAddress::new(0x1C14, 0),
-            data: nanos.to_le_bytes().to_vec(),
-            may_fail: true,
-        };
-        let (whole, one) = ("loss_of_soc_tolerance = \"2ms\"\n", "loss_of_soc_tolerance = \"3ms\"\n");
-        assert_eq!(writes("", "").unwrap(), [tolerance(50_000_000)]);
-        assert_eq!(writes(whole, "").unwrap(), [tolerance(2_000_000)]);
-        assert_eq!(writes(whole, one).unwrap(), [tolerance(3_000_000)]);
-        assert_eq!(writes("", "loss_of_soc_tolerance = \"0s\"").unwrap(), []);
-        assert_eq!(writes("loss_of_soc_tolerance = \"0s\"\n", one).unwrap(), [tolerance(3_000_000)]);
-        let own = "write = [{ object = \"0x1C14/0\", value = 7, size = 4 }]";
-        assert_eq!(writes("", own).unwrap()[1].data, [7, 0, 0, 0]);
-        assert!(writes("loss_of_soc_tolerance = \"5s\"\n", "").is_err());
-    }
-
-    #[test]
-    fn values_are_little_endian_and_may_be_negative() {
-        let data = |write: &str| {
-            let text = format!("[[node]]\nnode = 1\nwrite = [{{ object = \"0x2000/1\", {write} }}]");
-            Network::parse("a.toml", &text).map(|network| network.nodes[0].writes[1].data.clone())
-        };
-        assert_eq!(data("value = 0x0102, size = 4").unwrap(), [2, 1, 0, 0]);
-        assert_eq!(data("value = -2, size = 2").unwrap(), [0xFE, 0xFF]);
-        assert_eq!(data("data = \"0102\"").unwrap(), [1, 2]);
-        assert!(data("value = 65536, size = 2").is_err() && data("value = -32769, size = 2").is_err());
-    }
-}
