@@ -86,7 +86,7 @@ fn a_controlled_node_that_dies_is_missed_and_started_again() {
     let cable = Cable::new("cn0", "cn1");
     let (node, mut manager) = running(&cable);
     drop(node);
-    manager.until("node 1 is lost: ");
+    manager.until_all(&["PRes of node 1 lost", "node 1: no inputs", "node 1 is lost: "]);
     let mut node = controlled(cable.0, &[]);
     is_running(&mut node, &mut manager);
     drop(node);
