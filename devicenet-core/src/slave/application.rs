@@ -116,7 +116,8 @@ bitflags::bitflags! {
         /// parts of their own; and everything is counted, with [`COUNTERS`](Self::COUNTERS).
         const REPORTS = 1 << 8;
         /// Fewer instructions for more code: for Get_Attribute_Single half of them, on a way of its own, and for a message no
-        /// calls to set its time-out.
+        /// calls to set its time-out. Without it the [deadline](link_core::Machine::deadline) after an input is at once until
+        /// [`poll`](link_core::Machine::poll) has returned `None`, whether or not there was something to fetch.
         const FAST_WAYS = 1 << 9;
         /// What is [counted](super::Counters), also of [network access](crate::access::Counters). Without it all counters stay
         /// 0, but for the bus-off counter of the DeviceNet object.

@@ -101,7 +101,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     pub fn reset(&mut self, now: Instant) {
         self.node.advance(now);
         self.reset_with(now, self.access.mac_id());
-        self.pending = true;
+        self.expect_output();
         self.follow();
     }
 
@@ -113,7 +113,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.node.advance(now);
         self.access.set_mac_id_within::<Needed<A>>(now, mac)?;
         self.look_for_errands();
-        self.pending = true;
+        self.expect_output();
         self.follow();
         Ok(())
     }

@@ -178,6 +178,8 @@ pub trait EventQueue: Clone + Eq + Hash + Debug + Default {
     fn push(&mut self, event: SlaveEvent) -> bool;
     /// The oldest.
     fn pop(&mut self) -> Option<SlaveEvent>;
+    /// Whether there is none.
+    fn is_empty(&self) -> bool;
 }
 
 impl<const N: usize> EventQueue for Queue<SlaveEvent, N> {
@@ -187,6 +189,10 @@ impl<const N: usize> EventQueue for Queue<SlaveEvent, N> {
 
     fn pop(&mut self) -> Option<SlaveEvent> {
         self.pop()
+    }
+
+    fn is_empty(&self) -> bool {
+        self.is_empty()
     }
 }
 
@@ -223,6 +229,10 @@ impl<Q: EventQueue> Events<Q> {
             return Some(SlaveEvent::Received(kind));
         }
         self.queue.pop()
+    }
+
+    pub(super) fn is_empty<A: Application>(&self) -> bool {
+        !A::PARTS.contains(Parts::EVENTS) || (self.queue.is_empty() && self.received == 0)
     }
 }
 

@@ -31,7 +31,7 @@ use crate::id::Identifier;
 pub struct Slave<A: Application, const MESSAGE: usize, const DYNAMIC: usize> {
     pub(super) errand: Errand,
     pub(super) online: bool,
-    /// What may have followed from the last input has not been fetched to its end.
+    /// What may have followed from the last input has not been fetched to its end. Not kept with [`Parts::FAST_WAYS`].
     pub(super) pending: bool,
     pub(super) shown: NetworkStatus,
     pub(super) module: ModuleStatus,
@@ -89,7 +89,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// The same, to change its data. If what is produced by change of state has changed, call
     /// [`inputs_changed`](Self::inputs_changed) after that; sizes must stay as they are.
     pub const fn application_mut(&mut self) -> &mut A {
-        self.pending = true;
+        self.expect_output();
         &mut self.application
     }
 
@@ -173,6 +173,11 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if A::PARTS.contains(Parts::FAST_WAYS) && self.errand == Errand::None {
             self.errand = Errand::Perhaps;
         }
+    }
+
+    /// Something was told that may lead to output.
+    pub(super) const fn expect_output(&mut self) {
+        self.pending = !A::PARTS.contains(Parts::FAST_WAYS);
     }
 
     /// Whether there may be an errand. What does without [`Parts::FAST_WAYS`] looks every time.
@@ -306,7 +311,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
     type Event = Event;
 
     fn input(&mut self, now: Instant, input: Input) {
-        self.pending = true;
+        self.expect_output();
         let now = self.node.advance_inline(now);
         let may_be_due = self.may_be_due(now);
         if may_be_due {

@@ -75,7 +75,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             return Some(action);
         }
         let told = self.tell();
-        self.pending = told.is_some();
+        if told.is_none() {
+            self.pending = false;
+        }
         told.map(|event| Action::Event(Event::Slave(event)))
     }
 
@@ -110,9 +112,21 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.access.poll_except_transmit::<Needed<A>, _>(Event::Access)
     }
 
-    /// Whether there may be something to fetch: as long as it was not looked for to the end since the last input.
-    pub(crate) const fn has_output(&self) -> bool {
-        self.pending
+    /// Whether there is something to fetch. What does without [`Parts::FAST_WAYS`] does not ask each that could have
+    /// something: there may be, until it was looked for to the end after an input or a command.
+    pub(crate) fn has_output(&self) -> bool {
+        if !A::PARTS.contains(Parts::FAST_WAYS) {
+            return self.pending;
+        }
+        let lines = &self.node.lines;
+        lines.ready::<A>().is_some()
+            || (self.errand != Errand::None && self.has_errand())
+            || self.access.wants_to_transmit::<Needed<A>>()
+            || !self.node.events.is_empty::<A>()
+            || (A::PARTS.contains(Parts::INDICATOR_EVENTS)
+                && (self.shown != self.network_status() || self.module != self.module_status()))
+            || self.is_explicit_ready()
+            || (DYNAMIC > 0 && (self.is_dynamic_due() || (lines.is_free(Line::UCMM) && self.is_ucmm_due())))
     }
 
     fn send_io(&mut self, kind: IoKind) -> Option<Action<Event>> {

@@ -233,6 +233,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
     }
 
+    pub(super) fn is_ucmm_due(&self) -> bool {
+        self.is_broadcast_due() || self.is_answer_due(UnconnectedPort::Ucmm)
+    }
+
     pub(super) fn send_on_ucmm(&mut self) -> Option<Action<Event>> {
         if !self.node.lines.is_free(Line::UCMM) {
             return None;
@@ -248,6 +252,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.node.lines.in_flight.insert(Line::UCMM);
         self.node.lines.ucmm = Some(sent);
         Some(Action::Transmit(lines::token(Line::UCMM), frame))
+    }
+
+    pub(super) fn is_dynamic_due(&self) -> bool {
+        self.transfers
+            .iter()
+            .any(|dynamic| dynamic.unwanted || (!dynamic.in_flight && dynamic.transfer.is_due()))
     }
 
     /// The next frame of the connections in a group.

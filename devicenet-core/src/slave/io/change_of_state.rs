@@ -29,7 +29,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// soon as the production inhibit time allows it; on a cyclic connection, or without any, nothing happens.
     pub fn inputs_changed(&mut self, now: Instant) {
         self.node.advance(now);
-        self.pending = true;
+        self.expect_output();
         self.node.inputs_changed();
     }
 

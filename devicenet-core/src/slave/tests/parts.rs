@@ -256,3 +256,30 @@ const TELLING: u16 = Parts::EVENTS.bits();
 const COUNTED: u16 = Parts::COUNTERS.bits() | TELLING;
 /// Attribute not supported.
 const NOT_SUPPORTED: [u8; 4] = [MASTER, 0x94, 0x14, 0xFF];
+
+/// After an input and after a command a small slave is to be asked what follows; after that nothing is pending until the next. A
+/// complete one knows that nothing follows from a tick.
+#[test]
+fn what_may_follow_is_fetched_once() {
+    type Own = Bus<Small, 0>;
+    type Command = fn(&mut Own);
+    let commands: [(&str, Command); 5] = [
+        ("an input", |bus| bus.slave.input(bus.now, Input::Tick)),
+        ("new data", |bus| bus.slave.inputs_changed(bus.now)),
+        ("access to the application", |bus| bus.slave.application_mut().0.inputs = [1, 2]),
+        ("a reset", |bus| bus.slave.reset(bus.now)),
+        ("a new MAC ID", |bus| bus.slave.set_mac_id(bus.now, MacId::MIN).unwrap()),
+    ];
+    for (what, command) in commands {
+        let mut bus = Own::online(config(), Small(block()));
+        let is_pending = |bus: &Own| bus.slave.deadline().is_some_and(|deadline| deadline.at <= bus.now);
+        assert!(!is_pending(&bus), "{what}");
+        command(&mut bus);
+        assert!(is_pending(&bus), "{what}");
+        while bus.slave.poll(bus.now).is_some() {}
+        assert!(!is_pending(&bus), "{what}");
+    }
+    let mut complete = Bus::<Block, 0>::online(config(), block());
+    complete.slave.input(complete.now, Input::Tick);
+    assert!(complete.slave.deadline().is_none_or(|deadline| deadline.at > complete.now));
+}

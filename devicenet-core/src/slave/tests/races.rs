@@ -3,12 +3,11 @@
 use core::time::Duration;
 
 use cip_core::connection::ExplicitState;
-use link_core::{Input, Instant, LinkEvent, Machine, TxOutcome, TxToken};
+use link_core::{Input, Instant, LinkEvent, TxOutcome, TxToken};
 
 use super::bus::{
     Bus, CHECK, Full, G2o, MASTER, POLL, POLL_RESPONSE, REQUEST, RESPONSE, UNCONNECTED, block, config,
 };
-use crate::MacId;
 use crate::access::StateKind;
 use crate::slave::SlaveEvent;
 
@@ -50,28 +49,6 @@ fn ticks_change_nothing_early_or_twice() {
         bus.input(Input::Tick);
     }
     assert_eq!(bus.slave, before);
-}
-
-/// After an input and after a command it is to be looked for what follows; after that nothing is pending until the next.
-#[test]
-fn what_may_follow_is_to_be_fetched_once() {
-    type Command = fn(&mut Full);
-    let commands: [(&str, Command); 5] = [
-        ("an input", |bus| bus.slave.input(bus.now, Input::Tick)),
-        ("new data", |bus| bus.slave.inputs_changed(bus.now)),
-        ("access to the application", |bus| bus.slave.application_mut().valid = true),
-        ("a reset", |bus| bus.slave.reset(bus.now)),
-        ("a new MAC ID", |bus| bus.slave.set_mac_id(bus.now, MacId::MIN).unwrap()),
-    ];
-    for (what, command) in commands {
-        let mut bus = Full::full();
-        let is_pending = |bus: &Full| bus.slave.deadline().is_some_and(|deadline| deadline.at <= bus.now);
-        assert!(!is_pending(&bus), "{what}");
-        command(&mut bus);
-        assert!(is_pending(&bus), "{what}");
-        while bus.slave.poll(bus.now).is_some() {}
-        assert!(!is_pending(&bus), "{what}");
-    }
 }
 
 #[test]
