@@ -22,11 +22,15 @@ pub(super) enum Heard {
     },
     /// An NMT command that controlled nodes follow, for this one.
     Command(Cause),
+    /// Another NMT command for this node.
+    Ignored,
     /// SDO for the node: the client, and the transaction if there is room for one.
     Sdo {
         from: u8,
         transaction: Option<u8>,
     },
+    /// What only the managing node sends, of another node.
+    Foreign,
     /// Nothing that the node acts upon.
     Nothing,
 }
@@ -39,19 +43,19 @@ pub(super) fn read(bytes: &[u8]) -> Heard {
     let at = |offset: usize| bytes.get(offset).copied();
     let is_at = |group: u8| bytes[..6] == [0x01, 0x11, 0x1E, 0, 0, group];
     let (is_own, to_own) = (bytes[..6] == MAC.0, bytes[15] == NODE.0);
-    let is_of_mn = bytes[16] == 240;
+    let of_mn = |heard| if bytes[16] == 240 { heard } else { Heard::Foreign };
     match bytes[14] & 0x7F {
-        0x01 if is_at(1) && is_of_mn && bytes.len() >= 36 => Heard::Soc,
-        0x03 if is_own && to_own && is_of_mn && bytes.len() >= 24 => {
-            Heard::Preq { flags: bytes[18], size: word(bytes, 22), room: bytes.len() - 24 }
+        0x01 if is_at(1) && bytes.len() >= 36 => of_mn(Heard::Soc),
+        0x03 if is_own && to_own && bytes.len() >= 24 => {
+            of_mn(Heard::Preq { flags: bytes[18], size: word(bytes, 22), room: bytes.len() - 24 })
         }
         0x04 if is_at(2) && bytes.len() >= 24 && word(bytes, 22) <= bytes.len() - 24 => Heard::Pres,
-        0x05 if is_at(3) && is_of_mn && bytes.len() >= 23 => {
-            Heard::Soa { service: bytes[20], is_own: bytes[21] == NODE.0, flags: bytes[18] }
+        0x05 if is_at(3) && bytes.len() >= 23 => {
+            of_mn(Heard::Soa { service: bytes[20], is_own: bytes[21] == NODE.0, flags: bytes[18] })
         }
         0x06 if is_at(4) || is_own || bytes[..6] == [0xFF; 6] => match at(17) {
-            Some(0x04) if is_of_mn && (to_own || bytes[15] == 255) && bytes.len() >= 20 => {
-                command(bytes[18], &bytes[20..]).map_or(Heard::Nothing, Heard::Command)
+            Some(0x04) if (to_own || bytes[15] == 255) && bytes.len() >= 20 => {
+                command(bytes[18], &bytes[20..]).map_or(Heard::Nothing, of_mn)
             }
             Some(0x05) if to_own => Heard::Sdo { from: bytes[16], transaction: at(23) },
             _ => Heard::Nothing,
@@ -60,7 +64,8 @@ pub(super) fn read(bytes: &[u8]) -> Heard {
     }
 }
 
-fn command(id: u8, data: &[u8]) -> Option<Cause> {
+/// A command for the node, whether it follows it or not.
+fn command(id: u8, data: &[u8]) -> Option<Heard> {
     let plain = match id {
         0x41..=0x44 | 0x48..=0x4B => {
             let (place, bit) = (usize::from(NODE.0 / 8), NODE.0 % 8);
@@ -71,7 +76,7 @@ fn command(id: u8, data: &[u8]) -> Option<Cause> {
         }
         _ => id,
     };
-    Some(match plain {
+    let cause = match plain {
         0x21 => Cause::StartNode,
         0x22 => Cause::StopNode,
         0x23 => Cause::EnterPreOperational2,
@@ -80,8 +85,9 @@ fn command(id: u8, data: &[u8]) -> Option<Cause> {
         0x29 => Cause::ResetCommunication,
         0x2A => Cause::ResetConfiguration,
         0x2B => Cause::SwReset,
-        _ => return None,
-    })
+        _ => return Some(Heard::Ignored),
+    };
+    Some(Heard::Command(cause))
 }
 
 fn word(bytes: &[u8], at: usize) -> usize {

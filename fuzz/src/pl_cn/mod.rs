@@ -105,12 +105,12 @@ impl Bench {
             Op::Soa { service, is_own, flags } => {
                 self.soa(service, if is_own { NODE } else { NodeId(2) }, flags)
             }
-            Op::Command { command, whom } => {
+            Op::Command { from, command, whom } => {
                 let to = [NODE, NodeId::BROADCAST, NodeId(2), NodeId::BROADCAST][usize::from(whom)];
                 let mut list = NodeList::default();
                 list.insert(if whom == 3 { NODE } else { NodeId(command) });
                 let command = NmtCommand { command: NmtCommandId(command), data: &list.0 };
-                self.of_mn(group::ASND, to, Body::NmtCommand(command));
+                self.send(group::ASND, to, NodeId(from), Body::NmtCommand(command));
             }
             Op::Pres { from, flags, version, data } => {
                 let pres = Pres {

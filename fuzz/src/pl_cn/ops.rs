@@ -9,7 +9,7 @@
 //! | 2 | SoC; bit 7 MC, bits 5-4 one in four of another node | |
 //! | 3 | PReq; bit 7 with a Size that is one more than the data, bit 6 without padding | flags, version, length, data |
 //! | 4 | SoA; bits 6-4 choose the request, bit 7 for another node | flags |
-//! | 5 | an NMT command; bits 5-4 whom: the node, all, another, all by a list | command |
+//! | 5 | an NMT command; bits 5-4 whom: the node, all, another, all by a list; bits 7-6 one in four of another node | command |
 //! | 6 | PRes of another node | node, flags, version, length, data |
 //! | 7 | the next SDO frame of a client; bits 6-5 which frame, bit 7 the diagnostic device | see [`Sdo`] |
 //! | 8 | an SDO frame | four bytes of the sequence layer, length, data |
@@ -38,7 +38,7 @@ pub(super) enum Op {
     Soc { from: u8, multiplexed: bool },
     Preq { from: u8, flags: u8, version: u8, size: usize, data: Vec<u8>, is_padded: bool },
     Soa { service: u8, is_own: bool, flags: u8 },
-    Command { command: u8, whom: u8 },
+    Command { from: u8, command: u8, whom: u8 },
     Pres { from: u8, flags: u8, version: u8, data: Vec<u8> },
     Sdo { is_diagnostic: bool, frame: Sdo },
     Sequence { bytes: [u8; 4], data: Vec<u8> },
@@ -111,7 +111,11 @@ pub(super) fn op(input: &mut Unstructured<'_>) -> Result<Op> {
             let service = services[usize::from(code >> 4 & 7)];
             Op::Soa { service, is_own: !high, flags: input.arbitrary()? }
         }
-        5 => Op::Command { command: command_id(input.arbitrary()?), whom: code >> 4 & 3 },
+        5 => Op::Command {
+            from: if code >> 6 == 3 { 2 } else { 240 },
+            command: command_id(input.arbitrary()?),
+            whom: code >> 4 & 3,
+        },
         6 => {
             let [from, flags, version]: [u8; 3] = input.arbitrary()?;
             Op::Pres { from, flags, version, data: bytes(input, 96)? }

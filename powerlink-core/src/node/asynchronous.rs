@@ -14,18 +14,22 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     pub(super) fn asnd(&mut self, header: &Header, reader: &mut Reader<'_>) -> Result<(), ParseError> {
         let is_for_this_node = header.to == self.config.node;
         match ServiceId(reader.u8("ServiceID")?) {
-            ServiceId::NMT_COMMAND
-                if header.from == NodeId::MANAGING_NODE
-                    && (is_for_this_node || header.to == NodeId::BROADCAST) =>
-            {
+            ServiceId::NMT_COMMAND if is_for_this_node || header.to == NodeId::BROADCAST => {
                 let command = NmtCommand::read(reader)?;
-                self.command(&command);
+                if !command.is_for(self.config.node) {
+                    return Ok(());
+                }
+                if header.from == NodeId::MANAGING_NODE {
+                    self.command(&command);
+                } else {
+                    self.foreign_frame(header);
+                }
             }
             ServiceId::SDO if is_for_this_node && self.serves_objects() && self.is_client(header.from) => {
                 let sdo = Sdo::read_as(reader, self.config.options.initiate_size)?;
                 self.sdo(header.from, &sdo);
             }
-            // For others, or of others.
+            // For others, of others, or not to be served in this state.
             ServiceId::NMT_COMMAND
             | ServiceId::SDO
             | ServiceId::IDENT_RESPONSE
@@ -46,9 +50,6 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     }
 
     fn command(&mut self, command: &NmtCommand<'_>) {
-        if !command.is_for(self.config.node) {
-            return;
-        }
         let may_start = self.poll.had_valid_data || !self.config.options.start_needs_valid_data;
         let cause = Cause::of_command(command.command);
         let cause = cause.filter(|_| command.command.plain() != NmtCommandId::START_NODE || may_start);

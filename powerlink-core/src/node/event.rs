@@ -83,7 +83,8 @@ pub enum NodeEvent {
     },
     /// An error was put into the history, and is told to the managing node.
     Error(ErrorCode),
-    /// A node that is not the managing node sent a PReq to this node, a SoC or a SoA, which was ignored.
+    /// A node that is not the managing node sent what only that sends: a SoC, a SoA, a PReq to this node, or an NMT command for it
+    /// (an ASnd). It was ignored.
     ForeignFrame {
         /// What it sent.
         message: MessageType,
@@ -110,7 +111,7 @@ pub struct NodeCounters {
     pub bad_frames: u32,
     /// Frames with a destination MAC address that is not the node's.
     pub other_destinations: u32,
-    /// PReq for the node, SoC and SoA that are not of the managing node.
+    /// SoC and SoA, PReq and NMT commands for the node, that are not of the managing node.
     pub foreign_frames: u32,
     /// PRes and ASnd of another node with this node's ID.
     pub address_conflicts: u32,

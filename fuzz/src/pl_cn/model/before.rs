@@ -8,6 +8,7 @@ use super::super::device::Node;
 /// The node before an input.
 pub(in super::super) struct Before {
     pub(super) counters: [u32; 14],
+    pub(super) foreign_frames: u32,
     pub(super) cumulative: Vec<u32>,
     pub(super) outputs: (u8, u32),
     pub(super) mapped: usize,
@@ -17,6 +18,7 @@ impl Before {
     pub(in super::super) fn of(node: &Node) -> Self {
         Self {
             counters: fields(node.counters()),
+            foreign_frames: node.counters().foreign_frames,
             cumulative: cumulative(node),
             outputs: node.objects().outputs,
             mapped: node.dictionary().mappings.transmit.len(),

@@ -121,6 +121,7 @@ impl Model {
         self.connections(why, events, &changes);
         self.indicators(events, node);
         self.counters(why, before, node);
+        foreign_frames(why, heard_in, before, events, node);
         self.outputs(why, before, &changes, node);
         self.values(why, events, node);
         let deadline = node.deadline().map(|deadline| deadline.at);
@@ -166,7 +167,7 @@ impl Model {
                 _ => Some(Cause::Preq),
             },
             Heard::Pres => self.options.pres_ends_basic_ethernet.then_some(Cause::Pres),
-            Heard::Sdo { .. } | Heard::Nothing => None,
+            Heard::Sdo { .. } | Heard::Ignored | Heard::Foreign | Heard::Nothing => None,
         }
     }
 
@@ -332,4 +333,12 @@ impl Model {
             assert!(is_exchanging || node.objects().outputs == before.outputs, "outputs change in {from}");
         }
     }
+}
+
+/// What only the managing node sends is counted and told, if it comes from another node.
+fn foreign_frames(why: Why, state: NmtState, before: &Before, events: &[NodeEvent], node: &Node) {
+    let is_foreign = matches!(why, Why::Heard(Heard::Foreign, _)) && state.is_communicating();
+    let told = events.iter().filter(|event| matches!(event, NodeEvent::ForeignFrame { .. })).count();
+    let counted = node.counters().foreign_frames - before.foreign_frames;
+    assert_eq!((counted, told), (u32::from(is_foreign), usize::from(is_foreign)), "after {why:?} in {state}");
 }

@@ -177,6 +177,37 @@ fn a_cycle_of_another_node_is_ignored() {
     }
 }
 
+/// Nor does an NMT command of another node, in whatever state: plain or extended, to the node or to all. One that is not for this
+/// node is nothing.
+#[test]
+fn a_command_of_another_node_is_ignored() {
+    let [listed, unlisted] = ["02", "04"].map(|list| std::format!("4800{list}{}", "00".repeat(31)));
+    let (reset, unknown) = ("2800", "7f00");
+    for state in [ALL.as_slice(), &[NmtState::NotActive, NmtState::BasicEthernet]].concat() {
+        for from in [0, 1, 2, 239, 241, 250, 253, 255] {
+            let at = |to: u8, command: &str| {
+                std::format!("01111e0000040200000000f088ab06{to:02x}{from:02x}04{command}")
+            };
+            for (to, command) in [(1, reset), (255, reset), (1, unknown), (1, &*listed), (255, &listed)] {
+                let (mut bench, counters) = hears(state, &at(to, command));
+                let case = std::format!("{command} of {from} in {state}");
+                let address_conflicts = u32::from(from == 1);
+                let foreign =
+                    NodeCounters { foreign_frames: 1, address_conflicts, ..NodeCounters::default() };
+                assert_eq!(counters, foreign, "{case}");
+                bench.tells(NodeEvent::ForeignFrame { message: MessageType::ASND, from: NodeId(from) });
+                bench.says_nothing();
+                bench.is(state);
+            }
+            for (to, command) in [(2, reset), (1, &*unlisted), (255, &unlisted)] {
+                let (bench, counters) = hears(state, &at(to, command));
+                assert_eq!(counters.foreign_frames, 0, "{command} of {from} in {state}");
+                bench.is(state);
+            }
+        }
+    }
+}
+
 /// A PRes, IdentResponse, StatusResponse, NMTRequest or SDO under the number of this node: another one has it too. From its own
 /// address they are echoes.
 #[test]
