@@ -28,8 +28,8 @@ use powerlink_core::NodeId;
 use powerlink_core::ethernet::group;
 use powerlink_core::node::NodeEvent;
 use powerlink_core::wire::{
-    Body, ErrorEntry, Flags, Frame, NmtCommand, NmtCommandId, NmtStateCode, NodeList, POWERLINK_V2,
-    PdoVersion, Preq, Pres, RequestedService, ServiceId, Soa, Soc,
+    Body, EntryType, ErrorEntry, Flags, Frame, NmtCommand, NmtCommandId, NmtStateCode, NodeList,
+    POWERLINK_V2, PdoVersion, Preq, Pres, RequestedService, ServiceId, Soa, Soc,
 };
 
 use device::{Device, MAC, NODE, Node};
@@ -251,9 +251,12 @@ impl Bench {
                 let is_taken = self.node.request_command(id, NODE).is_ok();
                 self.model.asked(id, is_taken);
             }
-            Application::Error => {
-                let entry = ErrorEntry { additional: 7, ..ErrorEntry::default() };
-                self.step(Why::Other, |node| node.report_error(now, entry));
+            Application::Error(mode) => {
+                let kind = EntryType(u16::from(mode) << 12 | 0x0001);
+                let entry = ErrorEntry { kind, additional: 7, ..ErrorEntry::default() };
+                self.step(Why::Other, |node| {
+                    assert_eq!(node.report_error(now, entry).is_ok(), mode & 0x03 != 0, "{kind:?}");
+                });
             }
             Application::Inputs(value) => self.node.objects_mut().inputs = (value, u64::from(value) << 32),
             Application::Validity(are_valid) => {

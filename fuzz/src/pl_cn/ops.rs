@@ -74,7 +74,8 @@ pub(super) enum Application {
     SwitchOff,
     Ready,
     Request(u8),
-    Error,
+    /// Bits 15-12 of an error entry.
+    Error(u8),
     Inputs(u8),
     Validity(bool),
     Register(u8),
@@ -245,7 +246,7 @@ fn application(which: u8) -> Application {
         2 => Application::SwitchOff,
         3..=5 => Application::Ready,
         6 | 7 => Application::Request(command_id(which)),
-        8 | 9 => Application::Error,
+        8 | 9 => Application::Error(value),
         10 | 11 => Application::Inputs(value),
         12 => Application::Validity(value & 1 == 1),
         _ => Application::Register(value),

@@ -11,7 +11,7 @@ use crate::NodeId;
 use crate::cycle::CycleState;
 use crate::dictionary::{Dictionary, ObjectSet};
 use crate::nmt::{Cause, NmtState};
-use crate::wire::{ErrorEntry, NetTime, NmtCommandId};
+use crate::wire::{EntryType, ErrorEntry, NetTime, NmtCommandId};
 
 /// Why a command of the application was not followed.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
@@ -26,6 +26,9 @@ pub enum NodeError {
     /// Too many requests wait already.
     #[error("too many NMT requests wait for an invitation: try again after the next SoA")]
     Full,
+    /// An entry of mode 0 ends a list of errors: what is behind it would not be read, and it is none itself.
+    #[error("an error entry of type 0x{:04X} ends a list: its mode (bits 13-12) is 1 for an active error, 2 for one that is over, 3 for an event", .0.0)]
+    EndOfList(EntryType),
 }
 
 impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, SDO> {
@@ -58,7 +61,8 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         if self.cause(Cause::ApplicationReady) { Ok(()) } else { Err(NodeError::State(state)) }
     }
 
-    /// Asks the managing node for a plain NMT command; it is sent when the managing node invites it.
+    /// Asks the managing node for a plain NMT command; it is sent when the managing node invites it. A reset of the node drops
+    /// what waits.
     ///
     /// # Errors
     /// Outside of POWERLINK mode, for commands with a list of nodes, and while too many wait.
@@ -74,9 +78,16 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     }
 
     /// An error of the application: into the history, and to the managing node.
-    pub fn report_error(&mut self, now: Instant, entry: ErrorEntry) {
+    ///
+    /// # Errors
+    /// For an entry that [ends a list](EntryType::is_terminator).
+    pub fn report_error(&mut self, now: Instant, entry: ErrorEntry) -> Result<(), NodeError> {
         self.timers.advance(now);
+        if entry.kind.is_terminator() {
+            return Err(NodeError::EndOfList(entry.kind));
+        }
         self.log(entry);
+        Ok(())
     }
 
     /// Whether the inputs may be used: else the PRes says so (RD), in `Operational` too. They may, until this is said.

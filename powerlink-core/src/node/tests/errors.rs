@@ -5,7 +5,7 @@ use core::time::Duration;
 use super::bench::*;
 use crate::NodeId;
 use crate::nmt::NmtState;
-use crate::node::NodeEvent;
+use crate::node::{NodeError, NodeEvent};
 use crate::wire::{EntryType, ErrorCode, ErrorEntry, Flags, NmtCommandId, RequestedService};
 use link_core::ethernet::LinkEvent;
 
@@ -191,7 +191,7 @@ fn any_soa_for_the_node_acknowledges_an_error() {
             .says(&std::format!("node 1 -> all: StatusResponse, {code}, EC=0 EN=1, PR=0 RS=0, loss of link"));
         let kind = EntryType::POWERLINK_EVENT;
         let entry = ErrorEntry { kind, code: ErrorCode(0x1234), ..ErrorEntry::default() };
-        bench.node.report_error(bench.now, entry);
+        bench.node.report_error(bench.now, entry).unwrap();
         bench.invite(RequestedService::UNSPECIFIED_INVITE, NodeId(2), Flags::EXCEPTION_ACKNOWLEDGE);
         bench.asks(RequestedService::STATUS_REQUEST);
         bench
@@ -201,6 +201,34 @@ fn any_soa_for_the_node_acknowledges_an_error() {
         bench.invite(RequestedService::STATUS_REQUEST, NODE, Flags::EXCEPTION_ACKNOWLEDGE);
         bench
             .says(&std::format!("node 1 -> all: StatusResponse, {code}, EC=0 EN=0, PR=0 RS=0, error 0x1234"));
+    }
+}
+
+/// It would end the list in the history and in the StatusResponse: EN would tell of nothing.
+#[test]
+fn an_entry_that_ends_a_list_is_refused() {
+    let mut bench = Bench::in_state(NmtState::Operational, config());
+    for er in [Flags::EXCEPTION_RESET, Flags::empty()] {
+        bench.invite(RequestedService::STATUS_REQUEST, NODE, er);
+    }
+    bench.forget();
+    for kind in [0x0000, 0x0002, 0x8001, 0xCFFF].map(EntryType) {
+        let entry = ErrorEntry { kind, code: ErrorCode(0x1234), ..ErrorEntry::default() };
+        assert_eq!(bench.node.report_error(bench.now, entry), Err(NodeError::EndOfList(kind)));
+    }
+    assert_eq!(bench.node.dictionary().history().count(), 0);
+    bench.soc();
+    bench.preq(Flags::DATA_VALID, &[0]);
+    bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 1 byte");
+    for (en, kind) in [(1, 0x1001), (0, 0x2001), (1, 0xF001)] {
+        let entry = ErrorEntry { kind: EntryType(kind), code: ErrorCode(0x1234), ..ErrorEntry::default() };
+        bench.node.report_error(bench.now, entry).unwrap();
+        let acknowledged = if en == 1 { Flags::empty() } else { Flags::EXCEPTION_ACKNOWLEDGE };
+        bench.invite(RequestedService::STATUS_REQUEST, NODE, acknowledged);
+        bench.says(&std::format!(
+            "node 1 -> all: StatusResponse, NMT_OPERATIONAL, EC=0 EN={en}, PR=0 RS=0, error 0x1234"
+        ));
+        bench.invite(RequestedService::NO_SERVICE, NODE, acknowledged ^ Flags::EXCEPTION_ACKNOWLEDGE);
     }
 }
 

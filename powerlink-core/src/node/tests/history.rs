@@ -81,7 +81,7 @@ fn order_clearing_and_resets() {
         let mut bench = Bench::in_state(NmtState::PreOperational1, config());
         assert_eq!(read(&mut bench), [[0; 0]; 0]);
         let now = bench.now;
-        (1..=10).for_each(|number| bench.node.report_error(now, own(number)));
+        (1..=10).for_each(|number| bench.node.report_error(now, own(number)).unwrap());
         let expected: Vec<_> =
             (3..=10).rev().map(|number| entry(0x3001, number, (1, 2), number.into())).collect();
         assert_eq!(read(&mut bench), expected);

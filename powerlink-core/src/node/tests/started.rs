@@ -83,7 +83,8 @@ fn a_status_response_with_all_the_errors_that_it_can_tell() {
         // The first is told at once; the others wait until it is acknowledged.
         for code in 0x4001..=0x400E {
             let (kind, code) = (EntryType::POWERLINK_EVENT, ErrorCode(code));
-            bench.node.report_error(bench.now, ErrorEntry { kind, code, ..ErrorEntry::default() });
+            let entry = ErrorEntry { kind, code, ..ErrorEntry::default() };
+            bench.node.report_error(bench.now, entry).unwrap();
         }
         bench.forget();
         bench.asks(RequestedService::STATUS_REQUEST);
