@@ -5,7 +5,7 @@ use link_core::codec::{Reader, Wire};
 use super::event::{NodeEvent, count};
 use super::machine::{ControlledNode, Timer};
 use crate::NodeId;
-use crate::dictionary::{Effect, ObjectSet, Objects};
+use crate::dictionary::{Effect, ObjectAddress, ObjectSet, Objects};
 use crate::nmt::{Cause, NmtState};
 use crate::sdo::{Outcome, Received};
 use crate::wire::{COMMAND_HEADER, Header, NmtCommand, NmtCommandId, ParseError, Sdo, ServiceId};
@@ -63,11 +63,17 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
 
     fn sdo(&mut self, from: NodeId, sdo: &Sdo<'_>) {
         let segment = usize::from(self.active.async_mtu).saturating_sub(ASND_HEADER);
+        let mapped = self.dictionary.mappings.transmit.size();
         let mut objects = Objects { standard: &mut self.dictionary, application: &mut self.objects };
         let received = self.server.receive(from, sdo, segment, &mut objects);
         let Received { connection, is_progress, outcome } = received;
         if let Some(index) = connection.filter(|_| is_progress) {
             self.wait_for_client(index);
+        }
+        // The inputs are those of the mapping at the last SoC. One that is refused is out of use.
+        let is_mapped_anew = matches!(outcome, Outcome::Written(TRANSMIT_MAPPING, _));
+        if is_mapped_anew || mapped != self.dictionary.mappings.transmit.size() {
+            self.are_inputs_read = false;
         }
         match outcome {
             Outcome::Nothing => {}
@@ -116,5 +122,7 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     }
 }
 
+/// How many entries of the PRes count.
+const TRANSMIT_MAPPING: ObjectAddress = ObjectAddress::new(0x1A00, 0);
 /// POWERLINK header, ServiceID, sequence layer and command header.
 const ASND_HEADER: usize = 3 + 1 + 4 + COMMAND_HEADER;

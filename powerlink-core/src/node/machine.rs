@@ -45,7 +45,7 @@ pub struct ControlledNode<O, const PRES: usize = 36, const SDO: usize = 256> {
     pub(super) reset_after_answer: Option<(usize, Cause)>,
     /// Whether the application says that its inputs are valid.
     pub(super) are_inputs_valid: bool,
-    /// Whether all of them could be read at the last SoC.
+    /// Whether all of them could be read at the last SoC, by the mapping that is in use.
     pub(super) are_inputs_read: bool,
     /// Of the last SoC.
     pub(super) net_time: NetTime,

@@ -47,7 +47,7 @@ pub(super) struct Model {
     requests: VecDeque<NmtCommandId>,
     pub(super) signalling: Signalling,
     pub(super) are_inputs_valid: bool,
-    /// At the last SoC.
+    /// At the last SoC, by the mapping that is in use.
     are_inputs_readable: bool,
     /// Every transaction of every client.
     pub(super) transactions: BTreeSet<(u8, u8)>,
@@ -123,7 +123,7 @@ impl Model {
         self.counters(why, before, node);
         foreign_frames(why, heard_in, before, events, node);
         self.outputs(why, before, &changes, node);
-        self.values(why, events, node);
+        self.values(why, before, events, node);
         let deadline = node.deadline().map(|deadline| deadline.at);
         assert!(!takes_time || deadline.is_none_or(|at| at > now), "{deadline:?} at {now:?}");
     }
@@ -299,12 +299,17 @@ impl Model {
     }
 
     /// What process data could not carry.
-    fn values(&mut self, why: Why, events: &[NodeEvent], node: &Node) {
+    fn values(&mut self, why: Why, before: &Before, events: &[NodeEvent], node: &Node) {
         let is_soc = matches!(why, Why::Heard(Heard::Soc, _));
         if is_soc {
             let input = ObjectAddress::new(0x6000, 1);
             let is_mapped = node.dictionary().mappings.transmit.entries().any(|entry| entry.object == input);
             self.are_inputs_readable = !is_mapped || node.objects().inputs.0 != UNREADABLE;
+        }
+        let is_mapped_anew = events.contains(&NodeEvent::ObjectWritten(TRANSMIT_MAPPING))
+            || node.dictionary().mappings.transmit.len() != before.mapped;
+        if is_mapped_anew && matches!(why, Why::Heard(Heard::Sdo { .. }, _)) {
+            self.are_inputs_readable = false;
         }
         let tells_of_input = events.iter().any(|event| matches!(event, NodeEvent::ValueUnreadable { .. }));
         let is_unreadable = is_soc && !self.are_inputs_readable;
@@ -342,3 +347,6 @@ fn foreign_frames(why: Why, state: NmtState, before: &Before, events: &[NodeEven
     let counted = node.counters().foreign_frames - before.foreign_frames;
     assert_eq!((counted, told), (u32::from(is_foreign), usize::from(is_foreign)), "after {why:?} in {state}");
 }
+
+/// How many entries of the PRes count.
+const TRANSMIT_MAPPING: ObjectAddress = ObjectAddress::new(0x1A00, 0);

@@ -252,6 +252,31 @@ fn a_value_that_cannot_be_read_is_not_valid() {
     bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 2 bytes");
 }
 
+/// The mapping of the PRes is written between SoC and PReq: its Size is the new one, and its data, those of the mapping before, are
+/// not valid.
+#[test]
+fn inputs_of_the_mapping_before_are_not_valid() {
+    for (write, rd, len) in [
+        ("00 1a 00 00 00", 0, "0 bytes"),
+        ("00 1a 00 00 01", 0, "1 byte"),
+        // The second entry is of no object: the mapping is out of use.
+        ("00 1a 00 00 02", 0, "0 bytes"),
+        ("00 16 00 00 00", 1, "1 byte"),
+    ] {
+        let mut bench = Bench::in_state(NmtState::Operational, config());
+        bench.opens_connection(NodeId::MANAGING_NODE);
+        bench.forget();
+        bench.soc();
+        bench.sdo(&std::format!("02 06 00 00 00 01 00 01 05 00 00 00 {write}"));
+        for rd in [rd, 1] {
+            bench.preq(Flags::DATA_VALID, &[0]);
+            bench.says(&std::format!("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD={rd}, PR=3 RS=1, {len}"));
+            bench.soa();
+            bench.soc();
+        }
+    }
+}
+
 #[test]
 fn inputs_may_be_declared_invalid() {
     let mut bench = Bench::in_state(NmtState::Operational, config());
