@@ -39,7 +39,7 @@ pub enum NodeEvent {
         /// They count: the node is in `Operational`.
         is_valid: bool,
     },
-    /// An object did not take its value from process data; the others did.
+    /// An object did not take its value from process data that their sender calls valid (RD); the others did.
     ValueRefused {
         /// The channel: 0 for 0x1600.
         channel: u8,
@@ -126,6 +126,7 @@ pub struct NodeCounters {
     /// SDO clients for which there was no room.
     pub sdo_refused: u32,
     /// Process data that did not fit the mapping, of which an object did not take its value, or for which one could not be read.
+    /// Of those that are received, data without RD do not count.
     pub pdo_errors: u32,
     /// Errors that were not told to the managing node, because too many wait already.
     pub errors_untold: u32,
