@@ -18,7 +18,8 @@ pub(super) struct Connection<const SDO: usize> {
     received: u8,
     /// The last number of the server.
     sent: u8,
-    retries: u8,
+    /// How often the response was sent again without any progress.
+    pub(super) retries: u8,
     pub(super) transfer: Transfer,
     /// The data of the transfer.
     pub(super) buffer: [u8; SDO],

@@ -195,6 +195,7 @@ impl<const SDO: usize> Connection<SDO> {
         };
         let first = self.next_number();
         self.transfer = Transfer::Sending(Outgoing::new(command, is_abort, len, segment, first));
+        self.retries = 0;
         outcome
     }
 

@@ -199,6 +199,13 @@ fn an_answer_without_an_acknowledge_is_sent_twice_more() {
         assert_eq!(bench.server.expired(0), None);
         bench.says("06 07 00 00 00 04 80 02 01 00 00 00 04");
     }
+    // A client that goes on without it gets the next answer as often.
+    bench.hears("02 0a 00 00 00 05 00 02 04 00 00 00 18 10 00 00");
+    bench.says("0a 0a 00 00 00 05 80 02 01 00 00 00 04");
+    for _ in 0..2 {
+        assert_eq!(bench.server.expired(0), None);
+        bench.says("0a 0b 00 00 00 05 80 02 01 00 00 00 04");
+    }
     assert_eq!(bench.server.expired(0), Some(MN));
     assert_eq!(bench.server.patience(0, timeout), None);
     bench.says_nothing();
