@@ -21,7 +21,7 @@ use super::{CycleEvent, CycleMode, CycleState, Losses};
 pub struct Cycle {
     state: CycleState,
     poll_without_soc: PollWithoutSoc,
-    soc_loss: SocLoss,
+    missing: MissingSocs,
     /// The SoA of this cycle is known to be lost.
     is_soa_lost: bool,
 }
@@ -47,16 +47,35 @@ pub struct Supervision {
     pub is_preq_due: bool,
 }
 
-/// How the loss of the present SoC was noticed: it counts once.
+/// The SoCs that did not come since the last one. Order and time tell of each: it counts once.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-enum SocLoss {
-    /// It was not.
-    Unnoticed,
-    /// By a frame that should not come before a SoC.
-    ByOrder,
-    /// By time.
-    ByTime,
+struct MissingSocs {
+    /// How many order told of and time has not yet.
+    ahead: u8,
+    /// Order told of that of the present cycle.
+    is_known: bool,
+    /// Time told of one first: it goes on so.
+    is_timed: bool,
+}
+
+impl MissingSocs {
+    const NONE: Self = Self { ahead: 0, is_known: false, is_timed: false };
+
+    /// One is noticed. Returns whether it is another one.
+    fn notice(&mut self, event: CycleEvent) -> bool {
+        if event == CycleEvent::SocTimeout {
+            self.is_timed |= self.ahead == 0;
+            let is_new = self.ahead == 0;
+            self.ahead = self.ahead.saturating_sub(1);
+            return is_new;
+        }
+        // A cycle without SoC has a poll before its SoA: SoAs that follow each other tell of one.
+        let is_new = !self.is_timed && !self.is_known && (event != CycleEvent::Soa || self.ahead == 0);
+        self.is_known = true;
+        self.ahead = self.ahead.saturating_add(is_new.into());
+        is_new
+    }
 }
 
 impl Cycle {
@@ -66,7 +85,7 @@ impl Cycle {
         Self {
             state: CycleState::NonCyclic,
             poll_without_soc,
-            soc_loss: SocLoss::Unnoticed,
+            missing: MissingSocs::NONE,
             is_soa_lost: false,
         }
     }
@@ -157,8 +176,8 @@ impl Cycle {
     ///
     /// A SoA: until the next one, or the next cycle; several ASnd in its place, and the SoC behind them, tell the same.
     ///
-    /// A SoC: noticed by order, the next timeout is about the same one. Noticed by time, the timer counts each that follows,
-    /// and order tells nothing new until a SoC comes. Where time is not supervised, the SoA begins another cycle.
+    /// A SoC: order tells of one in each cycle, which ends with the SoA, and so many timeouts are about the same ones. Once time is
+    /// the first to tell, order tells nothing new until a SoC comes. Where time is not supervised, the SoA ends all that.
     fn once(&mut self, event: CycleEvent, mut losses: Losses, supervision: Supervision) -> Losses {
         if losses.contains(Losses::SOA) && core::mem::replace(&mut self.is_soa_lost, true) {
             losses.remove(Losses::SOA);
@@ -167,21 +186,13 @@ impl Cycle {
             self.is_soa_lost = false;
         }
         if losses.contains(Losses::SOC) {
-            let is_by_time = event == CycleEvent::SocTimeout;
-            let is_new = match self.soc_loss {
-                SocLoss::Unnoticed => true,
-                SocLoss::ByOrder => false,
-                SocLoss::ByTime => is_by_time,
-            };
-            losses.set(Losses::SOC, is_new);
-            self.soc_loss = if is_by_time || self.soc_loss == SocLoss::ByTime {
-                SocLoss::ByTime
-            } else {
-                SocLoss::ByOrder
-            };
+            losses.set(Losses::SOC, self.missing.notice(event));
         }
         if event == CycleEvent::Soc || (event == CycleEvent::Soa && !supervision.is_timed) {
-            self.soc_loss = SocLoss::Unnoticed;
+            self.missing = MissingSocs::NONE;
+        }
+        if event == CycleEvent::Soa {
+            self.missing.is_known = false;
         }
         losses
     }

@@ -51,7 +51,7 @@ fn every_edge_is_taken_and_nothing_else_happens() {
             assert!(is_listed || next == *cycle && losses.is_empty(), "{mode} {event} in {cycle:?}");
             Some(next)
         };
-        machine_laws::reachable(Cycle::new(poll), &steps, step, 100);
+        machine_laws::reachable(Cycle::new(poll), &steps, step, 10_000);
     }
     TAKEN.with_borrow(|taken| machine_laws::every_edge_was_taken(CYCLE_EDGES, taken, key));
 }
@@ -80,6 +80,12 @@ fn a_lost_soc_counts_once_however_it_is_noticed() {
         assert_eq!(missed(poll, WATCHED, &[Soc, Preq, Soa, Preq, SocTimeout, Soc])[0], 1, "{poll:?}");
         // By time, then by order.
         assert_eq!(missed(poll, WATCHED, &[Soc, Preq, Soa, SocTimeout, Preq, Soa, Soc])[0], 1, "{poll:?}");
+        // By order cycle by cycle, before the first timeout, which tells of the first of them.
+        let late = [Soc, Preq, Soa, Preq, Soa, Preq, Soa, SocTimeout];
+        assert_eq!(missed(poll, WATCHED, &late)[0], 2, "{poll:?}");
+        let later = [&late[..], &[Preq, Soa, SocTimeout, SocTimeout]].concat();
+        assert_eq!(missed(poll, WATCHED, &later)[0], 3, "{poll:?}");
+        assert_eq!(missed(poll, WATCHED, &[&later[..], &[SocTimeout, Preq, Soa]].concat())[0], 4, "{poll:?}");
         // Two in a row.
         let two = [Soc, Preq, Soa, SocTimeout, Preq, Soa, SocTimeout, Preq, Soa, Soc];
         assert_eq!(missed(poll, WATCHED, &two)[0], 2, "{poll:?}");

@@ -53,6 +53,29 @@ fn lost_socs() {
     }
 }
 
+/// The tolerance that openPOWERLINK's managing node writes, 50 ms, is longer than the cycle: the second is noticed nevertheless.
+#[test]
+fn lost_socs_before_their_time_is_over() {
+    for (tolerance, cycle) in [(50_000_000, 20_000), (50_000_000, 50_000), (100_000, 20_000)] {
+        let mut config = config();
+        (config.values.loss_of_soc_tolerance, config.values.cycle_length) = (tolerance, cycle);
+        let mut bench = Bench::in_state(NmtState::Operational, config);
+        let cycle = Duration::from_micros(cycle.into());
+        let without_soc = |bench: &mut Bench| {
+            bench.wait(cycle);
+            bench.preq(Flags::DATA_VALID, &[0]);
+            bench.soa();
+        };
+        bench.soc();
+        bench.preq(Flags::DATA_VALID, &[0]);
+        bench.soa();
+        without_soc(&mut bench);
+        bench.is(NmtState::Operational);
+        without_soc(&mut bench);
+        bench.is(NmtState::PreOperational1);
+    }
+}
+
 #[test]
 fn silence() {
     for state in CYCLIC {
