@@ -65,7 +65,7 @@ impl Dictionary {
             (0x1F9E, _) => {
                 let command = NmtCommandId(byte);
                 let cause =
-                    Cause::of_command(command).filter(|_| is_reset(command)).ok_or(AbortCode::VALUE)?;
+                    Cause::of_command(command).filter(|_| command.is_reset()).ok_or(AbortCode::VALUE)?;
                 return Ok(Effect::Reset(cause));
             }
             _ => return Err(AbortCode::READ_ONLY),
@@ -87,17 +87,6 @@ impl Dictionary {
         let channel = usize::from(at.index.saturating_sub(first));
         self.mappings.receive.get_mut(channel).ok_or(AbortCode::NO_OBJECT)
     }
-}
-
-/// Whether a command may be written to 0x1F9E.
-const fn is_reset(command: NmtCommandId) -> bool {
-    matches!(
-        command,
-        NmtCommandId::RESET_NODE
-            | NmtCommandId::RESET_COMMUNICATION
-            | NmtCommandId::RESET_CONFIGURATION
-            | NmtCommandId::SW_RESET
-    )
 }
 
 fn write_channel(mapping: &mut Mapping, sub: u8, value: u8) -> Result<(), AbortCode> {

@@ -91,14 +91,7 @@ impl NmtCommand<'_> {
     pub fn reason(&self) -> Option<ErrorCode> {
         let [low, high, ..] = self.data else { return None };
         let code = ErrorCode(u16::from_le_bytes([*low, *high]));
-        let is_reset = matches!(
-            self.command,
-            NmtCommandId::RESET_NODE
-                | NmtCommandId::RESET_COMMUNICATION
-                | NmtCommandId::RESET_CONFIGURATION
-                | NmtCommandId::SW_RESET
-        );
-        (is_reset && code != ErrorCode::NONE).then_some(code)
+        (self.command.is_reset() && code != ErrorCode::NONE).then_some(code)
     }
 }
 
