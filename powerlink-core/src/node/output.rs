@@ -17,6 +17,7 @@ use crate::{MacAddress, NodeId};
 
 impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, SDO> {
     /// Whether there is anything to do.
+    #[inline]
     pub(super) fn has_output(&self) -> bool {
         self.poll.is_due
             || self.poll.then.is_some()
@@ -34,7 +35,8 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
             self.after_poll();
             return Some(sent.map_or_else(|| self.not_sent(), Action::Transmit));
         }
-        self.other_output(buffer)
+        // A driver asks until there is nothing to do; most often that is its first question.
+        if self.has_output() { self.other_output(buffer) } else { None }
     }
 
     /// The next thing to do but the PRes.

@@ -151,13 +151,14 @@ impl Wire<'_> for Soc {
     const NAME: &'static str = "SoC";
 
     fn read(reader: &mut Reader<'_>) -> Result<Self, ParseError> {
-        reader.u8("reserved")?;
-        let flags = Flags::from_bits_retain(reader.u8("flags")?);
-        reader.u8("reserved")?;
-        let seconds = reader.u32("NetTime, seconds")?;
-        let nanoseconds = reader.u32("NetTime, nanoseconds")?;
-        let relative_time = reader.u64("RelativeTime")?;
-        Ok(Self { flags, net_time: NetTime { seconds, nanoseconds }, relative_time })
+        let [_, flags, _, s0, s1, s2, s3, n0, n1, n2, n3, r0, r1, r2, r3, r4, r5, r6, r7] =
+            reader.array("SoC")?;
+        let net_time = NetTime {
+            seconds: u32::from_le_bytes([s0, s1, s2, s3]),
+            nanoseconds: u32::from_le_bytes([n0, n1, n2, n3]),
+        };
+        let relative_time = u64::from_le_bytes([r0, r1, r2, r3, r4, r5, r6, r7]);
+        Ok(Self { flags: Flags::from_bits_retain(flags), net_time, relative_time })
     }
 
     fn emit(&self, out: &mut Writer<'_>) -> Result<(), Full> {
