@@ -69,15 +69,15 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
         };
         match reply {
             Reply::Ident => self.ident_frame(out)?,
-            Reply::Status { late_reset } => {
-                self.status_frame(out)?;
-                if let Some(reset) = late_reset {
-                    self.signalling.exception_reset(reset);
-                }
+            Reply::Status { .. } => {
+                let written = self.status_frame(out);
+                self.after_reply(reply);
+                written?;
             }
             Reply::NmtRequest => {
-                let Some(request) = self.requests.pop() else { return Ok(false) };
+                let Some(&request) = self.requests.iter().next() else { return Ok(false) };
                 self.request_frame(request, out)?;
+                self.requests.pop();
             }
             Reply::Generic => {
                 let Some((index, client)) = self.server.next() else { return Ok(false) };
@@ -94,6 +94,13 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
             }
         }
         Ok(true)
+    }
+
+    /// What the SoA leads to, answered or not.
+    pub(super) fn after_reply(&mut self, reply: Reply) {
+        if let Reply::Status { late_reset: Some(reset) } = reply {
+            self.signalling.exception_reset(reset);
+        }
     }
 
     /// What the PReq leads to, now that it is answered.

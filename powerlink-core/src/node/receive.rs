@@ -129,8 +129,11 @@ impl<O: ObjectSet, const PRES: usize, const SDO: usize> ControlledNode<O, PRES, 
     #[cold]
     fn forget_answers(&mut self) {
         count(&mut self.counters.not_sent);
-        (self.poll.is_due, self.reply) = (false, None);
+        self.poll.is_due = false;
         self.after_poll();
+        if let Some(reply) = self.reply.take() {
+            self.after_reply(reply);
+        }
     }
 
     /// Every message has its address; an ASnd may come at the node's own and at that of all as well.

@@ -24,6 +24,20 @@ fn ec_may_follow_er_one_answer_later() {
     }
 }
 
+/// Though nobody fetched the answer behind which it was to follow.
+#[test]
+fn ec_follows_er_without_an_answer() {
+    let mut config = config();
+    config.options.clears_before_answer = false;
+    let mut bench = Bench::in_state(NmtState::PreOperational1, config);
+    bench.invite(RequestedService::STATUS_REQUEST, NODE, Flags::EXCEPTION_RESET);
+    bench.forget();
+    bench.asks_undrained(RequestedService::STATUS_REQUEST);
+    bench.asks(RequestedService::STATUS_REQUEST);
+    bench.says("node 1 -> all: StatusResponse, NMT_PRE_OPERATIONAL_1, EC=0 EN=0, PR=0 RS=0");
+    assert_eq!(bench.node.counters().not_sent, 1);
+}
+
 /// The PRes has a constant length, whatever is mapped.
 #[test]
 fn the_length_of_a_pres_is_that_of_its_limit() {

@@ -257,7 +257,10 @@ fn an_adapter_that_takes_nothing() {
     bench.is(NmtState::Operational);
     bench.soc();
     bench.preq(Flags::DATA_VALID, &[0]);
-    bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=0 RS=0, 1 byte");
+    bench.says("node 1 -> all: PRes, NMT_OPERATIONAL, EN=0 RD=1, PR=7 RS=1, 1 byte");
+    // What the application asked for still waits.
+    bench.asks(RequestedService::NMT_REQUEST_INVITE);
+    bench.says("node 1 -> MN: NMTRequest, NMTStopNode for node 1");
 }
 
 /// What follows a message is padding, up to any length that an adapter hands over.
