@@ -47,10 +47,7 @@ impl<'p, const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'p, N
         let index = self.index_of(node).ok_or(MnError::NoPlan(node))?;
         let station = self.stations.get_mut(index).ok_or(MnError::NoPlan(node))?;
         match goal(command)? {
-            Some(goal) => {
-                station.goal = goal;
-                station.clear_waits();
-            }
+            Some(goal) => station.pursue(goal),
             None => station.command = Some(Command { command, reason: ErrorCode::NONE }),
         }
         Ok(())
@@ -77,8 +74,7 @@ impl<'p, const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'p, N
         let nodes = self.plans.iter().zip(&mut self.stations);
         for (_, station) in nodes.filter(|(plan, _)| list.is_none_or(|list| list.contains(plan.node))) {
             if let Some(goal) = goal {
-                station.goal = goal;
-                station.clear_waits();
+                station.pursue(goal);
             }
         }
         self.broadcast = Some(Broadcast { command, list });

@@ -129,6 +129,14 @@ impl<const DATA: usize> Station<DATA> {
         };
     }
 
+    /// What the application wants of the node from now on. One that is refused is asked again when it was to be.
+    pub(super) fn pursue(&mut self, goal: Goal) {
+        self.goal = goal;
+        if self.phase != NodePhase::Refused {
+            self.clear_waits();
+        }
+    }
+
     /// A fresh wait for the node to follow.
     pub(super) const fn clear_waits(&mut self) {
         (self.patience, self.pause, self.status_pause, self.unanswered, self.wrong) = (0, 0, 0, 0, 0);

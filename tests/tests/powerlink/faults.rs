@@ -2,14 +2,14 @@
 
 use std::time::Duration;
 
-use devicenet_tests::powerlink::{Cn, Event, Net, Station, config, plan};
+use devicenet_tests::powerlink::{Cn, Event, Mn, Net, Station, config, plan};
 use powerlink_core::NodeId;
 use powerlink_core::dictionary::ObjectAddress;
 use powerlink_core::error::Symptom;
 use powerlink_core::managing::{MnEvent, MnState, NodePhase, NodePlan, ObjectWrite};
 use powerlink_core::nmt::NmtState;
 use powerlink_core::node::NodeCounters;
-use powerlink_core::wire::{AbortCode, Body, ErrorCode, Frame, MessageType};
+use powerlink_core::wire::{AbortCode, Body, ErrorCode, Frame, MessageType, NmtCommandId};
 use transport_mock::ethernet::{Fate, Keep, Passage, Record, SegmentConfig, StationConfig, StationId, nth};
 
 fn running(cns: u8) -> Net {
@@ -113,6 +113,24 @@ fn a_node_that_is_not_the_one_of_the_plan_is_refused_and_tried_again() {
         // A mandatory node is missing: the cycle does not begin.
         assert_eq!(net.mn(|mn, _| mn.state()), MnState::PreOperational1);
         assert_eq!(net.states(), [NmtState::PreOperational1]);
+    }
+}
+
+/// A command for it does not take away the moment when it is asked again.
+#[test]
+fn a_refused_node_that_is_commanded_is_tried_again() {
+    let missing = NodePlan { vendor_id: Some(9), ..plan(1) };
+    let refused = MnEvent::NodeRefused { node: NodeId(1), reason: ErrorCode::BOOT_VENDOR_ID };
+    for command in [
+        |mn: &mut Mn| mn.command(NodeId(1), NmtCommandId::START_NODE),
+        |mn: &mut Mn| mn.command_all(NmtCommandId::START_NODE),
+    ] {
+        let mut net = Net::with(config(), &[missing], SegmentConfig::default());
+        net.run(300);
+        assert_eq!(net.mn(|mn, _| mn.phase(NodeId(1))), Some(NodePhase::Refused));
+        assert_eq!(net.mn(|mn, _| command(mn)), Ok(()));
+        net.run(1_000);
+        assert!(said(&net).iter().filter(|event| **event == refused).count() > 1, "{}", net.trace());
     }
 }
 
