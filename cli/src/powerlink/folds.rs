@@ -41,7 +41,7 @@ impl Folds {
             return false;
         }
         let different = self.folds.iter().filter(|fold| fold.told.name == told.name).count();
-        let is_told = different < DIFFERENT;
+        let is_told = different < DIFFERENT || OF_NODES.contains(&&*told.name);
         let told = match is_told {
             true => told.clone(),
             false => Told { name: told.name.clone(), fields: Map::new(), words: String::new() },
@@ -111,7 +111,9 @@ const FOLDED: &[&str] = &[
     "pres_late",
     "cycle_exceeded",
 ];
-/// How many different ones of a name are told apart.
+/// Those that differ by the node of the plan alone: each is told with its node.
+const OF_NODES: &[&str] = &["pres_lost", "pres_late"];
+/// How many different ones of any other name are told apart.
 const DIFFERENT: usize = 4;
 /// How long equal ones are only counted.
 const WHILE: Duration = Duration::from_secs(1);
@@ -149,6 +151,21 @@ mod tests {
         assert_eq!(words(&folds.due(at(2_500))), ["bad frame: short (1 more in 1.5 s)"]);
         assert_eq!(folds.due(at(3_500)), []);
         assert!(folds.admit(at(3_600), &bad_frame("short")));
+    }
+
+    /// A cable is pulled: each node of the plan has a line, which says whom it is about.
+    #[test]
+    fn every_node_that_is_missed_is_named() {
+        let lost = |node: u8| {
+            let fields = [("node".to_owned(), node.into())].into_iter().collect();
+            Told { name: "pres_lost".into(), fields, words: format!("PRes of node {node} lost") }
+        };
+        let mut folds = Folds::default();
+        assert!((1..=239).all(|node| folds.admit(at(0), &lost(node))));
+        assert!((1..=239).all(|node| !folds.admit(at(20), &lost(node))));
+        let due = folds.due(at(1_000));
+        assert_eq!(due.len(), 239);
+        assert!(due.iter().zip(1..=239).all(|(told, node)| told.fields["node"] == node));
     }
 
     #[test]

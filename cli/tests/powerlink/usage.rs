@@ -163,7 +163,11 @@ fn a_network_that_cannot_be_is_told() {
     let many: Vec<_> = (1..=255).map(|sub| format!("{{ object = \"0x6000/{sub}\", bits = 1 }}")).collect();
     let many = format!("[[node]]\nnode = 1\nmap_inputs = [{}]", many.join(",\n"));
     for (text, place, words) in [
-        ("cycle = \"1ms\"\n[[node]]\nnode = 1", "1:9", "a cycle of 1ms is too short: it needs "),
+        (
+            "cycle = \"1ms\"\n[[node]]\nnode = 1",
+            "1:9",
+            "a cycle of 1ms is too short: it needs 2.055ms for its frames and waits",
+        ),
         ("[[node]]\nnode = 1\npres_timeout = \"30ms\"", "1:1", "a cycle of 20ms is too short: it needs "),
         (
             "cycle = \"20.0005ms\"\n[[node]]\nnode = 1",
@@ -173,7 +177,7 @@ fn a_network_that_cannot_be_is_told() {
         (
             "multiplexed_cycles = 2\n[[node]]\nnode = 1\nmultiplexed_slot = 3",
             "4:20",
-            "node 1: multiplexed slot 3: there are 2 cycles",
+            "node 1: multiplexed slot 3: a multiplexed cycle has 2 cycles, counted from 0",
         ),
         (&long, "3:10", "node 1: 0x2000/1 has 300 bytes: there is room for "),
         (&many, "257:1", "node 1: inputs: 255 objects: a mapping has room for 254"),

@@ -51,7 +51,7 @@ where
     P: Port,
 {
     // Later actions are of the moment of an input: by the present, a deadline would overtake frames that came before it and
-    // still wait in the port. Only when a frame was sent is told by the present.
+    // still wait in the port. Only the moment at which a frame was sent is the present one.
     let mut now = port.now();
     let mut buffer = [0; MAX_FRAME];
     loop {

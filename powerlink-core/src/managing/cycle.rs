@@ -224,12 +224,14 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
     /// sent by then, or while the cycle before is not over, is left out and not made up for.
     pub(super) fn cycle_is_over(&mut self, at: Instant) {
         let now = self.timers.now();
-        if self.step == Step::Rest && now < at.saturating_add(self.half_a_cycle()) {
+        let is_over = self.step == Step::Rest;
+        if is_over && now < at.saturating_add(self.half_a_cycle()) {
             self.timers.set(Timer::Cycle, at.saturating_add(self.config.cycle));
-            self.begin_cycle();
-        } else {
-            self.next_cycle(at, now.saturating_add_nanos(1));
+            return self.begin_cycle();
         }
+        // The SoC of the cycle that now is may still be sent, unless the cycle before is not over.
+        let still = if is_over { self.half_a_cycle() } else { Duration::ZERO };
+        self.next_cycle(at, now.saturating_add_nanos(1).saturating_sub(still));
     }
 
     /// The next SoC is at the first moment of the grid, which `at` is one of, that is not before `earliest`. Those between are
@@ -252,7 +254,7 @@ impl<const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'_, N, DA
     }
 
     /// The length of a cycle; without one that 0x1006 can say, there is no managing node.
-    fn cycle_micros(&self) -> u32 {
+    pub(super) fn cycle_micros(&self) -> u32 {
         self.config.cycle_micros().unwrap_or(u32::MAX)
     }
 

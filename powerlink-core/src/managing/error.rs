@@ -91,7 +91,7 @@ pub enum ConfigError {
         room: usize,
     },
     /// A multiplexed slot is not one of the multiplexed cycle.
-    #[error("{node}: multiplexed slot {slot}: there are {cycles} cycles")]
+    #[error("{node}: multiplexed slot {slot}: a multiplexed cycle has {cycles} cycles, counted from 0")]
     MultiplexedSlot {
         /// Which node.
         node: NodeId,

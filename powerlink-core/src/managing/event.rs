@@ -57,7 +57,7 @@ pub enum MnEvent {
         code: AbortCode,
     },
     /// Process data of a node: [`inputs`](super::ManagingNode::inputs). That there are no valid ones any more is told once: a PRes
-    /// was lost or had no RD, or the node left `Operational`.
+    /// was lost, had no RD, was too long or showed another state than `Operational`, or the node left it.
     Inputs {
         /// Which.
         node: NodeId,
@@ -74,7 +74,7 @@ pub enum MnEvent {
         /// Of which node.
         node: NodeId,
     },
-    /// No SoC was sent when there should have been one: the cycle before was not over, or the managing node was called too late.
+    /// One SoC or more were not sent when they should have been: the cycle before was not over, or the managing node was called too late.
     CycleExceeded,
     /// A node reports an error.
     NodeError {
@@ -195,7 +195,7 @@ impl fmt::Display for MnEvent {
             Self::Inputs { node, is_valid: false } => write!(f, "no inputs of {node}"),
             Self::PresLost { node } => write!(f, "PRes of {node} lost"),
             Self::PresLate { node } => write!(f, "PRes of {node} late or unasked"),
-            Self::CycleExceeded => f.write_str("cycle exceeded"),
+            Self::CycleExceeded => f.write_str("SoC left out"),
             Self::NodeError { node, code } => write!(f, "{node} reports an error: {code}"),
             Self::NmtRequested { from, command, target } => {
                 write!(f, "{from} asks for {command} for {target}")

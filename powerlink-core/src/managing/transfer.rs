@@ -127,8 +127,7 @@ impl<'p, const N: usize, const DATA: usize, const SDO: usize> ManagingNode<'p, N
         let (plan, station) = (*self.plans.get(index)?, self.stations.get(index)?);
         let is_due = !station.has_configuration;
         let all = configuration(plan, station.limits, self.config.multiplexed_cycles).filter(|_| is_due);
-        let micros = self.config.cycle_micros()?;
-        let last = (CYCLE_LENGTH, number(micros.into(), 4), false);
+        let last = (CYCLE_LENGTH, number(self.cycle_micros().into(), 4), false);
         all.chain([last]).nth(station.step.into())
     }
 

@@ -72,6 +72,25 @@ fn a_pres_without_rd_ends_them_once() {
     assert_eq!(said(&mut net), [inputs(false), inputs(true)]);
 }
 
+/// RD counts in `Operational` only: EPSG DS 301.
+#[test]
+fn a_pres_of_another_state_ends_them_once() {
+    let mut net = running(1);
+    let is_pres = is_pres(&net);
+    let mut left = 2;
+    net.segment.add_fault(move |passage| {
+        if !is_pres(passage) || left == 0 {
+            return Fate::Pass;
+        }
+        left -= 1;
+        let mut bytes = passage.bytes.to_vec();
+        bytes[17] = NmtStateCode::READY_TO_OPERATE.0;
+        Fate::Replace(bytes)
+    });
+    net.run(50);
+    assert_eq!(said(&mut net), [inputs(false), inputs(true)]);
+}
+
 /// The cable is cut: first the inputs are gone, then the node.
 #[test]
 fn a_node_that_is_lost_has_none() {
@@ -108,6 +127,17 @@ fn a_node_that_begins_anew_is_lost_with_a_reason() {
     assert_eq!(events[0], MnEvent::NodeLost { node: NODE, reason }, "{events:?}");
     assert!(matches!(events[1], MnEvent::NodeChanged { to: NodePhase::Absent, .. }), "{events:?}");
     assert_eq!(events[2], inputs(false), "{events:?}");
+    // It has reset itself: it is asked who it is, and told nothing before.
+    net.run(20);
+    let first = net.segment.take_records().into_iter().find_map(|record| match record {
+        Record::Frame(frame) => match Frame::parse(&frame.bytes).unwrap().body {
+            Body::IdentResponse(_) => Some("asked"),
+            Body::NmtCommand(_) => Some("told"),
+            _ => None,
+        },
+        _ => None,
+    });
+    assert_eq!(first, Some("asked"));
 }
 
 #[test]

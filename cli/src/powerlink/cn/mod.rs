@@ -50,8 +50,10 @@ pub(super) fn run(args: &CnArgs, json: bool) -> Result<Exit, Failure> {
         News::Link(event) => log.link(now, event),
         News::Time => log.time(now),
     };
-    session.run(&mut node, tell, |_| false)?;
-    log.end(session.now(), &node.state(), node.counters())?;
+    let ran = session.run(&mut node, tell, |_| false);
+    let ended = log.end(session.now(), &node.state(), node.counters());
+    // The first failure is the one that is told.
+    ran.and(ended.map_err(Failure::from))?;
     session.finish()?;
     Ok(if node.error_led() { Exit::Findings } else { Exit::Done })
 }

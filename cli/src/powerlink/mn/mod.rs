@@ -46,7 +46,7 @@ pub(super) fn run(args: &MnArgs, json: bool) -> Result<Exit, Failure> {
         |machine, now, news| tell(machine, now, news, &mut inputs, &mut log),
         |_| false,
     );
-    if ran.is_err() {
+    if ran.as_ref().is_err_and(|failure| !matches!(failure, Failure::Transport(_))) {
         silence(&mut session, &mut log);
     }
     let is_complete = machine.is_complete();
@@ -110,19 +110,23 @@ fn reset_all(
     let is_alone = |machine: &Machine<'_>| {
         machine.plans().iter().all(|plan| machine.phase(plan.node) == Some(NodePhase::Absent))
     };
+    let mut ran = Ok(());
     if !is_alone(machine) {
         session.end_soon();
         // It is a command for nodes.
         let _ = machine.command_all(NmtCommandId::RESET_NODE);
-        session.run(machine, |machine, now, news| tell(machine, now, news, inputs, log), is_alone)?;
+        ran = session.run(machine, |machine, now, news| tell(machine, now, news, inputs, log), is_alone);
         match is_alone(machine) {
+            _ if ran.is_err() => {}
             true => output::note("told every node NMTResetNode"),
             false => output::warn("the nodes could not be told NMTResetNode: they notice the loss of SoC"),
         }
     }
     let (state, counters) = (machine.state(), *machine.counters());
     machine.stop(session.now());
-    Ok(log.end(session.now(), &state, &counters)?)
+    let ended = log.end(session.now(), &state, &counters);
+    // The first failure is the one that is told.
+    ran.and(ended.map_err(Failure::from))
 }
 
 fn tell(

@@ -8,8 +8,11 @@ use link_core::ethernet::{Action, Input, MAX_FRAME, Machine};
 
 use super::MAC;
 use crate::ethernet::group;
+use crate::managing::machine::Timer;
 use crate::managing::{Config, ManagingNode, MnEvent, MnState, NodePhase, NodePlan};
-use crate::wire::{AsyncRequest, Body, Flags, Frame, MessageType, NmtStateCode, PdoVersion, Pres};
+use crate::wire::{
+    AsyncRequest, Body, Flags, Frame, MessageType, NmtCommandId, NmtStateCode, PdoVersion, Pres,
+};
 use crate::{MacAddress, NodeId};
 
 /// A managing node on a driver with a clock of its own.
@@ -125,7 +128,12 @@ fn a_cycle_that_was_missed_is_not_made_up_for() {
     assert_eq!(of(10_000), left_out(1));
     assert_eq!(of(19_845), left_out(1));
     assert_eq!(of(39_845), left_out(2));
-    assert_eq!(of(20_000), left_out(2));
+    // That of the cycle which it is by then is in time, or a little late.
+    let resumed = |first, second, time, cycles| {
+        (vec_of([first, second, 20_000, 20_000]), vec_of([time, 20_000, 20_000, 20_000]), cycles, 1)
+    };
+    assert_eq!(of(20_000), resumed(40_000, 20_000, 40_000, 1));
+    assert_eq!(of(45_000), resumed(65_000, 15_000, 60_000, 2));
     assert_eq!(of(74_000), left_out(4));
 }
 
@@ -187,6 +195,48 @@ fn a_time_out_counts_from_when_the_question_was_sent() {
     let lost = driver.until(|driver| driver.events.contains(&MnEvent::PresLost { node: NodeId(1) }));
     assert_eq!(lost.saturating_since(asked), millis(2) + Duration::from_nanos(2 * 6_720));
     assert_eq!(driver.mn.counters().lost_pres, 1);
+}
+
+/// The slot of a command begins with its SoA, however long the command takes to leave.
+#[test]
+fn an_own_frame_that_leaves_late_does_not_lengthen_its_slot() {
+    let mut driver = Driver::operational();
+    driver.until_rest();
+    driver.mn.command_all(NmtCommandId::ENABLE_READY_TO_OPERATE).unwrap();
+    driver.until_soc();
+    let mut buffer = [0; MAX_FRAME];
+    // The SoA, and then the command, 1 ms after it.
+    let at = driver.mn.deadline().unwrap().at;
+    driver.mn.input(at, Input::Tick);
+    assert!(
+        matches!(driver.mn.poll(at, &mut buffer), Some(Action::Transmit(bytes)) if bytes[14] == MessageType::SOA.0)
+    );
+    driver.mn.sent(at);
+    let over = driver.mn.timers.at(Timer::Slot);
+    assert!(
+        matches!(driver.mn.poll(at, &mut buffer), Some(Action::Transmit(bytes)) if bytes[14] == MessageType::ASND.0)
+    );
+    driver.mn.sent(at + Duration::from_millis(1));
+    assert_eq!(driver.mn.timers.at(Timer::Slot), over);
+}
+
+/// It is not in the queue of events, and pending nevertheless.
+#[test]
+fn the_end_of_inputs_is_fetched_at_once() {
+    let mut driver = Driver::operational();
+    driver.until_rest();
+    let now = driver.mn.timers.now();
+    for station in &mut driver.mn.stations {
+        (station.inputs_valid, station.told_inputs) = (true, true);
+    }
+    for (index, node) in [(0, 1), (1, 2)] {
+        driver.mn.end_inputs(index);
+        assert_eq!(driver.mn.deadline().map(|next| next.at), Some(now));
+        let event = MnEvent::Inputs { node: NodeId(node), is_valid: false };
+        assert_eq!(driver.mn.poll(now, &mut [0; MAX_FRAME]), Some(Action::Event(event)));
+    }
+    assert_eq!(driver.mn.poll(now, &mut [0; MAX_FRAME]), None);
+    assert!(driver.mn.deadline().unwrap().at > now);
 }
 
 /// Whether the driver tells the moment of sending or not, where it is the same.

@@ -81,6 +81,16 @@ impl Check<'_> {
         self.number(&mut config.status_threshold, raw.status_threshold.as_ref(), 1, 255)?;
         self.number(&mut config.state_threshold, raw.state_threshold.as_ref(), 1, 255)?;
         self.number(&mut config.check_cycles, raw.check_cycles.as_ref(), 0, 65_535)?;
+        // However long a cycle is, a node needs some of them to follow, and to answer.
+        let some_cycles =
+            config.cycle.saturating_mul(SOME_CYCLES * u32::from(config.multiplexed_cycles.max(1)));
+        let waits = [
+            (&mut config.command_timeout, &raw.command_timeout),
+            (&mut config.sdo_timeout, &raw.sdo_timeout),
+        ];
+        for (default, _) in waits.into_iter().filter(|(_, said)| said.is_none()) {
+            *default = some_cycles.max(*default);
+        }
         config.follows_requests = raw.follows_requests.unwrap_or(config.follows_requests);
         config.asks_diagnostic_device = raw.asks_diagnostic_device.unwrap_or(config.asks_diagnostic_device);
         Ok(config)
@@ -309,6 +319,8 @@ fn time(value: &Spanned<Time>) -> Duration {
 }
 
 /// Programs on computers need longer than the 25 and 100 us of the specification.
+/// In which a node follows a command, and answers over SDO.
+const SOME_CYCLES: u32 = 10;
 const PRES_TIMEOUT: Duration = Duration::from_millis(1);
 const ASYNC_SLOT: Duration = Duration::from_millis(1);
 /// In ns; as the network of openPOWERLINK's demonstration has it. SoC comes late where a computer sends it or hears it.

@@ -113,6 +113,21 @@ mod tests {
     }
 
     #[test]
+    fn nodes_have_some_cycles_to_follow_and_to_answer() {
+        let waits = |text: &str| {
+            let config = parse("a.toml", text).unwrap().config;
+            (config.command_timeout.as_millis(), config.sdo_timeout.as_millis())
+        };
+        let node = "[[node]]\nnode = 1\n";
+        assert_eq!(waits(node), (500, 1_000));
+        assert_eq!(waits(&format!("cycle = \"80ms\"\n{node}")), (800, 1_000));
+        assert_eq!(waits(&format!("cycle = \"1s\"\n{node}")), (10_000, 10_000));
+        let multiplexed = format!("cycle = \"100ms\"\nmultiplexed_cycles = 3\n{node}");
+        assert_eq!(waits(&multiplexed), (3_000, 3_000));
+        assert_eq!(waits(&format!("cycle = \"1s\"\nsdo_timeout = \"2s\"\n{node}")), (10_000, 2_000));
+    }
+
+    #[test]
     fn objects_follow_one_another_unless_an_offset_is_given() {
         let text = "[[node]]\nnode = 1\nmap_inputs = [{ object = \"0x6000/1\", bits = 8 }, { object = \"0x6401/1\", bits = 16 }, \
                     { object = \"0x6000/2\", bits = 8, offset = 64 }]";

@@ -1,6 +1,7 @@
 //! Where a network stands in its file: what is wrong with the whole has a place there, too.
 
 use core::ops::Range;
+use core::time::Duration;
 
 use powerlink_core::NodeId;
 use powerlink_core::managing::{ConfigError, Direction};
@@ -75,7 +76,14 @@ impl NodePlaces {
 fn words(error: &ConfigError) -> String {
     match error {
         ConfigError::Cycle { cycle, needed } => {
-            format!("a cycle of {} is too short: it needs {}", Time(*cycle), Time(*needed))
+            let needed =
+                Duration::from_micros(needed.as_nanos().div_ceil(1_000).try_into().unwrap_or(u64::MAX));
+            format!(
+                "a cycle of {} is too short: it needs {} for its frames and waits (`wait_soc_preq`, each \
+                 `pres_timeout`, `async_slot`)",
+                Time(*cycle),
+                Time(needed)
+            )
         }
         ConfigError::CycleLength { cycle } => {
             format!("a cycle of {}; expected whole microseconds, at most 4294.967295s", Time(*cycle))
