@@ -119,8 +119,8 @@ pub struct CnArgs {
     "\
 It listens for another managing node first, then resets, identifies, configures and starts every node, and brings back those that are \
 lost. What happens is printed, one line each, until Ctrl-C or --for; process data when they change, and what comes again and again, such \
-as bad frames and errors, once a second with its number. Times are seconds since the first line, which says when that was. At its end it resets every node, so that none goes on alone. It is a small managing node, \
-for tests and demonstrations.
+as bad frames and errors, once a second with its number. Times are seconds since the first line, which says when that was. At its \
+end it resets every node, so that none goes on alone. It is a small managing node, for tests and demonstrations.
 
 FILE is a network file in TOML. Times have a unit, numbers may be hexadecimal; only [[node]] with its number is required. What is \
 given here are the defaults, unless it says otherwise:
@@ -145,7 +145,7 @@ pub struct MnArgs {
     /// How to take part.
     #[command(flatten)]
     pub station: StationArgs,
-    /// The network
+    /// The network; - reads standard input
     pub file: PathBuf,
 }
 

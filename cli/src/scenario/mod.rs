@@ -38,9 +38,7 @@ impl Scenario {
     /// # Errors
     /// The first defect of the text, or that it cannot be read.
     pub fn from_stdin() -> Result<Self, ScenarioError> {
-        let mut bytes = Vec::new();
-        let read = std::io::stdin().lock().read_to_end(&mut bytes);
-        Self::from_bytes("(standard input)", read.map(|_| bytes), None)
+        Self::from_bytes(STANDARD_INPUT, standard_input(), None)
     }
 
     fn from_bytes(
@@ -48,18 +46,7 @@ impl Scenario {
         bytes: std::io::Result<Vec<u8>>,
         folder: Option<&Path>,
     ) -> Result<Self, ScenarioError> {
-        let bytes = bytes
-            .map_err(|error| ScenarioError::of_file(name, format!("the scenario cannot be read: {error}")))?;
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let valid =
-                String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]).into_owned();
-            ScenarioError::at(
-                name,
-                &valid,
-                &(valid.len()..valid.len()),
-                "this is not UTF-8; expected a TOML text",
-            )
-        })?;
+        let text = toml_text(name, "scenario", bytes)?;
         Self::parse(name, &text, folder.unwrap_or(Path::new("")))
     }
 
@@ -76,6 +63,39 @@ impl Scenario {
     pub fn parse(file: &str, text: &str, folder: &Path) -> Result<Self, ScenarioError> {
         check::scenario(file, text, folder)
     }
+}
+
+/// The name of standard input in errors.
+pub(crate) const STANDARD_INPUT: &str = "(standard input)";
+
+/// All of standard input.
+pub(crate) fn standard_input() -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    std::io::stdin().lock().read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The text of a file that was read, a `what`.
+///
+/// # Errors
+/// It could not be read, or is no text.
+pub(crate) fn toml_text(
+    name: &str,
+    what: &str,
+    bytes: std::io::Result<Vec<u8>>,
+) -> Result<String, ScenarioError> {
+    let bytes =
+        bytes.map_err(|error| ScenarioError::of_file(name, format!("the {what} cannot be read: {error}")))?;
+    String::from_utf8(bytes).map_err(|error| {
+        let valid =
+            String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]).into_owned();
+        ScenarioError::at(
+            name,
+            &valid,
+            &(valid.len()..valid.len()),
+            "this is not UTF-8; expected a TOML text",
+        )
+    })
 }
 
 #[cfg(test)]

@@ -2,7 +2,9 @@
 
 use rustix::process::Signal;
 
-use crate::rig::{Cable, NODE_OPERATIONAL, OUTPUTS, controlled, is_running, managing, running};
+use crate::rig::{
+    Cable, NODE_OPERATIONAL, OUTPUTS, Process, controlled, devicenet, is_running, managing, running,
+};
 
 #[test]
 #[ignore = "needs a namespace"]
@@ -25,6 +27,24 @@ fn process_data_go_both_ways() {
     node.until("Operational -> ResetApplication: NMTResetNode");
     node.until("outputs 000000, not valid");
     assert_eq!(node.interrupted().code, 0);
+}
+
+/// What the node does not take is an object that the file does not name: its mapping.
+#[test]
+#[ignore = "needs a namespace"]
+fn a_mapping_that_a_node_refuses_is_named() {
+    let cable = Cable::new("ref0", "ref1");
+    let path = std::env::temp_dir().join(format!("devicenet-refused-{}.toml", std::process::id()));
+    let map = "map_inputs = [{ object = \"0x6000/1\", bits = 8 }, { object = \"0x7000/1\", bits = 16 }]";
+    std::fs::write(&path, format!("[[node]]\nnode = 1\n{map}\n")).unwrap();
+    let _node = controlled(cable.0, &[]);
+    let command = ["powerlink", "mn", cable.1, path.to_str().unwrap(), "--allow-tx"];
+    let mut manager = Process::spawn(&mut devicenet(&command));
+    manager.until("node 1 does not take 0x1A00/0");
+    let manager = manager.interrupted();
+    let note = "note: node 1: 0x1A00/0 is its `map_inputs`: 0x6000/1 of 8 bits, 0x7000/1 of 16 bits";
+    assert!(manager.err.contains(note), "{}", manager.err);
+    std::fs::remove_file(&path).unwrap();
 }
 
 #[test]

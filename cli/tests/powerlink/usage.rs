@@ -1,5 +1,6 @@
 //! What is wrong is said in one line, and with the exit code that it has everywhere.
 
+use std::io::Write as _;
 use std::process::Command;
 
 use crate::rig::{Cable, devicenet};
@@ -111,6 +112,16 @@ fn a_wrong_network_file_is_told_with_the_place() {
             "expected index and sub-index",
         ),
         (
+            "[[node]]\nnode = 1\nmap_inputs = [{ object = \"6000/1\", bits = 8 }]",
+            ":3:26",
+            "expected index and sub-index of an object, such as \"0x6200/1\"",
+        ),
+        (
+            "[[node]]\nnode = 1\nasync_only = true\nmap_inputs = [{ object = \"0x6000/1\", bits = 8 }]",
+            ":4:15",
+            "a node with `async_only` is not polled, and has no process data",
+        ),
+        (
             "[[node]]\nnode = 1\nmap_inputs = [{ object = \"0x6000/1\" }]",
             ":3:15",
             "`bits`, the length of the object, is missing",
@@ -188,6 +199,22 @@ fn a_network_that_cannot_be_is_told() {
         assert!(error.starts_with(&format!("{file}:{place}: {words}")) && !error.contains('µ'), "{error}");
     }
     std::fs::remove_file(&path).unwrap();
+}
+
+/// A network file may come from standard input; a text of another encoding is told where it begins to be one.
+#[test]
+fn a_network_is_read_from_standard_input() {
+    for (bytes, error) in [
+        (&b"cycle = 20\n[[node]]\nnode = 1"[..], "(standard input):1:9: "),
+        (b"cycle = \xFF\xFE", "(standard input):1:9: this is not UTF-8; expected a TOML text"),
+        (b"[[node]]\nnode = 1", "there is no interface nosuch0"),
+    ] {
+        let (input, mut writer) = std::io::pipe().unwrap();
+        writer.write_all(bytes).unwrap();
+        drop(writer);
+        let (_, told) = refused(mn("nosuch0", "-").arg("--allow-tx").stdin(input));
+        assert!(told.starts_with(error), "{told}");
+    }
 }
 
 /// The help is the reference of the network file.

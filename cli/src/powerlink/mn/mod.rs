@@ -9,6 +9,7 @@ use std::io;
 use link_core::Instant;
 use link_core::ethernet::Port as _;
 use powerlink_core::NodeId;
+use powerlink_core::dictionary::ObjectAddress;
 use powerlink_core::managing::{ManagingNode, MnEvent, MnState, NodePhase, NodePlan};
 use powerlink_core::wire::NmtCommandId;
 
@@ -138,10 +139,36 @@ fn tell(
 ) -> io::Result<()> {
     match news {
         News::Event(MnEvent::Inputs { node, .. }) => inputs.tell(node, machine.inputs(node), now, log),
-        News::Event(event) => log.event(now, &event),
+        News::Event(event) => {
+            if let MnEvent::ConfigurationAborted { node, at, .. } = event
+                && let Some(origin) = origin(machine, node, at)
+            {
+                output::note(origin);
+            }
+            log.event(now, &event)
+        }
         News::Link(event) => log.link(now, event),
         News::Time => log.time(now),
     }
+}
+
+/// What in the network file an object comes from that the file does not name itself.
+fn origin(machine: &Machine<'_>, node: NodeId, at: ObjectAddress) -> Option<String> {
+    let plan = machine.plans().iter().find(|plan| plan.node == node)?;
+    let (key, mapping) = match (at.index, at.sub) {
+        (0x1600, _) => ("map_outputs", plan.outputs),
+        (0x1A00, _) => ("map_inputs", plan.inputs),
+        (0x1F98, 4) => return Some(format!("{node}: {at} is its `preq_limit` of {}", plan.preq_limit)),
+        (0x1F98, 5) => return Some(format!("{node}: {at} is its `pres_limit` of {}", plan.pres_limit)),
+        _ => return None,
+    };
+    let entries = match at.sub.checked_sub(1) {
+        Some(entry) => mapping.get(usize::from(entry)..=usize::from(entry))?,
+        None => mapping,
+    };
+    let objects: Vec<String> =
+        entries.iter().map(|entry| format!("{} of {} bits", entry.object, entry.length)).collect();
+    Some(format!("{node}: {at} is its `{key}`: {}", objects.join(", ")))
 }
 
 /// What is not as it should be.

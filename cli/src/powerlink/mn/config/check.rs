@@ -140,6 +140,10 @@ impl Check<'_> {
         plan.pdo_version = PdoVersion(version);
         let map_outputs = self.mapping(&raw.map_outputs, ("preq_limit", plan.preq_limit))?;
         let map_inputs = self.mapping(&raw.map_inputs, ("pres_limit", plan.pres_limit))?;
+        let polled = raw.map_outputs.iter().chain(&raw.map_inputs).map(Spanned::span).next();
+        if let Some(span) = polled.filter(|_| plan.is_async_only) {
+            return self.fail(&span, "a node with `async_only` is not polled, and has no process data");
+        }
         let outputs = self.bytes(raw.outputs.as_ref())?;
         let mapped = NodePlan { outputs: &map_outputs, ..plan }.output_len();
         if let Some(given) =
@@ -237,7 +241,7 @@ impl Check<'_> {
         let bits = 8 * u32::from(len);
         let fits = bits == 64 || (-(1_i64 << (bits - 1))..1_i64 << bits).contains(&number);
         if !fits {
-            return self.fail(&value.span(), format!("{number} does not fit into {len} bytes"));
+            return self.fail(&value.span(), format!("{number} does not fit into {}", ByteCount(len.into())));
         }
         Ok(number.to_le_bytes().into_iter().take(len.into()).collect())
     }
@@ -249,7 +253,9 @@ impl Check<'_> {
     ) -> Result<ObjectAddress, ScenarioError> {
         let Some(name) = name else { return self.fail(table, "`object` is missing") };
         let address = name.get_ref().split_once('/').and_then(|(index, sub)| {
-            let (index, sub) = (unsigned(index)?, unsigned(sub)?);
+            // Nobody writes an index in decimal: one without 0x is a slip.
+            let index = unsigned(index).filter(|_| index.to_ascii_lowercase().starts_with("0x"))?;
+            let sub = unsigned(sub)?;
             Some(ObjectAddress::new(u16::try_from(index).ok()?, u8::try_from(sub).ok()?))
         });
         match address {

@@ -10,7 +10,7 @@ use powerlink_core::dictionary::ObjectAddress;
 use powerlink_core::managing::{Config, NodePlan, ObjectWrite};
 use powerlink_core::pdo::MappingEntry;
 
-use crate::scenario::ScenarioError;
+use crate::scenario::{STANDARD_INPUT, ScenarioError, standard_input, toml_text};
 use places::Places;
 
 /// What the file says. The help of the command is its reference.
@@ -42,10 +42,11 @@ struct Write {
 
 impl Network {
     pub(super) fn load(path: &Path) -> Result<Self, ScenarioError> {
-        let file = path.display().to_string();
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| ScenarioError::of_file(&file, format!("the network cannot be read: {error}")))?;
-        check::parse(&file, &text)
+        let (file, bytes) = match path == Path::new("-") {
+            true => (STANDARD_INPUT.into(), standard_input()),
+            false => (path.display().to_string(), std::fs::read(path)),
+        };
+        check::parse(&file, &toml_text(&file, "network", bytes)?)
     }
 
     /// What is written to each node, for [`plans`](Self::plans).
