@@ -241,8 +241,9 @@ impl<'p> NodePlan<'p> {
             if usize::from(limit) > room || limit < MIN_LIMIT {
                 return Err(ConfigError::DataLimit { node, direction, limit, room });
             }
-            if mapping.len() > MOST_MAPPED.into() {
-                return Err(ConfigError::TooManyMapped { node, direction, mapped: mapping.len() });
+            let (mapped, most) = (mapping.len(), usize::from(MOST_MAPPED));
+            if mapped > most {
+                return Err(ConfigError::TooManyMapped { node, direction, mapped, room: most });
             }
             let mut ends = mapping.iter().map(|mapped| (mapped.object, end(mapped))).enumerate();
             if let Some((entry, (at, len))) = ends.find(|(_, (_, end))| *end > usize::from(limit)) {

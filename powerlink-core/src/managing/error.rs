@@ -67,14 +67,16 @@ pub enum ConfigError {
         limit: u16,
     },
     /// A mapping has more objects than sub-indices.
-    #[error("{node}: {direction}: {mapped} objects: a mapping has room for 254")]
+    #[error("{node}: {direction}: {mapped} objects: a mapping has room for {room}")]
     TooManyMapped {
         /// Which node.
         node: NodeId,
-        /// Which mapping; its first entry without a sub-index is at place 254, counted from 0.
+        /// Which mapping.
         direction: Direction,
         /// How many there are.
         mapped: usize,
+        /// How many have a sub-index: the place of the first one without, counted from 0.
+        room: usize,
     },
     /// A value is longer than the SDO buffer.
     #[error("{node}: {at} has {len} bytes: there is room for {room}")]

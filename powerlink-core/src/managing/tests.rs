@@ -75,7 +75,7 @@ fn a_mapping_has_at_most_254_objects() {
     };
     assert_eq!(make(254, 254), Ok(()));
     for mapped in [255, 256, 280] {
-        let too_many = |direction| Err(ConfigError::TooManyMapped { node, direction, mapped });
+        let too_many = |direction| Err(ConfigError::TooManyMapped { node, direction, mapped, room: 254 });
         assert_eq!(make(mapped, 0), too_many(Direction::Outputs));
         assert_eq!(make(0, mapped), too_many(Direction::Inputs));
     }

@@ -51,7 +51,7 @@ impl NodePlaces {
     fn place(&self, error: &ConfigError) -> Range<usize> {
         let place = match *error {
             ConfigError::Mapping { direction, entry, .. } => self.mapped(direction).get(entry),
-            ConfigError::TooManyMapped { direction, .. } => self.mapped(direction).get(MOST_MAPPED),
+            ConfigError::TooManyMapped { direction, room, .. } => self.mapped(direction).get(room),
             ConfigError::Value { write, .. } => self.writes.get(write),
             ConfigError::MultiplexedSlot { .. } => self.multiplexed_slot.as_ref(),
             ConfigError::TooManyNodes { .. }
@@ -91,6 +91,3 @@ fn words(error: &ConfigError) -> String {
         other => other.to_string(),
     }
 }
-
-/// The sub-indices of a mapping object.
-const MOST_MAPPED: usize = 254;
