@@ -54,6 +54,11 @@ pub(crate) fn seconds(at: Instant, decimals: u8) -> String {
     String::from_utf8_lossy(&out).into_owned()
 }
 
+/// The same as a number.
+pub(crate) fn seconds_number(at: Instant, decimals: u8) -> f64 {
+    seconds(at, decimals).parse().unwrap_or_default()
+}
+
 /// Seconds since an earlier moment; 0 before it: `0.563104 s`.
 pub(crate) fn seconds_since(origin: Instant, at: Instant, decimals: u8) -> String {
     let since = Instant::from_nanos(at.as_nanos().saturating_sub(origin.as_nanos()));

@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::decode::meaning::Meaning;
 use crate::recording::RecordedFrame;
 use crate::table::{Cell, Table};
-use crate::text::{seconds, seconds_since};
+use crate::text::{seconds, seconds_number, seconds_since};
 
 /// One entry for each kind of problem, of which there is a fixed number.
 #[derive(Debug, Default)]
@@ -100,11 +100,7 @@ impl Problems {
             problem: code,
             severity: *severity,
             frames: *count,
-            first: FirstRecord {
-                n: first.n,
-                t: seconds(first.at, first.digits).parse().unwrap_or_default(),
-                text: &first.words,
-            },
+            first: FirstRecord { n: first.n, t: seconds_number(first.at, first.digits), text: &first.words },
         })
     }
 }

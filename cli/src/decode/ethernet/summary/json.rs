@@ -1,6 +1,5 @@
 //! The summary as JSON, one object a line.
 
-use link_core::Instant;
 use powerlink_core::NodeId;
 use powerlink_core::monitor::{Cycle, Monitor, NodeRecord};
 use serde::Serialize;
@@ -8,6 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::{Abort, Count, Network, Summary, Transfers};
 use crate::histogram::Histogram;
+use crate::text::seconds_number;
 
 impl Summary {
     /// As JSON, one object a line: first the network, then its nodes, its SDO connections, what was refused, which errors nodes report, its
@@ -97,7 +97,7 @@ impl Network {
         put(&mut record, "mac_address", known.mac.map(|mac| mac.to_string()));
         put(&mut record, "nmt_state", known.state.map(|state| state.to_string()));
         let history = known.history.iter().map(|change| {
-            json!({ "t": seconds(change.at, self.digits), "n": change.n, "nmt_state": change.state.to_string() })
+            json!({ "t": seconds_number(change.at, self.digits), "n": change.n, "nmt_state": change.state.to_string() })
         });
         put(&mut record, "states", Some(history.collect::<Vec<_>>()));
         put(&mut record, "states_forgotten", Some(known.forgotten).filter(|forgotten| *forgotten > 0));
@@ -109,11 +109,6 @@ impl Network {
         put(&mut record, "identity", known.ident.as_ref().map(powerlink_core::monitor::IdentityFields));
         record
     }
-}
-
-/// A moment with the decimals of the capture.
-fn seconds(at: Instant, digits: u8) -> f64 {
-    crate::text::seconds(at, digits).parse().unwrap_or_default()
 }
 
 /// One line.

@@ -8,7 +8,7 @@ use powerlink_core::wire::{Body, ErrorCode};
 use serde_json::{Value, json};
 
 use crate::table::{Cell, Table};
-use crate::text::{seconds, seconds_since};
+use crate::text::{seconds_number, seconds_since};
 
 /// Each error of a node, with the frame that told it first.
 #[derive(Debug, Default)]
@@ -111,7 +111,7 @@ impl Reports {
         let told = self.told.iter().map(|(Report { node, by, code }, Told { count, first, at, digits })| {
             let mut record = json!({
                 "node": node, "error": code, "by": by.name(), "count": count,
-                "first": { "n": first, "t": seconds(*at, *digits).parse::<f64>().unwrap_or_default() },
+                "first": { "n": first, "t": seconds_number(*at, *digits) },
             });
             if let Some(name) = code.name() {
                 record["error_name"] = name.into();
