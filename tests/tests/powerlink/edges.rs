@@ -167,7 +167,7 @@ fn foreign_soc() -> Vec<u8> {
 }
 
 /// A StatusResponse of node 1, at its MAC address, with EC=1, as after a power cycle.
-fn restarted() -> Vec<u8> {
+pub(crate) fn restarted() -> Vec<u8> {
     let status = StatusResponse {
         flags: Flags::EXCEPTION_CLEAR,
         request: AsyncRequest::NONE,

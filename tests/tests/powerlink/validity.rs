@@ -1,13 +1,12 @@
 //! Whether the inputs of a node count: that they do not any more is told at once, and once.
 
 use devicenet_tests::powerlink::{Event, Mn, Net, Station, config, plan};
-use powerlink_core::ethernet::group;
+use powerlink_core::NodeId;
 use powerlink_core::managing::{Config, MnEvent, NodePhase};
-use powerlink_core::wire::{
-    AsyncRequest, Body, ErrorCode, Flags, Frame, MessageType, NmtCommandId, NmtStateCode, StatusResponse,
-};
-use powerlink_core::{MacAddress, NodeId};
+use powerlink_core::wire::{Body, ErrorCode, Flags, Frame, MessageType, NmtCommandId, NmtStateCode};
 use transport_mock::ethernet::{Fate, Passage, Record, SegmentConfig, nth};
+
+use crate::edges::restarted;
 
 const NODE: NodeId = NodeId(1);
 
@@ -44,6 +43,20 @@ fn is_pres(net: &Net) -> impl Fn(&Passage<'_>) -> bool + use<> {
     move |passage| (passage.from, passage.to) == (from, to) && passage.bytes[14] == MessageType::PRES.0
 }
 
+/// Changes the next PRes on their way to the managing node.
+fn spoil(net: &mut Net, mut left: u8, change: impl Fn(&mut [u8]) + 'static) {
+    let is_pres = is_pres(net);
+    net.segment.add_fault(move |passage| {
+        if !is_pres(passage) || left == 0 {
+            return Fate::Pass;
+        }
+        left -= 1;
+        let mut bytes = passage.bytes.to_vec();
+        change(&mut bytes);
+        Fate::Replace(bytes)
+    });
+}
+
 #[test]
 fn with_the_first_pres_that_is_lost_there_are_none_and_with_the_next_there_are() {
     let mut net = running(1);
@@ -55,17 +68,7 @@ fn with_the_first_pres_that_is_lost_there_are_none_and_with_the_next_there_are()
 #[test]
 fn a_pres_without_rd_ends_them_once() {
     let mut net = running(1);
-    let is_pres = is_pres(&net);
-    let mut left = 5;
-    net.segment.add_fault(move |passage| {
-        if !is_pres(passage) || left == 0 {
-            return Fate::Pass;
-        }
-        left -= 1;
-        let mut bytes = passage.bytes.to_vec();
-        bytes[18] &= !Flags::DATA_VALID.bits();
-        Fate::Replace(bytes)
-    });
+    spoil(&mut net, 5, |pres| pres[18] &= !Flags::DATA_VALID.bits());
     net.run(10);
     assert_eq!(net.mn(|mn, _| mn.inputs(NODE).map(<[u8]>::to_vec)), None);
     net.run(40);
@@ -76,17 +79,7 @@ fn a_pres_without_rd_ends_them_once() {
 #[test]
 fn a_pres_of_another_state_ends_them_once() {
     let mut net = running(1);
-    let is_pres = is_pres(&net);
-    let mut left = 2;
-    net.segment.add_fault(move |passage| {
-        if !is_pres(passage) || left == 0 {
-            return Fate::Pass;
-        }
-        left -= 1;
-        let mut bytes = passage.bytes.to_vec();
-        bytes[17] = NmtStateCode::READY_TO_OPERATE.0;
-        Fate::Replace(bytes)
-    });
+    spoil(&mut net, 2, |pres| pres[17] = NmtStateCode::READY_TO_OPERATE.0);
     net.run(50);
     assert_eq!(said(&mut net), [inputs(false), inputs(true)]);
 }
@@ -110,17 +103,7 @@ fn a_node_that_is_lost_has_none() {
 #[test]
 fn a_node_that_begins_anew_is_lost_with_a_reason() {
     let mut net = running(1);
-    let status = StatusResponse {
-        flags: Flags::EXCEPTION_CLEAR,
-        request: AsyncRequest::NONE,
-        state: NmtStateCode::PRE_OPERATIONAL_1,
-        static_errors: [0; 8],
-        entries: Default::default(),
-    };
-    let (source, to) = (MacAddress([2, 0, 0, 0, 0, 1]), NodeId::BROADCAST);
-    let body = Body::StatusResponse(status);
-    let frame = Frame { destination: group::ASND, source, to, from: NODE, body };
-    net.segment.inject(frame.emit(&mut [0; 128]).unwrap());
+    net.segment.inject(&restarted());
     net.run(1);
     let events = said(&mut net);
     let reason = ErrorCode::WRONG_STATE;

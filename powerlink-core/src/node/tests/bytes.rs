@@ -2,6 +2,7 @@
 //! verdict of openPOWERLINK 2.7.2 were sent to its controlled node.
 
 use super::bench::*;
+use super::resets::COMMUNICATING;
 use crate::error::Symptom;
 use crate::nmt::NmtState;
 use crate::node::{NodeCounters, NodeEvent};
@@ -113,18 +114,9 @@ fn foreign_addresses_are_dropped() {
 /// cycle does not know of it.
 #[test]
 fn a_poll_of_another_node_is_ignored() {
-    const STATES: [NmtState; 7] = [
-        NmtState::NotActive,
-        NmtState::PreOperational1,
-        NmtState::PreOperational2,
-        NmtState::ReadyToOperate,
-        NmtState::Operational,
-        NmtState::Stopped,
-        NmtState::BasicEthernet,
-    ];
     for from in [0, 1, 2, 239, 241, 250, 252, 253, 254, 255] {
         let frame = std::format!("0200000000010200000000f088ab0301{from:02x}000100000001007700");
-        for state in STATES {
+        for state in COMMUNICATING {
             let (mut bench, counters) = hears(state, &frame);
             bench.says_nothing();
             bench.is(state);

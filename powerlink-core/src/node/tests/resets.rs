@@ -9,7 +9,8 @@ use super::transitions::{busy, ways};
 use crate::nmt::{Cause, NmtState};
 use crate::wire::{Flags, NmtCommandId, RequestedService};
 
-const COMMUNICATING: [NmtState; 7] = [
+/// Those in which a node hears frames.
+pub(super) const COMMUNICATING: [NmtState; 7] = [
     NmtState::NotActive,
     NmtState::PreOperational1,
     NmtState::PreOperational2,
