@@ -65,8 +65,8 @@ impl MissingSocs {
     /// One is noticed. Returns whether it is another one.
     fn notice(&mut self, event: CycleEvent) -> bool {
         if event == CycleEvent::SocTimeout {
-            self.is_timed |= self.ahead == 0;
             let is_new = self.ahead == 0;
+            self.is_timed |= is_new;
             self.ahead = self.ahead.saturating_sub(1);
             return is_new;
         }

@@ -84,12 +84,11 @@ impl Check<'_> {
         // However long a cycle is, a node needs some of them to follow, and to answer.
         let some_cycles =
             config.cycle.saturating_mul(SOME_CYCLES * u32::from(config.multiplexed_cycles.max(1)));
-        let waits = [
-            (&mut config.command_timeout, &raw.command_timeout),
-            (&mut config.sdo_timeout, &raw.sdo_timeout),
-        ];
-        for (default, _) in waits.into_iter().filter(|(_, said)| said.is_none()) {
-            *default = some_cycles.max(*default);
+        if raw.command_timeout.is_none() {
+            config.command_timeout = config.command_timeout.max(some_cycles);
+        }
+        if raw.sdo_timeout.is_none() {
+            config.sdo_timeout = config.sdo_timeout.max(some_cycles);
         }
         config.follows_requests = raw.follows_requests.unwrap_or(config.follows_requests);
         config.asks_diagnostic_device = raw.asks_diagnostic_device.unwrap_or(config.asks_diagnostic_device);
