@@ -14,7 +14,7 @@
 
 use core::fmt;
 
-use super::timing::{Watchdog, time_out};
+use super::timing::Watchdog;
 use super::{ConnectionState, EXPLICIT_PACKET_RATE, Settings, TimerResolution, WatchdogAction};
 use crate::code::GeneralStatus;
 
@@ -55,14 +55,6 @@ pub enum ExplicitCause {
     Released,
     /// The node is no longer on line.
     NetworkLost,
-}
-
-/// What a transition does with the watchdog.
-#[derive(Clone, Copy)]
-enum Then {
-    Keep,
-    Stop,
-    Start,
 }
 
 /// A transition.
@@ -122,7 +114,7 @@ impl ExplicitConnection {
         match self.state {
             ExplicitState::Established | ExplicitState::DeferredDelete => {
                 self.enter(ExplicitState::Established, ExplicitCause::Message);
-                self.watchdog()
+                Watchdog::Start
             }
             ExplicitState::NonExistent => Watchdog::Keep,
         }
@@ -138,27 +130,27 @@ impl ExplicitConnection {
         let (next, then) = match (self.state, cause) {
             (State::NonExistent, Cause::Opened) => {
                 self.settings = DEFAULTS;
-                (State::Established, Then::Start)
+                (State::Established, Watchdog::Start)
             }
             (State::Established | State::DeferredDelete, Cause::Opened) => {
                 return Err(GeneralStatus::ALREADY_IN_REQUESTED_STATE);
             }
             (State::Established, Cause::Message | Cause::PacketRateSet | Cause::Reset)
-            | (State::DeferredDelete, Cause::Message) => (State::Established, Then::Start),
+            | (State::DeferredDelete, Cause::Message) => (State::Established, Watchdog::Start),
             (State::Established, Cause::WatchdogExpired { io_established: true })
                 if self.settings.watchdog_action == WatchdogAction::DEFERRED_DELETE =>
             {
-                (State::DeferredDelete, Then::Stop)
+                (State::DeferredDelete, Watchdog::Stop)
             }
             (State::Established, Cause::WatchdogExpired { .. } | Cause::Released | Cause::NetworkLost)
             | (State::DeferredDelete, Cause::IoEnded | Cause::Released | Cause::NetworkLost) => {
-                (State::NonExistent, Then::Stop)
+                (State::NonExistent, Watchdog::Stop)
             }
             (State::NonExistent, Cause::PacketRateSet | Cause::Reset | Cause::Released) => {
                 return Err(GeneralStatus::OBJECT_DOES_NOT_EXIST);
             }
             // Served through another connection: what arrives on this one has established it again by then.
-            (State::DeferredDelete, Cause::PacketRateSet) => (self.state, Then::Keep),
+            (State::DeferredDelete, Cause::PacketRateSet) => (self.state, Watchdog::Keep),
             (State::DeferredDelete, Cause::Reset) => return Err(GeneralStatus::OBJECT_STATE_CONFLICT),
             (
                 State::NonExistent,
@@ -168,11 +160,7 @@ impl ExplicitConnection {
             | (State::DeferredDelete, Cause::WatchdogExpired { .. }) => return Ok(Watchdog::Keep),
         };
         self.enter(next, cause);
-        Ok(match then {
-            Then::Keep => Watchdog::Keep,
-            Then::Stop => Watchdog::Stop,
-            Then::Start => self.watchdog(),
-        })
+        Ok(then)
     }
 
     /// The one door between states.
@@ -182,11 +170,6 @@ impl ExplicitConnection {
         #[cfg(test)]
         super::tests::record_explicit(edge);
         self.state = next;
-    }
-
-    #[inline]
-    const fn watchdog(&self) -> Watchdog {
-        Watchdog::start(time_out(self.settings.expected_packet_rate, self.settings.multiplier))
     }
 }
 

@@ -17,7 +17,7 @@
 
 use core::fmt;
 
-use super::timing::{FIRST_TIME_OUT_MILLIS, Watchdog, time_out};
+use super::timing::Watchdog;
 use super::{
     ConnectionState, PredefinedConnection, Settings, TimerResolution, TransportClassTrigger, WatchdogAction,
 };
@@ -63,17 +63,6 @@ pub enum IoCause {
     ExplicitGone,
     /// The node is no longer on line.
     NetworkLost,
-}
-
-/// What a transition does with the watchdog.
-#[derive(Clone, Copy)]
-enum Then {
-    Keep,
-    Stop,
-    /// For T.
-    Start,
-    /// For T, but at least 10 s.
-    StartFirst,
 }
 
 /// A transition.
@@ -168,7 +157,7 @@ impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
         match self.state {
             IoState::Established => {
                 self.enter(IoState::Established, IoCause::Message);
-                self.watchdog(0)
+                self.watchdog(Watchdog::Start)
             }
             IoState::Configuring | IoState::TimedOut => {
                 self.enter(self.state, IoCause::Message);
@@ -183,7 +172,7 @@ impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
     pub fn handle(&mut self, cause: IoCause) -> Result<Watchdog, GeneralStatus> {
         let (next, then) = match (self.state, cause) {
             (IoState::NonExistent | IoState::TimedOut, IoCause::Allocated) => {
-                (IoState::Configuring, Then::Stop)
+                (IoState::Configuring, Watchdog::Stop)
             }
             (IoState::Configuring | IoState::Established, IoCause::Allocated) => {
                 return Err(GeneralStatus::ALREADY_IN_REQUESTED_STATE);
@@ -200,7 +189,7 @@ impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
                 return Err(GeneralStatus::OBJECT_DOES_NOT_EXIST);
             }
             (IoState::Configuring, IoCause::PacketRateSet | IoCause::Applied) => {
-                (IoState::Established, Then::StartFirst)
+                (IoState::Established, Watchdog::StartFirst)
             }
             (IoState::Configuring, IoCause::Reset)
             | (IoState::Established | IoState::TimedOut, IoCause::Applied) => {
@@ -209,19 +198,19 @@ impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
             }
             (_, IoCause::Message) => return Ok(self.message()),
             (IoState::Established, IoCause::PacketRateSet | IoCause::Reset)
-            | (IoState::TimedOut, IoCause::Reset) => (IoState::Established, Then::Start),
+            | (IoState::TimedOut, IoCause::Reset) => (IoState::Established, Watchdog::Start),
             (IoState::Established, IoCause::WatchdogExpired) => match self.settings.watchdog_action {
-                WatchdogAction::AUTO_DELETE => (IoState::NonExistent, Then::Stop),
-                WatchdogAction::AUTO_RESET => (IoState::Established, Then::Start),
-                _ => (IoState::TimedOut, Then::Stop),
+                WatchdogAction::AUTO_DELETE => (IoState::NonExistent, Watchdog::Stop),
+                WatchdogAction::AUTO_RESET => (IoState::Established, Watchdog::Start),
+                _ => (IoState::TimedOut, Watchdog::Stop),
             },
             (
                 IoState::Configuring | IoState::Established | IoState::TimedOut,
                 IoCause::Released | IoCause::NetworkLost,
             )
-            | (IoState::Configuring, IoCause::ExplicitGone) => (IoState::NonExistent, Then::Stop),
+            | (IoState::Configuring, IoCause::ExplicitGone) => (IoState::NonExistent, Watchdog::Stop),
             (IoState::Configuring | IoState::Established | IoState::TimedOut, IoCause::Served)
-            | (IoState::TimedOut, IoCause::PacketRateSet) => (self.state, Then::Keep),
+            | (IoState::TimedOut, IoCause::PacketRateSet) => (self.state, Watchdog::Keep),
             (
                 IoState::NonExistent,
                 IoCause::WatchdogExpired | IoCause::ExplicitGone | IoCause::NetworkLost,
@@ -230,12 +219,7 @@ impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
             | (IoState::Established | IoState::TimedOut, IoCause::ExplicitGone) => return Ok(Watchdog::Keep),
         };
         self.enter(next, cause);
-        Ok(match then {
-            Then::Keep => Watchdog::Keep,
-            Then::Stop => Watchdog::Stop,
-            Then::Start => self.watchdog(0),
-            Then::StartFirst => self.watchdog(FIRST_TIME_OUT_MILLIS),
-        })
+        Ok(self.watchdog(then))
     }
 
     /// The one door between states.
@@ -247,12 +231,12 @@ impl<K: Copy + Into<TransportClassTrigger>> IoConnection<K> {
         self.state = next;
     }
 
-    /// For T, but at least for so many milliseconds.
+    /// Where nothing arrives, nothing is waited for.
     #[inline]
-    fn watchdog(&self, least: u32) -> Watchdog {
-        match time_out(self.settings.expected_packet_rate, self.settings.multiplier) {
-            Some(millis) if self.consumes => Watchdog::Start { millis: millis.max(least) },
-            Some(_) | None => Watchdog::Stop,
+    const fn watchdog(&self, then: Watchdog) -> Watchdog {
+        match then {
+            Watchdog::Start | Watchdog::StartFirst if !self.consumes => Watchdog::Stop,
+            _ => then,
         }
     }
 }

@@ -9,15 +9,18 @@
 //! [`ConnectionView`].
 //!
 //! ```
-//! use cip_core::connection::{IoCause, IoConnection, IoState, PredefinedConnection, TimerResolution, Watchdog};
+//! use cip_core::connection::{IoCause, IoConnection, IoState, PredefinedConnection};
+//! use cip_core::connection::{TimeoutMultiplier, TimerResolution, Watchdog};
 //!
 //! let mut poll = IoConnection::NON_EXISTENT;
 //! poll.allocate(PredefinedConnection::Poll)?;
 //! // The master sets the expected packet rate to 75 ms, and the connection is established.
 //! let (used, watchdog) = poll.set_packet_rate(75, TimerResolution::DEFAULT)?;
 //! assert_eq!((used, poll.state()), (80, IoState::Established));
-//! assert_eq!(watchdog, Watchdog::Start { millis: 10_000 }, "the first message may take that long");
-//! assert_eq!(poll.handle(IoCause::Message), Ok(Watchdog::Start { millis: 320 }));
+//! let millis = |watchdog: Watchdog| watchdog.millis(used, TimeoutMultiplier::default());
+//! assert_eq!(millis(watchdog), Some(10_000), "the first message may take that long");
+//! assert_eq!(poll.handle(IoCause::Message), Ok(Watchdog::Start));
+//! assert_eq!(millis(Watchdog::Start), Some(320));
 //! assert_eq!(poll.handle(IoCause::WatchdogExpired), Ok(Watchdog::Stop));
 //! assert_eq!(poll.state(), IoState::TimedOut);
 //! # Ok::<(), cip_core::code::GeneralStatus>(())

@@ -78,8 +78,13 @@ fn io_states() -> [IoConnection; 6] {
 
 fn opened() -> ExplicitConnection {
     let mut connection = ExplicitConnection::NON_EXISTENT;
-    assert_eq!(connection.handle(ExplicitCause::Opened), Ok(Watchdog::Start { millis: 10_000 }));
+    let waits = connection.handle(ExplicitCause::Opened);
+    assert_eq!(waits.map(|watchdog| millis(watchdog, connection.settings())), Ok(Some(10_000)));
     connection
+}
+
+fn millis(watchdog: Watchdog, settings: &Settings) -> Option<u32> {
+    watchdog.millis(settings.expected_packet_rate(), settings.multiplier())
 }
 
 fn deferred() -> ExplicitConnection {
@@ -148,18 +153,19 @@ fn services_are_refused_by_state() {
 fn the_first_message_has_ten_seconds_and_the_following_four_rates() {
     let mut connection = configuring();
     assert_eq!(connection.handle(IoCause::Message), Ok(Watchdog::Keep));
-    let set = connection.set_packet_rate(75, TimerResolution::DEFAULT);
-    assert_eq!(set, Ok((80, Watchdog::Start { millis: 10_000 })));
-    for cause in [IoCause::Message, IoCause::PacketRateSet, IoCause::Reset] {
-        assert_eq!(connection.handle(cause), Ok(Watchdog::Start { millis: 320 }), "{cause}");
-    }
-    let again = connection.set_packet_rate(3594, TimerResolution::DEFAULT);
-    assert_eq!(again, Ok((3600, Watchdog::Start { millis: 14_400 })));
-    let never = connection.set_packet_rate(0, TimerResolution::DEFAULT);
-    assert_eq!(never, Ok((0, Watchdog::Stop)));
-    assert_eq!(connection.handle(IoCause::Message), Ok(Watchdog::Stop));
+    let mut set = |millis_asked: u16| {
+        let (used, watchdog) = connection.set_packet_rate(millis_asked, TimerResolution::DEFAULT).unwrap();
+        let first = millis(watchdog, connection.settings());
+        let then = [IoCause::Message, IoCause::PacketRateSet, IoCause::Reset]
+            .map(|cause| millis(connection.handle(cause).unwrap(), connection.settings()));
+        (used, first, then)
+    };
+    assert_eq!(set(75), (80, Some(10_000), [Some(320); 3]));
+    assert_eq!(set(3594), (3600, Some(14_400), [Some(14_400); 3]));
+    assert_eq!(set(0), (0, None, [None; 3]));
     let mut applied = configuring();
-    assert_eq!(applied.handle(IoCause::Applied), Ok(Watchdog::Stop), "the rate is 0 until it is set");
+    let watchdog = applied.handle(IoCause::Applied).unwrap();
+    assert_eq!(millis(watchdog, applied.settings()), None, "the rate is 0 until it is set");
     assert_eq!(applied.state(), IoState::Established);
 }
 
@@ -181,7 +187,8 @@ fn a_connection_that_timed_out_keeps_a_new_rate_for_its_reset() {
     let mut connection = timed_out();
     let set = connection.set_packet_rate(20, TimerResolution::DEFAULT);
     assert_eq!((set, connection.state()), (Ok((20, Watchdog::Keep)), IoState::TimedOut));
-    assert_eq!(connection.handle(IoCause::Reset), Ok(Watchdog::Start { millis: 80 }));
+    let reset = connection.handle(IoCause::Reset);
+    assert_eq!(reset.map(|watchdog| millis(watchdog, connection.settings())), Ok(Some(80)));
     let mut connection = timed_out();
     connection.allocate(PredefinedConnection::BitStrobe).unwrap();
     assert_eq!((connection.state(), connection.settings().expected_packet_rate()), (IoState::Configuring, 0));
@@ -192,7 +199,7 @@ fn the_action_decides_about_a_time_out() {
     for (action, state, watchdog) in [
         (WatchdogAction::TRANSITION_TO_TIMED_OUT, IoState::TimedOut, Watchdog::Stop),
         (WatchdogAction::AUTO_DELETE, IoState::NonExistent, Watchdog::Stop),
-        (WatchdogAction::AUTO_RESET, IoState::Established, Watchdog::Start { millis: 320 }),
+        (WatchdogAction::AUTO_RESET, IoState::Established, Watchdog::Start),
     ] {
         let mut connection = established(action);
         assert_eq!(connection.handle(IoCause::WatchdogExpired), Ok(watchdog));
@@ -222,7 +229,7 @@ fn actions_and_inhibit_times_out_of_range_are_refused() {
 #[test]
 fn an_explicit_connection_waits_ten_seconds_and_defers_its_end_if_it_is_told_to() {
     let mut connection = opened();
-    assert_eq!(connection.handle(ExplicitCause::Message), Ok(Watchdog::Start { millis: 10_000 }));
+    assert_eq!(connection.handle(ExplicitCause::Message), Ok(Watchdog::Start));
     assert_eq!(connection.handle(ExplicitCause::Opened), Err(GeneralStatus::ALREADY_IN_REQUESTED_STATE));
     let mut expired = connection.clone();
     let _ = expired.handle(ExplicitCause::WatchdogExpired { io_established: true });
@@ -231,18 +238,19 @@ fn an_explicit_connection_waits_ten_seconds_and_defers_its_end_if_it_is_told_to(
     let mut deferred = deferred();
     assert_eq!(deferred.state(), ExplicitState::DeferredDelete);
     let mut revived = deferred.clone();
-    assert_eq!(revived.handle(ExplicitCause::Message), Ok(Watchdog::Start { millis: 10_000 }));
+    assert_eq!(revived.handle(ExplicitCause::Message), Ok(Watchdog::Start));
     assert_eq!(revived.state(), ExplicitState::Established);
     let _ = revived.handle(ExplicitCause::WatchdogExpired { io_established: false });
     assert_eq!(revived.state(), ExplicitState::NonExistent, "action 3 without I/O");
     let _ = deferred.handle(ExplicitCause::IoEnded);
     assert_eq!(deferred.state(), ExplicitState::NonExistent);
-    assert_eq!(deferred.handle(ExplicitCause::Opened), Ok(Watchdog::Start { millis: 10_000 }));
+    assert_eq!(deferred.handle(ExplicitCause::Opened), Ok(Watchdog::Start));
     assert_eq!(deferred.settings().watchdog_action(), WatchdogAction::AUTO_DELETE, "defaults again");
 
     let mut patient = opened();
     let set = patient.set_packet_rate(0, TimerResolution::DEFAULT);
-    assert_eq!(set, Ok((0, Watchdog::Stop)));
+    let waits = set.map(|(used, watchdog)| (used, millis(watchdog, patient.settings())));
+    assert_eq!(waits, Ok((0, None)));
 }
 
 /// Konvolucio and ICP DAS print paths of assemblies in this form; the Acknowledge Handler as Omron E5AR prints it.

@@ -24,18 +24,21 @@ pub enum Watchdog {
     Keep,
     /// Let it run no longer.
     Stop,
-    /// Start it anew.
-    Start {
-        /// When it expires, from now on.
-        millis: u32,
-    },
+    /// Start it anew, for T.
+    Start,
+    /// Start it for the first message: for T, but at least 10 s.
+    StartFirst,
 }
 
 impl Watchdog {
-    pub(super) const fn start(time_out: Option<u32>) -> Self {
-        match time_out {
-            Some(millis) => Self::Start { millis },
-            None => Self::Stop,
+    /// When it expires, from now on, under the expected packet rate and the multiplier of the connection; `None`: it does not run.
+    /// Without a meaning for [`Keep`](Self::Keep).
+    #[inline]
+    pub const fn millis(self, expected_packet_rate: u16, multiplier: TimeoutMultiplier) -> Option<u32> {
+        match self {
+            Self::Keep | Self::Stop => None,
+            Self::Start => time_out(expected_packet_rate, multiplier),
+            Self::StartFirst => first_time_out(expected_packet_rate, multiplier),
         }
     }
 }
@@ -58,6 +61,9 @@ impl TimerResolution {
         }
     }
 
+    /// 1 ms, with which no rate is rounded.
+    pub const FINEST: Self = Self(NonZeroU16::MIN);
+
     /// In milliseconds.
     pub const fn millis(self) -> u16 {
         self.0.get()
@@ -66,6 +72,9 @@ impl TimerResolution {
     /// The rate that the device uses when it is asked for `requested` milliseconds: the next multiple, 0 for 0; `None` if
     /// that does not fit into 16 bits.
     pub const fn round_up(self, requested: u16) -> Option<u16> {
+        if self.millis() == 1 {
+            return Some(requested);
+        }
         match remainder(requested, self.millis()) {
             0 => Some(requested),
             rest => requested.checked_add(self.millis().saturating_sub(rest)),

@@ -96,7 +96,7 @@ bitflags::bitflags! {
         const SHUTDOWN_MESSAGE = 1 << 3;
         /// Choices other than the defaults: [`options`](super::Config::options), [`failures`](super::Config::failures),
         /// [`resolution`](super::Config::resolution) and [`receive_time_out`](super::Config::receive_time_out), and those of
-        /// [network access](crate::access::Config).
+        /// [network access](crate::access::Config). Without it every millisecond is an expected packet rate: none is rounded.
         const CHOICES = 1 << 4;
         /// What a DeviceNet object need not have: the attributes 6 to 10 and 12, which are
         /// [switches](super::Slave::set_switches), [Quick Connect](crate::access::Config::quick_connect) and

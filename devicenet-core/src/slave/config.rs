@@ -38,7 +38,8 @@ pub struct Config {
     pub access: access::Config,
     /// The bit rate: DeviceNet object, attribute 2.
     pub bit_rate: BitRateConfig,
-    /// The steps in which connections count time. Default: 10 ms.
+    /// The steps in which connections count time. Default: 10 ms; without
+    /// [`Parts::CHOICES`](super::Parts::CHOICES) a slave counts each.
     pub resolution: TimerResolution,
     /// How some errors are answered.
     pub failures: FailureOptions,

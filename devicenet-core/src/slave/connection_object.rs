@@ -254,7 +254,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
 }
 
 /// Whether an instance has the attributes 17 and 18.
-const fn has_optional_attributes<A: Application>() -> bool {
+pub(super) const fn has_optional_attributes<A: Application>() -> bool {
     A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) || changes::<A>()
 }
 

@@ -1,7 +1,7 @@
 //! Explicit connections that clients open through the UCMM: instances 6 and up of the Connection object.
 
 use cip_core::code::GeneralStatus;
-use cip_core::connection::{ExplicitCause, ExplicitConnection, ExplicitState, Settings};
+use cip_core::connection::{ExplicitCause, ExplicitConnection, ExplicitState, Settings, Watchdog};
 use cip_core::message::BodyFormat;
 use link_core::Instant;
 
@@ -9,7 +9,7 @@ use super::application::Application;
 use super::event::{SlaveEvent, count};
 use super::machine::{DynamicTransfer, Slave};
 use super::node::{Changed, Node};
-use super::timer::{Timer, apply};
+use super::timer::Timer;
 use crate::id::{Identifier, MacId};
 
 /// One of them, open or not.
@@ -99,7 +99,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         };
         let from = dynamic.connection.state();
         let result = dynamic.connection.handle(cause);
-        let to = dynamic.connection.state();
+        let (to, settings) = (dynamic.connection.state(), *dynamic.connection.settings());
         #[cfg(test)]
         super::tests::edges::record_explicit(from, cause, to);
         if from != to {
@@ -107,7 +107,12 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             self.changed.insert(Changed::CONNECTIONS);
         }
         if let Some(timers) = self.dynamic_timers.get_mut(usize::from(index)) {
-            apply(timers, Timer::Explicit, result?);
+            let watchdog = result?;
+            match watchdog.millis(settings.expected_packet_rate(), settings.multiplier()) {
+                Some(millis) => timers.set_after_millis(Timer::Explicit, millis),
+                None if watchdog != Watchdog::Keep => timers.clear(Timer::Explicit),
+                None => {}
+            }
         }
         Ok(())
     }

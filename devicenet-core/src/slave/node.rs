@@ -5,7 +5,7 @@ use core::marker::PhantomData;
 use cip_core::code::GeneralStatus;
 use cip_core::connection::{
     ExplicitCause, ExplicitConnection, ExplicitState, IoCause, IoConnection, IoState, PredefinedConnection,
-    Settings, TimerResolution, Watchdog,
+    Settings, TimeoutMultiplier, TimerResolution, Watchdog,
 };
 use cip_core::message::AllocationChoice;
 use cip_core::object::{AcknowledgeSettings, FailureOptions};
@@ -14,14 +14,14 @@ use link_core::{Instant, Timers};
 
 use super::application::{Application, IoKind, IoMode, Parts};
 use super::config::{Choices, Config, Options};
-use super::connection_object::Which;
+use super::connection_object::{Which, has_optional_attributes};
 use super::departure::Departure;
 use super::dynamic::Dynamic;
 use super::event::{Events, Ignored, SlaveEvent, count};
 use super::io::{LongMessages, Slots};
 use super::lines::Lines;
 use super::machine::changes;
-use super::timer::{Timer, apply};
+use super::timer::Timer;
 use crate::id::{Identifier, MacId};
 
 /// Everything in a slave that its objects look at and change.
@@ -122,7 +122,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
 
     /// The steps in which connections count time. Without [`Parts::CHOICES`] they are constants too.
     pub(super) fn resolution(&self) -> TimerResolution {
-        if A::PARTS.contains(Parts::CHOICES) { self.resolution } else { TimerResolution::DEFAULT }
+        if A::PARTS.contains(Parts::CHOICES) { self.resolution } else { TimerResolution::FINEST }
     }
 
     /// A connection; one that is not offered does not exist.
@@ -167,7 +167,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         let from = self.io(kind).state();
         let result = self.io_mut(kind).handle(cause);
         self.io_moved(kind, from, cause);
-        apply(&mut self.timers, Timer::Io(kind), result?);
+        self.apply(Timer::Io(kind), result?);
         Ok(())
     }
 
@@ -223,15 +223,41 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         self.feed(Timer::Explicit, watchdog);
     }
 
-    /// [`apply`], where messages come so often that a call counts.
+    /// Does with a timer what a connection says.
+    #[inline(never)]
+    fn apply(&mut self, timer: Timer, watchdog: Watchdog) {
+        if watchdog != Watchdog::Keep {
+            match self.time_out(timer, watchdog) {
+                Some(millis) => self.timers.set_after_millis(timer, millis),
+                None => self.timers.clear(timer),
+            }
+        }
+    }
+
+    /// The same, where messages come so often that a call counts.
     #[inline]
     fn feed(&mut self, timer: Timer, watchdog: Watchdog) {
-        match watchdog {
-            _ if !A::PARTS.contains(Parts::FAST_WAYS) => apply(&mut self.timers, timer, watchdog),
-            Watchdog::Start { millis } => self.timers.set_after_millis_inline(timer, millis),
-            Watchdog::Stop => self.timers.clear(timer),
-            Watchdog::Keep => {}
+        if !A::PARTS.contains(Parts::FAST_WAYS) {
+            return self.apply(timer, watchdog);
         }
+        if watchdog != Watchdog::Keep {
+            match self.time_out(timer, watchdog) {
+                Some(millis) => self.timers.set_after_millis_inline(timer, millis),
+                None => self.timers.clear(timer),
+            }
+        }
+    }
+
+    /// After how many milliseconds the connection of a timer is over.
+    #[inline]
+    fn time_out(&self, timer: Timer, watchdog: Watchdog) -> Option<u32> {
+        let settings = match timer {
+            Timer::Io(kind) => self.io(kind).settings(),
+            _ => self.explicit.settings(),
+        };
+        let multiplier =
+            if has_optional_attributes::<A>() { settings.multiplier() } else { TimeoutMultiplier::default() };
+        watchdog.millis(settings.expected_packet_rate(), multiplier)
     }
 
     /// The one door of the predefined explicit connection.
@@ -239,7 +265,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         let from = self.explicit.state();
         let result = self.explicit.handle(cause);
         self.explicit_moved(from, cause);
-        apply(&mut self.timers, Timer::Explicit, result?);
+        self.apply(Timer::Explicit, result?);
         Ok(())
     }
 

@@ -1,7 +1,6 @@
 //! The waits of a slave.
 
-use cip_core::connection::Watchdog;
-use link_core::timers::{TimerKey, TimerSet};
+use link_core::timers::TimerKey;
 
 use super::application::IoKind;
 
@@ -126,13 +125,4 @@ const fn names<const N: usize>(timers: [Timer; N]) -> [&'static str; N] {
         (timers, rest) = (later, after);
     }
     names
-}
-
-/// Does with a timer what a connection says.
-pub(super) fn apply<K>(timers: &mut impl TimerSet<K>, key: K, watchdog: Watchdog) {
-    match watchdog {
-        Watchdog::Keep => {}
-        Watchdog::Stop => timers.clear(key),
-        Watchdog::Start { millis } => timers.set_after_millis(key, millis),
-    }
 }

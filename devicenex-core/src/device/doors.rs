@@ -31,7 +31,7 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
         let Some((slot, io)) = io(&mut self.slots, place) else { return Err(GONE) };
         let from = io.connection.state();
         let result = io.connection.handle(cause);
-        apply(slot.timers, *result.as_ref().unwrap_or(&Watchdog::Keep));
+        apply(slot.timers, io.connection.settings(), *result.as_ref().unwrap_or(&Watchdog::Keep));
         self.io_moved(place, from, cause);
         result.map(|_| ())
     }
@@ -42,7 +42,7 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
         let Some((slot, io)) = io(&mut self.slots, place) else { return Err(GONE) };
         let from = io.connection.state();
         let (used, watchdog) = io.connection.set_packet_rate(requested, resolution)?;
-        apply(slot.timers, watchdog);
+        apply(slot.timers, io.connection.settings(), watchdog);
         if io.connection.state() == IoState::Established && !io.trigger().is_server() {
             io.production.start_trigger(io.connection.settings(), slot.timers);
         }
@@ -90,7 +90,7 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
         let Body::Explicit(explicit) = &mut slot.body else { return Err(GONE) };
         let from = explicit.connection.state();
         let result = explicit.connection.handle(cause);
-        apply(&mut slot.timers, *result.as_ref().unwrap_or(&Watchdog::Keep));
+        apply(&mut slot.timers, explicit.connection.settings(), *result.as_ref().unwrap_or(&Watchdog::Keep));
         self.explicit_moved(place, from, cause);
         result.map(|_| ())
     }
@@ -106,7 +106,7 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
         let Body::Explicit(explicit) = &mut slot.body else { return Err(GONE) };
         let from = explicit.connection.state();
         let (used, watchdog) = explicit.connection.set_packet_rate(requested, resolution)?;
-        apply(&mut slot.timers, watchdog);
+        apply(&mut slot.timers, explicit.connection.settings(), watchdog);
         self.explicit_moved(place, from, ExplicitCause::PacketRateSet);
         Ok(used)
     }

@@ -138,7 +138,8 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, M
         if let Some((slot, io)) = io(&mut self.slots, place) {
             #[cfg(test)]
             super::tests::edges::record_message(io.connection.state());
-            apply(slot.timers, io.connection.message());
+            let watchdog = io.connection.message();
+            apply(slot.timers, io.connection.settings(), watchdog);
         }
     }
 

@@ -1,6 +1,6 @@
 //! The waits of a connection.
 
-use cip_core::connection::{ProductionTimer, Watchdog};
+use cip_core::connection::{ProductionTimer, Settings, Watchdog};
 use cip_core::transfer::Wait;
 use link_core::Timers;
 use link_core::timers::TimerKey;
@@ -63,11 +63,13 @@ impl From<ProductionTimer> for Timer {
     }
 }
 
-/// Does with the inactivity timer what a connection says.
-pub(super) fn apply(timers: &mut Waits, watchdog: Watchdog) {
-    match watchdog {
-        Watchdog::Keep => {}
-        Watchdog::Stop => timers.clear(Timer::Watchdog),
-        Watchdog::Start { millis } => timers.set_after_millis(Timer::Watchdog, millis),
+/// Does with the inactivity timer what a connection with these settings says.
+pub(super) fn apply(timers: &mut Waits, settings: &Settings, watchdog: Watchdog) {
+    if watchdog == Watchdog::Keep {
+        return;
+    }
+    match watchdog.millis(settings.expected_packet_rate(), settings.multiplier()) {
+        Some(millis) => timers.set_after_millis(Timer::Watchdog, millis),
+        None => timers.clear(Timer::Watchdog),
     }
 }

@@ -117,13 +117,28 @@ fn a_small_slave_answers_as_a_complete_one() {
     }
 }
 
+/// Without choices there are no steps to which a rate is rounded.
+#[test]
+fn a_small_slave_takes_every_packet_rate_as_it_is() {
+    let mut complete = Bus::<Block, 0>::online(config(), block()).allocated(0x03);
+    let mut small = Bus::<Small, 0>::online(config(), Small(block())).allocated(0x03);
+    for (asked, rounded) in [(0, 0), (1, 10), (75, 80), (65_530, 65_530)] {
+        let [low, high] = u16::to_le_bytes(asked);
+        let answer = |used| [&[MASTER, 0x90], &u16::to_le_bytes(used)[..]].concat();
+        complete.hears(REQUEST, &[MASTER, 0x10, 0x05, 0x02, 0x09, low, high]);
+        assert_eq!(complete.response(), answer(rounded));
+        small.hears(REQUEST, &[MASTER, 0x10, 0x05, 0x02, 0x09, low, high]);
+        assert_eq!(small.response(), answer(asked));
+    }
+}
+
 /// Delete, Apply_Attributes, Find_Next_Object_Instance, the Reset of all instances, Get_Attributes_All of Identity.
 #[test]
 fn a_small_slave_has_the_services_that_a_connection_must_have() {
     let mut complete = Bus::<Block, 0>::online(config(), block()).allocated(0x03);
     let mut small = Bus::<Small, 0>::online(config(), Small(block())).allocated(0x03);
     let same: [&[u8]; 3] =
-        [&[0x0E, 0x05, 0x02, 0x01], &[0x10, 0x05, 0x02, 0x09, 0x4B, 0x00], &[0x05, 0x05, 0x02]];
+        [&[0x0E, 0x05, 0x02, 0x01], &[0x10, 0x05, 0x02, 0x09, 0x50, 0x00], &[0x05, 0x05, 0x02]];
     for body in same {
         let request = [&[MASTER], body].concat();
         complete.hears(REQUEST, &request);
