@@ -1,13 +1,13 @@
 //! Objects without tables.
 
 use super::serve::{NO_ATTRIBUTE, NO_INSTANCE};
-use super::{Call, Effect, Effects, Failure};
+use super::{Call, Failure};
 use crate::code::{AttributeId, GeneralStatus, ServiceCode};
 use crate::codec::Writer;
 
 /// An object that has no [tables](super::AttributeRule) of its attributes: [`get`](Self::get) and [`set`](Self::set) say
 /// themselves what there is, which is less code where they do so anyhow. It may be of one class or of another, as the request
-/// says.
+/// says. What is left to do after the response it notes itself.
 pub trait PlainObject {
     /// Whether there is the instance; 0 is the class.
     fn exists(&self, call: &Call<'_>) -> bool;
@@ -26,10 +26,10 @@ pub trait PlainObject {
         attribute: AttributeId,
         value: &[u8],
         out: &mut Writer<'_>,
-    ) -> Result<Effects, Failure>;
+    ) -> Result<(), Failure>;
 
     /// Carries out any other service, as [`Object::service`](super::Object::service) does.
-    fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure>;
+    fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<(), Failure>;
 }
 
 /// Carries out a request with the checks of [`serve`](super::serve), in the same order.
@@ -37,7 +37,7 @@ pub fn serve_plain<O: PlainObject>(
     object: &mut O,
     call: &Call<'_>,
     out: &mut Writer<'_>,
-) -> Result<Effects, Failure> {
+) -> Result<(), Failure> {
     if !object.exists(call) {
         return Err(NO_INSTANCE);
     }
@@ -48,7 +48,7 @@ pub fn serve_plain<O: PlainObject>(
             match object.get(call, attribute, out) {
                 Err(NO_ATTRIBUTE) => Err(NO_ATTRIBUTE),
                 _ if !rest.is_empty() => Err(GeneralStatus::TOO_MUCH_DATA.into()),
-                done => done.map(|()| Effects::NONE),
+                done => done,
             }
         }
         ServiceCode::SET_ATTRIBUTE_SINGLE if object.has_set(call) => {
@@ -58,7 +58,7 @@ pub fn serve_plain<O: PlainObject>(
                 Err(NOT_SETTABLE) if object.get(call, attribute, out) == Err(NO_ATTRIBUTE) => {
                     Err(NO_ATTRIBUTE)
                 }
-                done => done.map(|effects| effects.and(Effect::ATTRIBUTE_SET)),
+                done => done,
             }
         }
         _ => object.service(call, out),
@@ -71,7 +71,7 @@ const NOT_SETTABLE: Failure = Failure::new(GeneralStatus::ATTRIBUTE_NOT_SETTABLE
 mod tests {
     use super::*;
     use crate::code::{ClassId, InstanceId};
-    use crate::object::{AttributeRule, FailureOptions, Object, exact, respond_with, serve};
+    use crate::object::{AttributeRule, Effects, FailureOptions, Object, exact, respond_with, serve};
     use std::vec::Vec;
 
     /// Instance 1 has attribute 1, and 2 which can be set; instance 2 has attribute 1 alone. As an object with tables, and
@@ -136,15 +136,15 @@ mod tests {
             attribute: AttributeId,
             value: &[u8],
             _: &mut Writer<'_>,
-        ) -> Result<Effects, Failure> {
+        ) -> Result<(), Failure> {
             if attribute.0 != 2 {
                 return Err(NOT_SETTABLE);
             }
             self.0 = u16::from_le_bytes(exact(value)?);
-            Ok(Effects::NONE)
+            Ok(())
         }
 
-        fn service(&mut self, _: &Call<'_>, _: &mut Writer<'_>) -> Result<Effects, Failure> {
+        fn service(&mut self, _: &Call<'_>, _: &mut Writer<'_>) -> Result<(), Failure> {
             Err(GeneralStatus::SERVICE_NOT_SUPPORTED.into())
         }
     }
@@ -153,8 +153,8 @@ mod tests {
     fn answered(
         call: &Call<'_>,
         room: usize,
-        serve: impl FnOnce(&mut Toy, &Call<'_>, &mut Writer<'_>) -> Result<Effects, Failure>,
-    ) -> (Vec<u8>, Result<Effects, Failure>, u16) {
+        serve: impl FnOnce(&mut Toy, &Call<'_>, &mut Writer<'_>) -> Result<(), Failure>,
+    ) -> (Vec<u8>, Result<(), Failure>, u16) {
         let mut toy = Toy(0x1234);
         let mut buffer = [0; 8];
         let mut out = Writer::new(&mut buffer[..room]);
@@ -175,7 +175,10 @@ mod tests {
                 for room in [3, 8] {
                     let call = Call::new(ServiceCode(service), ClassId(0x64), InstanceId(instance), data);
                     let plain = answered(&call, room, serve_plain);
-                    assert_eq!(plain, answered(&call, room, serve), "{call:?}");
+                    let with_tables = |toy: &mut Toy, call: &Call<'_>, out: &mut Writer<'_>| {
+                        serve(toy, call, out).map(|_| ())
+                    };
+                    assert_eq!(plain, answered(&call, room, with_tables), "{call:?}");
                     set += usize::from(plain.2 != 0x1234);
                 }
             }

@@ -7,7 +7,7 @@ use cip_core::connection::{
     PredefinedConnection, TimeoutMultiplier, WatchdogAction,
 };
 use cip_core::epath::Epath;
-use cip_core::object::{Call, Effects, Failure, exact};
+use cip_core::object::{Call, Failure, exact, find_next_instance};
 
 use super::application::{Application, End, IoKind, Parts};
 use super::config::Options;
@@ -84,7 +84,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
         attribute: AttributeId,
         value: &[u8],
         out: &mut Writer<'_>,
-    ) -> Result<Effects, Failure> {
+    ) -> Result<(), Failure> {
         let which = self.server.which(instance).ok_or(GONE)?;
         match attribute.0 {
             5 => self.set_multicast_group(which, value)?,
@@ -118,10 +118,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
             }
             _ => return Err(NOT_SETTABLE),
         }
-        Ok(Effects::NONE)
+        Ok(())
     }
 
-    pub(super) fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+    pub(super) fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<(), Failure> {
         match call.service {
             ServiceCode::RESET if !call.instance.is_class() => {
                 call.no_data()?;
@@ -144,15 +144,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
                 self.server.node.io_step(kind, IoCause::Applied)?;
             }
             ServiceCode::FIND_NEXT_OBJECT_INSTANCE => {
-                return cip_core::object::find_next_instance(
-                    |instance| self.next_instance(instance),
-                    call,
-                    out,
-                );
+                // It only reads.
+                let _ = find_next_instance(|instance| self.next_instance(instance), call, out)?;
             }
             _ => return Err(NOT_SUPPORTED),
         }
-        Ok(Effects::NONE)
+        Ok(())
     }
 
     /// Attribute 5 of instance 5: the group whose command is consumed, while the connection is being configured.
@@ -258,7 +255,7 @@ pub(super) const fn has_optional_attributes<A: Application>() -> bool {
     A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) || changes::<A>()
 }
 
-const GONE: Failure = Failure::new(GeneralStatus::OBJECT_DOES_NOT_EXIST);
+pub(super) const GONE: Failure = Failure::new(GeneralStatus::OBJECT_DOES_NOT_EXIST);
 const NOT_SETTABLE: Failure = Failure::new(GeneralStatus::ATTRIBUTE_NOT_SETTABLE);
 const NOT_SUPPORTED: Failure = Failure::new(GeneralStatus::SERVICE_NOT_SUPPORTED);
 const ABSENT: Failure = Failure::new(GeneralStatus::ATTRIBUTE_NOT_SUPPORTED);

@@ -44,6 +44,10 @@ impl Departure {
         Self { why: Why::MacId(mac), door, stage: Stage::Response }
     }
 
+    pub(super) const fn is_reset(&self) -> bool {
+        matches!(self.why, Why::Reset(_))
+    }
+
     pub(super) const fn is_shutting_down(&self) -> bool {
         matches!(self.stage, Stage::Shutdown)
     }

@@ -2,7 +2,7 @@
 
 use cip_core::code::{AttributeId, GeneralStatus, ServiceCode};
 use cip_core::codec::Writer;
-use cip_core::object::{Call, Effects, Failure, exact};
+use cip_core::object::{Call, Failure, exact};
 use link_core::{BitRate, BusErrorKind, LinkEvent};
 
 use super::application::{Application, Parts};
@@ -94,7 +94,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
         Ok(out.u8(byte)?)
     }
 
-    pub(super) fn set(&mut self, attribute: AttributeId, value: &[u8]) -> Result<Effects, Failure> {
+    pub(super) fn set(&mut self, attribute: AttributeId, value: &[u8]) -> Result<(), Failure> {
         let invalid = Failure::new(GeneralStatus::INVALID_ATTRIBUTE_VALUE);
         match attribute.0 {
             ..=5 if !A::PARTS.contains(Parts::SETTINGS) => return Err(NOT_SETTABLE),
@@ -132,10 +132,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
             12 => self.0.port.diagnostics = Diagnostics::default(),
             _ => return Err(NOT_SETTABLE),
         }
-        Ok(Effects::NONE)
+        Ok(())
     }
 
-    pub(super) fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+    pub(super) fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<(), Failure> {
         match call.service {
             ServiceCode::ALLOCATE if !call.instance.is_class() => {
                 self.0.node.allocate(self.0.offer(), self.0.requester, call.data, out)?;
@@ -145,7 +145,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
             }
             _ => return Err(GeneralStatus::SERVICE_NOT_SUPPORTED.into()),
         }
-        Ok(Effects::NONE)
+        Ok(())
     }
 }
 

@@ -1,11 +1,12 @@
 //! Explicit connections that clients open through the UCMM: instances 6 and up of the Connection object.
 
-use cip_core::code::GeneralStatus;
 use cip_core::connection::{ExplicitCause, ExplicitConnection, ExplicitState, Settings, Watchdog};
 use cip_core::message::BodyFormat;
+use cip_core::object::Failure;
 use link_core::Instant;
 
 use super::application::Application;
+use super::connection_object::GONE;
 use super::event::{SlaveEvent, count};
 use super::machine::{DynamicTransfer, Slave};
 use super::node::{Changed, Node};
@@ -93,9 +94,9 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     }
 
     /// The one door of a connection that was opened dynamically.
-    pub(super) fn dynamic_step(&mut self, index: u8, cause: ExplicitCause) -> Result<(), GeneralStatus> {
+    pub(super) fn dynamic_step(&mut self, index: u8, cause: ExplicitCause) -> Result<(), Failure> {
         let Some(dynamic) = self.dynamic.get_mut(usize::from(index)) else {
-            return Err(GeneralStatus::OBJECT_DOES_NOT_EXIST);
+            return Err(GONE);
         };
         let from = dynamic.connection.state();
         let result = dynamic.connection.handle(cause);
@@ -117,9 +118,9 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         Ok(())
     }
 
-    pub(super) fn dynamic_settings_mut(&mut self, index: u8) -> Result<&mut Settings, GeneralStatus> {
+    pub(super) fn dynamic_settings_mut(&mut self, index: u8) -> Result<&mut Settings, Failure> {
         let dynamic = self.dynamic.get_mut(usize::from(index));
-        dynamic.map(|one| one.connection.settings_mut()).ok_or(GeneralStatus::OBJECT_DOES_NOT_EXIST)
+        dynamic.map(|one| one.connection.settings_mut()).ok_or(GONE)
     }
 
     pub(super) fn dynamic_timed_out(&mut self, index: u8) {

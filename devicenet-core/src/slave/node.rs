@@ -2,13 +2,12 @@
 
 use core::marker::PhantomData;
 
-use cip_core::code::GeneralStatus;
 use cip_core::connection::{
     ExplicitCause, ExplicitConnection, ExplicitState, IoCause, IoConnection, IoState, PredefinedConnection,
     Settings, TimeoutMultiplier, TimerResolution, Watchdog,
 };
 use cip_core::message::AllocationChoice;
-use cip_core::object::{AcknowledgeSettings, FailureOptions};
+use cip_core::object::{AcknowledgeSettings, Failure, FailureOptions};
 use link_core::timers::TimerSet;
 use link_core::{Instant, Timers};
 
@@ -163,7 +162,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     }
 
     /// The one door of an I/O connection.
-    pub(super) fn io_step(&mut self, kind: IoKind, cause: IoCause) -> Result<(), GeneralStatus> {
+    pub(super) fn io_step(&mut self, kind: IoKind, cause: IoCause) -> Result<(), Failure> {
         let from = self.io(kind).state();
         let result = self.io_mut(kind).handle(cause);
         self.io_moved(kind, from, cause);
@@ -184,7 +183,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     }
 
     /// What a client has set on an instance.
-    pub(super) fn settings_mut(&mut self, which: Which) -> Result<&mut Settings, GeneralStatus> {
+    pub(super) fn settings_mut(&mut self, which: Which) -> Result<&mut Settings, Failure> {
         match which {
             Which::Explicit => Ok(self.explicit.settings_mut()),
             Which::Io(kind) => Ok(self.io_mut(kind).settings_mut()),
@@ -193,7 +192,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     }
 
     /// Sets attribute 9 of an instance, and returns what is used from now on.
-    pub(super) fn set_packet_rate(&mut self, which: Which, requested: u16) -> Result<u16, GeneralStatus> {
+    pub(super) fn set_packet_rate(&mut self, which: Which, requested: u16) -> Result<u16, Failure> {
         let resolution = self.resolution();
         let used = self.settings_mut(which)?.set_packet_rate(requested, resolution)?;
         match which {
@@ -261,7 +260,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     }
 
     /// The one door of the predefined explicit connection.
-    pub(super) fn explicit_step(&mut self, cause: ExplicitCause) -> Result<(), GeneralStatus> {
+    pub(super) fn explicit_step(&mut self, cause: ExplicitCause) -> Result<(), Failure> {
         let from = self.explicit.state();
         let result = self.explicit.handle(cause);
         self.explicit_moved(from, cause);

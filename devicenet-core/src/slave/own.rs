@@ -2,7 +2,7 @@
 
 use cip_core::code::{AttributeId, ClassId, GeneralStatus, ServiceCode};
 use cip_core::codec::Writer;
-use cip_core::object::{Call, Effects, Failure, PlainObject};
+use cip_core::object::{Call, Failure, PlainObject};
 
 use super::application::{Application, Parts};
 use super::connection_object::ConnectionObject;
@@ -49,7 +49,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> PlainObject
         attribute: AttributeId,
         value: &[u8],
         out: &mut Writer<'_>,
-    ) -> Result<Effects, Failure> {
+    ) -> Result<(), Failure> {
         match call.class {
             ClassId::CONNECTION => {
                 ConnectionObject { server: self }.set(call.instance, attribute, value, out)
@@ -58,12 +58,14 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> PlainObject
         }
     }
 
-    fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+    fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<(), Failure> {
         match call.class {
             ClassId::CONNECTION => ConnectionObject { server: self }.service(call, out),
             ClassId::DEVICENET => DeviceNetObject(self).service(call, out),
             _ if call.service == ServiceCode::RESET && !call.instance.is_class() => {
-                self.identity().reset(call)
+                let effects = self.identity().reset(call)?;
+                self.carry_out(effects);
+                Ok(())
             }
             _ => Err(GeneralStatus::SERVICE_NOT_SUPPORTED.into()),
         }

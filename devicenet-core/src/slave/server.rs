@@ -60,7 +60,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
         let call = self.call(body)?;
         count::<A>(&mut self.node.events.counters.requests);
         let done = match call {
-            Ok(call) => self.perform(&call, out).map(|effects| self.carry_out(&call, effects)),
+            Ok(call) => self.perform(&call, out).map(|()| self.tell(&call)),
             Err(failure) => {
                 // Three bytes, for which every buffer has room.
                 let _ = failure.emit(out);
@@ -75,11 +75,11 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
 
     /// Carries out a service, and writes its response.
     #[inline(never)]
-    pub(super) fn perform(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+    pub(super) fn perform(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<(), Failure> {
         respond_with(call, self.node.failures(), out, |out| self.serve(call, out))
     }
 
-    fn serve(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+    fn serve(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<(), Failure> {
         // Paths come through dynamic connections only: this tells the compiler so.
         let by_ids = Call::new(call.service, call.class, call.instance, call.data);
         let call = if DYNAMIC == 0 { &by_ids } else { call };
@@ -92,7 +92,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
                 let mut identity = self.identity();
                 let effects = serve(&mut identity, call, out)?;
                 self.node.heartbeat_interval = identity.heartbeat_interval;
-                Ok(effects)
+                self.carry_out(effects);
+                Ok(())
             }
             ClassId::IDENTITY | ClassId::DEVICENET | ClassId::CONNECTION => serve_plain(self, call, out),
             _ => self.serve_others(call, out),
@@ -122,8 +123,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
         offered::<A>().intersection(device)
     }
 
-    /// What the service leaves to be done, and to be told.
-    fn carry_out(&mut self, call: &Call<'_>, effects: Effects) {
+    /// What a service leaves to be done.
+    pub(super) fn carry_out(&mut self, effects: Effects) {
         if let Some(kind) = effects.reset_type() {
             self.node.departure = Some(Departure::reset(kind, self.requester.door));
             return;
@@ -138,7 +139,14 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
         if !for_application.is_empty() {
             self.node.events.raise::<A>(SlaveEvent::Effect(for_application));
         }
-        // What the unconnected port is there for is told as an allocation.
+    }
+
+    /// Tells of a service that has changed something. What the unconnected port is there for is told as an allocation, a reset when
+    /// it takes place.
+    fn tell(&mut self, call: &Call<'_>) {
+        if self.node.departure.is_some_and(|departure| departure.is_reset()) {
+            return;
+        }
         if !call.service.is_question() && self.requester.door != Door::Unconnected {
             let (class, instance, service) = (call.class, call.instance, call.service);
             self.node.report(SlaveEvent::Changed { class, instance, service });
@@ -160,7 +168,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
     }
 
     #[inline(never)]
-    fn serve_others(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<Effects, Failure> {
+    fn serve_others(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<(), Failure> {
         let served = if call.class == ClassId::ACKNOWLEDGE_HANDLER && A::IO.intersects(BOTH) {
             let established = self.node.io(IoKind::ChangeOfState).state() == IoState::Established;
             let mut handler = AcknowledgeHandler::new(&mut self.node.acknowledge);
@@ -169,7 +177,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
         } else {
             self.application.objects().serve(call, out)
         };
-        served.unwrap_or(Err(GeneralStatus::OBJECT_DOES_NOT_EXIST.into()))
+        let effects = served.unwrap_or(Err(GeneralStatus::OBJECT_DOES_NOT_EXIST.into()))?;
+        self.carry_out(effects);
+        Ok(())
     }
 }
 
