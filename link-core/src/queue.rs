@@ -52,9 +52,26 @@ impl<T, const N: usize> Queue<T, N> {
     /// Takes the first element.
     pub fn pop(&mut self) -> Option<T> {
         let element = self.slots.get_mut(usize::from(self.first))?.take()?;
+        self.advance();
+        Some(element)
+    }
+
+    /// The first element, which stays.
+    pub fn first(&self) -> Option<&T> {
+        self.slots.get(usize::from(self.first))?.as_ref()
+    }
+
+    /// Drops the first element, if there is one.
+    pub fn drop_first(&mut self) {
+        if let Some(slot @ Some(_)) = self.slots.get_mut(usize::from(self.first)) {
+            *slot = None;
+            self.advance();
+        }
+    }
+
+    fn advance(&mut self) {
         self.first = u8::try_from(self.place(1)).unwrap_or(0);
         self.len = self.len.saturating_sub(1);
-        Some(element)
     }
 
     /// Takes the first element that `is_wanted`; the others stay in their order.
@@ -165,11 +182,12 @@ mod tests {
     fn without_room_nothing_is_taken() {
         let mut queue = Queue::<u8, 0>::new();
         assert_eq!(queue.push(1), Err(1));
-        assert_eq!(queue.pop(), None);
+        queue.drop_first();
+        assert_eq!((queue.pop(), queue.first(), queue.len()), (None, None, 0));
     }
 
     proptest! {
-        /// Against the queue of the standard library: numbers are pushed, `None` pops, multiples of 50 are looked for.
+        /// Against the queue of the standard library: numbers are pushed, `None` takes or drops the first, multiples of 50 are looked for.
         #[test]
         fn it_is_a_queue(steps in prop::collection::vec(prop::option::of(0..200_u8), 0..40)) {
             let mut queue = Queue::<u8, 3>::new();
@@ -186,8 +204,13 @@ mod tests {
                         prop_assert_eq!(queue.push(element), Ok(()));
                     }
                     Some(element) => prop_assert_eq!(queue.push(element), Err(element)),
+                    None if model.len() == 2 => {
+                        queue.drop_first();
+                        model.pop_front();
+                    }
                     None => prop_assert_eq!(queue.pop(), model.pop_front()),
                 }
+                prop_assert_eq!(queue.first(), model.front());
                 prop_assert_eq!(queue.iter().copied().collect::<Vec<_>>(), Vec::from(model.clone()));
                 prop_assert_eq!((queue.len(), queue.is_empty(), queue.is_full()), (model.len(), model.is_empty(), model.len() == 3));
             }

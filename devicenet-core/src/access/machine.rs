@@ -196,7 +196,7 @@ impl Access {
     }
 
     /// The same for a node with so much of network access.
-    pub(super) fn filter_within<P: Extent>(&self) -> FilterSet {
+    pub(crate) fn filter_within<P: Extent>(&self) -> FilterSet {
         match self.listening::<P>() {
             Listening::Nothing => FilterSet::none(),
             Listening::Check(mac) => id::duplicate_mac_check(mac),

@@ -38,6 +38,17 @@ impl Access {
         &mut self,
         event: impl FnOnce(AccessEvent) -> E,
     ) -> Option<Action<E>> {
+        if let Some(action) = self.command() {
+            return Some(action);
+        }
+        if self.take_filter_change::<P>() {
+            return Some(Action::Link(LinkCommand::SetFilter(self.filter_within::<P>())));
+        }
+        self.news::<P>().map(|told| Action::Event(event(told)))
+    }
+
+    /// What its frame and the controller are told.
+    pub(crate) fn command<E>(&mut self) -> Option<Action<E>> {
         if self.must_withdraw() {
             self.in_flight.as_mut()?.fate = Fate::Abandoned;
             return Some(Action::Withdraw(Self::TOKEN));
@@ -49,10 +60,12 @@ impl Access {
             *commanded = true;
             return Some(Action::Link(LinkCommand::Reset));
         }
-        if self.take_filter_change::<P>() {
-            return Some(Action::Link(LinkCommand::SetFilter(self.filter_within::<P>())));
-        }
-        if P::EVENTS { self.events.pop().map(|told| Action::Event(event(told))) } else { None }
+        None
+    }
+
+    /// The next event.
+    pub(crate) fn news<P: Extent>(&mut self) -> Option<AccessEvent> {
+        if P::EVENTS { self.events.pop() } else { None }
     }
 
     fn must_withdraw(&self) -> bool {

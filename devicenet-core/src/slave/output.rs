@@ -55,7 +55,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             }
             self.errand = Errand::None;
         }
-        if self.is_explicit_ready() { self.send_explicit() } else { self.other_output() }
+        if self.node.lines.is_free(Line::EXPLICIT)
+            && let Some(action) = self.send_explicit()
+        {
+            return Some(action);
+        }
+        self.other_output()
     }
 
     /// What is less urgent than a response.
@@ -102,14 +107,20 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
                 listen_only,
             })));
         }
-        // On line the filter is the slave's; what network access alone would hear is not enough.
-        if self.access.is_online()
-            && (self.access.take_filter_change::<Needed<A>>() || self.must_set_filter())
-        {
-            self.node.changed.remove(Changed::FILTER);
-            return Some(Action::Link(LinkCommand::SetFilter(self.filter())));
+        if let Some(action) = self.access.command() {
+            return Some(action);
         }
-        self.access.poll_except_transmit::<Needed<A>, _>(Event::Access)
+        if self.access.take_filter_change::<Needed<A>>() || self.must_set_filter() {
+            self.node.changed.remove(Changed::FILTER);
+            // On line the filter is the slave's; what network access alone would hear is not enough.
+            let filter = if self.access.is_online() {
+                self.filter()
+            } else {
+                self.access.filter_within::<Needed<A>>()
+            };
+            return Some(Action::Link(LinkCommand::SetFilter(filter)));
+        }
+        self.access.news::<Needed<A>>().map(|told| Action::Event(Event::Access(told)))
     }
 
     /// Whether there is something to fetch. What does without [`Parts::FAST_WAYS`] does not ask each that could have
@@ -153,7 +164,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     fn must_set_filter(&self) -> bool {
-        self.node.changed.contains(Changed::FILTER) && self.access.is_online()
+        self.node.changed.contains(Changed::FILTER)
     }
 
     /// What the slave needs to hear on line.
@@ -237,12 +248,18 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// Acknowledges of fragments first, so that they precede the response.
     fn write_explicit(&mut self, frame: &mut Frame) -> Option<Sent> {
-        if !self.explicit.must_acknowledge()
-            && self.is_answer_due(UnconnectedPort::Group2)
-            && let Some(answer) = self.take_answer(UnconnectedPort::Group2)
-        {
-            frame.append(answer.field())?;
-            return Some(Sent::Unconnected);
+        if !self.explicit.must_acknowledge() {
+            if DYNAMIC == 0 {
+                // All answers wait for this line.
+                if let Some(answer) = self.answers.first() {
+                    frame.append(answer.field())?;
+                    self.answers.drop_first();
+                    return Some(Sent::Unconnected);
+                }
+            } else if let Some(answer) = self.take_answer(UnconnectedPort::Group2) {
+                frame.append(answer.field())?;
+                return Some(Sent::Unconnected);
+            }
         }
         if self.explicit.is_due() {
             return Some(Sent::Piece(self.explicit.write(frame)?));
