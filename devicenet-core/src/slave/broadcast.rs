@@ -48,7 +48,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     pub(super) fn take_broadcast(&mut self) -> Option<(Sent, Vec<u8, { Frame::MAX_DATA }>)> {
-        let node = self.access.mac_id();
+        let node = self.node.access.mac_id();
         if self.is_shutdown_due() {
             let (class, instance) = (ClassId::IDENTITY, InstanceId(1));
             let shutdown = Shutdown { node, class, instance, code: ShutdownCode(0) };
@@ -57,7 +57,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if !A::PARTS.contains(Parts::HEARTBEAT) || !core::mem::take(&mut self.heartbeat_due) {
             return None;
         }
-        let identity = self.application.identity();
+        let identity = self.node.application.identity();
         let state = identity.state.unwrap_or(cip_core::identity::DeviceState::OPERATIONAL);
         let heartbeat = Heartbeat {
             node,

@@ -180,17 +180,17 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
         }
         let path = Epath::packed(value).logical()?;
         let assembly = path.instance.filter(|_| path.class == Some(ClassId::ASSEMBLY));
-        let before = self.server.application.assembly(kind, end);
-        let selected =
-            assembly.is_some_and(|assembly| self.server.application.select_assembly(kind, end, assembly));
+        let before = self.server.node.application.assembly(kind, end);
+        let selected = assembly
+            .is_some_and(|assembly| self.server.node.application.select_assembly(kind, end, assembly));
         if !selected {
             return Err(GeneralStatus::INVALID_ATTRIBUTE_VALUE.into());
         }
-        let size = usize::from(self.server.application.produced_size(kind))
-            .max(self.server.application.consumed(kind).len());
+        let size = usize::from(self.server.node.application.produced_size(kind))
+            .max(self.server.node.application.consumed(kind).len());
         if size > A::Long::CAPACITY {
             // The one before was good enough.
-            let _ = before.map(|assembly| self.server.application.select_assembly(kind, end, assembly));
+            let _ = before.map(|assembly| self.server.node.application.select_assembly(kind, end, assembly));
             return Err(GeneralStatus::INVALID_ATTRIBUTE_VALUE.into());
         }
         Ok(())

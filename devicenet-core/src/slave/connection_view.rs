@@ -28,7 +28,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Instance<'_, '_
     }
 
     fn mac(&self) -> MacId {
-        self.object.server.access.mac_id()
+        self.object.server.node.access.mac_id()
     }
 
     fn explicit(&self) -> &ExplicitConnection {
@@ -43,7 +43,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Instance<'_, '_
     }
 
     fn path(&self, kind: IoKind, end: End) -> ConnectionPath {
-        let assembly = self.object.server.application.assembly(kind, end);
+        let assembly = self.object.server.node.application.assembly(kind, end);
         assembly.map_or(ConnectionPath::Empty, ConnectionPath::Assembly)
     }
 
@@ -134,7 +134,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> ConnectionView
             Which::Explicit | Which::Dynamic(_) => short(MESSAGE),
             // Instance 2 acknowledges without data where poll is not allocated.
             Which::Io(IoKind::Poll) if !self.node().held.contains(AllocationChoice::POLL) => 0,
-            Which::Io(kind) if self.produces() => self.object.server.application.produced_size(kind),
+            Which::Io(kind) if self.produces() => self.object.server.node.application.produced_size(kind),
             Which::Io(_) => 0,
         }
     }

@@ -6,17 +6,15 @@ use cip_core::identity::DeviceState;
 use cip_core::object::FailureOptions;
 use link_core::Queue;
 
-use super::Diagnostics;
 use super::application::{Application, IoKind, Parts};
 use super::config::{Config, Options, RECEIVE_TIME_OUT_MILLIS};
 use super::detection::Detection;
-use super::devicenet_object::Port;
 use super::indicator::ModuleStatus;
 use super::io::{LongMessages, Slots};
 use super::machine::{DynamicTransfer, Errand, Slave};
 use super::node::{Node, bits_of};
 use super::transfer::Transfer;
-use crate::access::{Access, BusOffWhileChecking, CounterSetMode, NetworkStatus};
+use crate::access::{BusOffWhileChecking, CounterSetMode, NetworkStatus};
 
 /// Why a slave cannot be made.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
@@ -74,17 +72,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             assert!(tells, "what Application::PARTS has needs Parts::EVENTS");
         }
         let identity = application.identity();
-        let (vendor, serial) = (identity.device.vendor, identity.device.serial);
         // What was told last: without that part nothing ever is.
         let module = if A::PARTS.contains(Parts::INDICATOR_EVENTS) {
             ModuleStatus::of(identity.state.unwrap_or(DeviceState::OPERATIONAL), identity.status)
         } else {
             ModuleStatus::Off
         };
-        let node = Node::new(&config);
-        let mut access = config.access;
-        access.offline_set &= A::PARTS.contains(Parts::OFFLINE_SET);
-        access.device = crate::message::DeviceIdentity { vendor, serial };
         let limit = if config.options.contains(Options::SIZE_COUNTS_HEADER) {
             MESSAGE.saturating_sub(1)
         } else {
@@ -96,29 +89,21 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             piece: None,
             unwanted: false,
         };
+        let (detect, receive_time_out) = (config.bit_rate.detect, config.receive_time_out);
         Self {
-            application,
-            access: Access::new(access),
-            node,
-            port: Port {
-                stored: config.bit_rate.rate,
-                active: config.bit_rate.rate,
-                rate_from_switches: config.bit_rate.from_switches,
-                switches: None,
-                diagnostics: Diagnostics::default(),
-            },
+            node: Node::new(config, application),
             explicit: Transfer::new(limit),
             transfers: [(); DYNAMIC].map(|()| transfer.clone()),
             long: A::Long::default(),
             answers: Queue::new(),
-            detection: Detection::new(config.bit_rate.detect),
+            detection: Detection::new(detect),
             heartbeat_due: false,
             errand: Errand::None,
             online: false,
             pending: false,
             shown: NetworkStatus::Off,
             module,
-            receive_time_out: config.receive_time_out,
+            receive_time_out,
         }
     }
 }

@@ -76,7 +76,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
         let says_so = A::PARTS.contains(Parts::SHUTDOWN_MESSAGE)
             && self.node.options.contains(Options::SHUTDOWN_MESSAGE);
-        if says_so && self.access.is_online() {
+        if says_so && self.node.access.is_online() {
             departure.stage = Stage::Shutdown;
         } else {
             self.leave();
@@ -89,7 +89,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         match self.node.departure.take() {
             Some(Departure { why: Why::MacId(mac), .. }) if A::PARTS.contains(Parts::SETTINGS) => {
                 // That it can be set was checked when the request was answered.
-                let _ = self.access.set_mac_id_within::<Needed<A>>(now, mac);
+                let _ = self.node.access.set_mac_id_within::<Needed<A>>(now, mac);
                 self.look_for_errands();
             }
             Some(Departure { why: Why::Reset(kind), .. }) => {
@@ -104,7 +104,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// Starts anew, as after a power cycle; a stored bit rate takes effect.
     pub fn reset(&mut self, now: Instant) {
         self.node.advance(now);
-        self.reset_with(now, self.access.mac_id());
+        self.reset_with(now, self.node.access.mac_id());
         self.expect_output();
         self.follow();
     }
@@ -115,7 +115,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// [`MacIdFromSwitches`](crate::access::CommandError::MacIdFromSwitches) if switches set it.
     pub fn set_mac_id(&mut self, now: Instant, mac: MacId) -> Result<(), crate::access::CommandError> {
         self.node.advance(now);
-        self.access.set_mac_id_within::<Needed<A>>(now, mac)?;
+        self.node.access.set_mac_id_within::<Needed<A>>(now, mac)?;
         self.look_for_errands();
         self.expect_output();
         self.follow();
@@ -124,19 +124,19 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     fn reset_with(&mut self, now: Instant, mac: MacId) {
         self.look_for_errands();
-        if has_rates::<A>() && self.port.active != self.port.stored {
-            self.port.active = self.port.stored;
+        if has_rates::<A>() && self.node.port.active != self.node.port.stored {
+            self.node.port.active = self.node.port.stored;
             self.errand = Errand::Mode;
         }
         if changes::<A>() {
             self.node.acknowledge = cip_core::object::AcknowledgeSettings::default();
         }
-        self.access.reset_within::<Needed<A>>(now, mac);
+        self.node.access.reset_within::<Needed<A>>(now, mac);
     }
 
     /// Reset types 1 and 2: what is stored becomes as it was out of the box. Returns the MAC ID to start with.
     fn reset_configuration(&mut self, kind: ResetType) -> MacId {
-        let mac = self.access.mac_id();
+        let mac = self.node.access.mac_id();
         let is_out_of_box = kind == ResetType::OUT_OF_BOX || kind == ResetType::OUT_OF_BOX_KEEP_COMMUNICATION;
         if !is_out_of_box || !A::PARTS.intersects(STORED) {
             return mac;
@@ -150,15 +150,15 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if kind == ResetType::OUT_OF_BOX_KEEP_COMMUNICATION || !A::PARTS.contains(Parts::SETTINGS) {
             return mac;
         }
-        if A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) && self.access.quick_connect() {
-            self.access.set_quick_connect(false);
+        if A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) && self.node.access.quick_connect() {
+            self.node.access.set_quick_connect(false);
             self.node.events.raise::<A>(SlaveEvent::StoreQuickConnect(false));
         }
-        if !self.port.rate_from_switches {
-            self.port.stored = BitRate::K125;
+        if !self.node.port.rate_from_switches {
+            self.node.port.stored = BitRate::K125;
             self.node.events.raise::<A>(SlaveEvent::StoreBitRate(BitRate::K125));
         }
-        if self.access.config().mac_id_source == MacIdSource::Switches {
+        if self.node.access.config().mac_id_source == MacIdSource::Switches {
             return mac;
         }
         self.node.events.raise::<A>(SlaveEvent::StoreMacId(MacId::DEFAULT));

@@ -59,7 +59,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
                 self.node.timers.clear(Timer::Heartbeat);
                 self.detection = Detection::Joining;
                 self.errand = Errand::Mode;
-                self.node.events.raise::<A>(SlaveEvent::BitRateDetected(self.port.active));
+                self.node.events.raise::<A>(SlaveEvent::BitRateDetected(self.node.port.active));
             }
             (Detection::Listening, Input::Link(LinkEvent::BusError(_))) => self.next_rate(),
             (Detection::Joining, Input::Link(LinkEvent::ModeSet(mode))) if !mode.listen_only => {
@@ -85,7 +85,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     fn next_rate(&mut self) {
-        self.port.active = bit_rate::next(self.port.active);
+        self.node.port.active = bit_rate::next(self.node.port.active);
         self.tune();
     }
 
@@ -99,7 +99,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.node.timers.clear(Timer::Heartbeat);
         self.errand = Errand::Perhaps;
         self.detection = Detection::Done;
-        self.port.stored = self.port.active;
+        self.node.port.stored = self.node.port.active;
         self.tell_access(now, &Input::Link(LinkEvent::Up));
     }
 }

@@ -12,7 +12,7 @@ use super::departure::Departure;
 use super::event::SlaveEvent;
 use super::node::Node;
 use super::server::Server;
-use crate::access::{Access, MacIdSource};
+use crate::access::MacIdSource;
 use crate::counter::count;
 use crate::id::MacId;
 
@@ -78,9 +78,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
     DeviceNetObject<'_, '_, A, MESSAGE, DYNAMIC>
 {
     pub(super) fn get(&self, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
-        let (access, node, port) = (&*self.0.access, &*self.0.node, &*self.0.port);
+        let node = &*self.0.node;
+        let (access, port) = (&node.access, &node.port);
         let byte = match attribute.0 {
-            ..=5 => return emit_mandatory(access, node, port, attribute, out),
+            ..=5 => return node.emit_mandatory(attribute, out),
             _ if !A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) => return Err(ABSENT),
             6..=9 if port.switches.is_none() => return Err(ABSENT),
             6 => port.switches.is_some_and(|read| read.mac_id != access.mac_id().number()).into(),
@@ -98,27 +99,29 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
         let invalid = Failure::new(GeneralStatus::INVALID_ATTRIBUTE_VALUE);
         match attribute.0 {
             ..=5 if !A::PARTS.contains(Parts::SETTINGS) => return Err(NOT_SETTABLE),
-            1 if self.0.access.config().mac_id_source == MacIdSource::Switches => return Err(NOT_SETTABLE),
+            1 if self.0.node.access.config().mac_id_source == MacIdSource::Switches => {
+                return Err(NOT_SETTABLE);
+            }
             1 => {
                 let [mac] = exact(value)?;
                 let mac = MacId::new(mac).ok_or(invalid)?;
                 self.0.node.events.raise::<A>(SlaveEvent::StoreMacId(mac));
                 self.0.node.departure = Some(Departure::mac_id(mac, self.0.requester.door));
             }
-            2 if self.0.port.rate_from_switches => return Err(NOT_SETTABLE),
+            2 if self.0.node.port.rate_from_switches => return Err(NOT_SETTABLE),
             2 => {
                 let [number] = exact(value)?;
                 let rate = *BIT_RATES.get(usize::from(number)).ok_or(invalid)?;
-                self.0.port.stored = rate;
+                self.0.node.port.stored = rate;
                 self.0.node.events.raise::<A>(SlaveEvent::StoreBitRate(rate));
             }
-            3 => self.0.access.set_bus_off_interrupt(boolean(value)?),
+            3 => self.0.node.access.set_bus_off_interrupt(boolean(value)?),
             4 => {
                 let [count] = exact(value)?;
                 if A::PARTS.contains(Parts::CHOICES) {
-                    self.0.access.set_bus_off_counter(count).map_err(|_| invalid)?;
+                    self.0.node.access.set_bus_off_counter(count).map_err(|_| invalid)?;
                 } else {
-                    self.0.access.clear_bus_off_counter();
+                    self.0.node.access.clear_bus_off_counter();
                 }
             }
             _ if !A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) => {
@@ -126,10 +129,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize>
             }
             10 => {
                 let enabled = boolean(value)?;
-                self.0.access.set_quick_connect(enabled);
+                self.0.node.access.set_quick_connect(enabled);
                 self.0.node.events.raise::<A>(SlaveEvent::StoreQuickConnect(enabled));
             }
-            12 => self.0.port.diagnostics = Diagnostics::default(),
+            12 => self.0.node.port.diagnostics = Diagnostics::default(),
             _ => return Err(NOT_SETTABLE),
         }
         Ok(())
@@ -188,28 +191,24 @@ impl Diagnostics {
     }
 }
 
-/// Writes an attribute that every device has: 1 to 5.
-#[inline]
-pub(super) fn emit_mandatory<A: Application, const DYNAMIC: usize>(
-    access: &Access,
-    node: &Node<A, DYNAMIC>,
-    port: &Port,
-    attribute: AttributeId,
-    out: &mut Writer<'_>,
-) -> Result<(), Failure> {
-    let byte = match attribute.0 {
-        1 => access.mac_id().number(),
-        2 if node.options.contains(Options::READ_ACTIVE_BIT_RATE) => bit_rate::number(port.active),
-        2 => bit_rate::number(port.stored),
-        3 => access.bus_off_interrupt().into(),
-        4 => access.bus_off_counter(),
-        5 => {
-            let master = node.master.map_or(NOT_ALLOCATED, MacId::number);
-            return Ok(out.bytes(&[node.choice().bits(), master])?);
-        }
-        _ => return Err(ABSENT),
-    };
-    Ok(out.u8(byte)?)
+impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
+    /// Writes an attribute of the DeviceNet object that every device has: 1 to 5.
+    #[inline]
+    pub(super) fn emit_mandatory(&self, attribute: AttributeId, out: &mut Writer<'_>) -> Result<(), Failure> {
+        let byte = match attribute.0 {
+            1 => self.access.mac_id().number(),
+            2 if self.options.contains(Options::READ_ACTIVE_BIT_RATE) => bit_rate::number(self.port.active),
+            2 => bit_rate::number(self.port.stored),
+            3 => self.access.bus_off_interrupt().into(),
+            4 => self.access.bus_off_counter(),
+            5 => {
+                let master = self.master.map_or(NOT_ALLOCATED, MacId::number);
+                return Ok(out.bytes(&[self.choice().bits(), master])?);
+            }
+            _ => return Err(ABSENT),
+        };
+        Ok(out.u8(byte)?)
+    }
 }
 
 /// A BOOL: 0 or 1.

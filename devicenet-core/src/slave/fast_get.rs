@@ -13,11 +13,9 @@ use cip_core::code::{AttributeId, ClassId, InstanceId, ServiceCode};
 use cip_core::connection::{ConnectionState, ExplicitState, IoState, Settings};
 
 use super::application::{Application, IoKind};
-use super::devicenet_object;
 use super::event::count;
 use super::machine::Slave;
 use super::node::Node;
-use super::server::identity;
 use crate::message::ExplicitHeader;
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
@@ -53,11 +51,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         out.u8(ServiceCode(GET).response_byte()).ok()?;
         match (class, instance, attribute.0) {
             (ClassId::IDENTITY, 1, 1..=6) => {
-                identity(&self.application, &self.node).emit_attribute(attribute, &mut out).ok()?;
+                self.node.identity().emit_attribute(attribute, &mut out).ok()?;
             }
             (ClassId::DEVICENET, 1, 1..=5) => {
-                devicenet_object::emit_mandatory(&self.access, &self.node, &self.port, attribute, &mut out)
-                    .ok()?;
+                self.node.emit_mandatory(attribute, &mut out).ok()?;
             }
             (ClassId::CONNECTION, _, 1 | 9) => {
                 let (state, settings) = connection(&self.node, instance)?;

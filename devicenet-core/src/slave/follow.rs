@@ -19,13 +19,13 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     #[inline(never)]
     fn follow_changes(&mut self) {
-        if self.online != self.access.is_online() {
-            self.online = self.access.is_online();
+        if self.online != self.node.access.is_online() {
+            self.online = self.node.access.is_online();
             if self.online { self.go_online() } else { self.go_offline() }
         }
         if self.node.departure.is_some() {
             self.follow_departure();
-            if self.online && !self.access.is_online() {
+            if self.online && !self.node.access.is_online() {
                 self.online = false;
                 self.go_offline();
             }
@@ -57,7 +57,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     fn go_offline(&mut self) {
         self.look_for_errands();
-        let dropped = self.access.is_off_the_bus();
+        let dropped = self.node.access.is_off_the_bus();
         self.node.lose_network();
         self.node.lines.stop_all(dropped);
         self.explicit.clear(&mut self.node.timers);

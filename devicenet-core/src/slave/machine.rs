@@ -10,7 +10,7 @@ use link_core::{Action, Deadline, Frame, Input, Instant, LinkEvent, Machine, Que
 use super::application::{Application, IoKind, Parts};
 use super::config::{Options, RECEIVE_TIME_OUT_MILLIS};
 use super::detection::Detection;
-use super::devicenet_object::{Port, Switches};
+use super::devicenet_object::Switches;
 use super::event::{Counters, Event, SlaveEvent, count, count_wide};
 use super::indicator::ModuleStatus;
 use super::lines::{self, Line};
@@ -38,13 +38,10 @@ pub struct Slave<A: Application, const MESSAGE: usize, const DYNAMIC: usize> {
     pub(super) detection: Detection,
     pub(super) receive_time_out: u16,
     pub(super) node: Node<A, DYNAMIC>,
-    pub(super) access: Access,
-    pub(super) port: Port,
     pub(super) explicit: Transfer<MESSAGE>,
     /// Responses of the unconnected ports that are still to be sent.
     pub(super) answers: Queue<Answer, 3>,
     pub(super) heartbeat_due: bool,
-    pub(super) application: A,
     pub(super) transfers: [DynamicTransfer<MESSAGE>; DYNAMIC],
     pub(super) long: A::Long,
 }
@@ -77,20 +74,20 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// Its network access.
     #[must_use]
     pub const fn access(&self) -> &Access {
-        &self.access
+        &self.node.access
     }
 
     /// The device behind it.
     #[must_use]
     pub const fn application(&self) -> &A {
-        &self.application
+        &self.node.application
     }
 
     /// The same, to change its data. If what is produced by change of state has changed, call
     /// [`inputs_changed`](Self::inputs_changed) after that; sizes must stay as they are.
     pub const fn application_mut(&mut self) -> &mut A {
         self.expect_output();
-        &mut self.application
+        &mut self.node.application
     }
 
     /// What was counted since the slave was made, besides its [network access](Access::counters).
@@ -102,12 +99,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// What the switches show: attributes 6 to 9 of the DeviceNet object, which it has from then on if it has
     /// [`Parts::OPTIONAL_ATTRIBUTES`].
     pub const fn set_switches(&mut self, switches: Switches) {
-        self.port.switches = Some(switches);
+        self.node.port.switches = Some(switches);
     }
 
     /// Moves every instant that it stores towards zero, so that a model checker can compare histories of different age.
     pub fn shift_time(&mut self, span: core::time::Duration) {
-        self.access.shift_time(span);
+        self.node.access.shift_time(span);
         self.node.timers.shift(span);
         for timers in &mut self.node.dynamic_timers {
             timers.shift(span);
@@ -129,7 +126,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     #[inline]
     fn frame(&mut self, now: Instant, input: &Input, frame: &Frame) {
         match Identifier::of_frame(frame) {
-            Some(id) if id == Identifier::poll_command(self.access.mac_id()) && !self.is_dynamic(id) => {
+            Some(id) if id == Identifier::poll_command(self.node.access.mac_id()) && !self.is_dynamic(id) => {
                 self.command(id, IoKind::Poll, frame.data());
             }
             Some(id) => self.frame_besides_poll(now, id, input, frame.data()),
@@ -142,7 +139,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             return self.dynamic_frame(id, field);
         }
         // In group 2 the Message ID is below the MAC ID.
-        let own = Identifier::bit_strobe_command(self.access.mac_id());
+        let own = Identifier::bit_strobe_command(self.node.access.mac_id());
         match id.raw() ^ own.raw() {
             4 => self.explicit_frame(id, field),
             6 => self.unconnected_frame(id, field),
@@ -192,13 +189,13 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     #[inline(never)]
     pub(super) fn tell_access(&mut self, now: Instant, input: &Input) {
         self.look_for_errands();
-        self.access.take_input::<Needed<A>>(now, input);
+        self.node.access.take_input::<Needed<A>>(now, input);
     }
 
     /// Counts what the controller tells.
     pub(super) fn note(&mut self, event: LinkEvent) {
         if A::PARTS.contains(Parts::OPTIONAL_ATTRIBUTES) {
-            self.port.diagnostics.note(event);
+            self.node.port.diagnostics.note(event);
         }
     }
 
@@ -217,7 +214,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let wanted = self.node.lines.done(line)?;
         let sent = outcome == TxOutcome::Sent;
         if matches!(outcome, TxOutcome::Dropped | TxOutcome::Unknown) && self.online {
-            self.not_sent(lines::identifier::<A>(line, self.access.mac_id()), outcome);
+            self.not_sent(lines::identifier::<A>(line, self.node.access.mac_id()), outcome);
         }
         match lines::io_of::<A>(line) {
             Some(kind) if wanted => self.produced(kind, sent),
@@ -236,7 +233,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// Serves every wait that is over at `until`.
     #[inline(never)]
     fn expire(&mut self, until: Instant) {
-        if self.access.may_be_due(until) {
+        if self.node.access.may_be_due(until) {
             self.tell_access(until, &Input::Tick);
         }
         while let Some(timer) = self.node.timers.take_expired(until) {
@@ -297,7 +294,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     fn may_be_due(&mut self, now: Instant) -> bool {
         let may_be_over = self.node.timers.may_be_due(now)
             || self.node.dynamic_timers.iter_mut().any(|timers| timers.is_due(now))
-            || self.access.may_be_due(now);
+            || self.node.access.may_be_due(now);
         may_be_over && !(A::PARTS.contains(Parts::BIT_RATE_DETECTION) && self.detection.is_running())
     }
 
@@ -336,7 +333,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
         if self.has_output() {
             return Some(Deadline::now(self.node.timers.now()));
         }
-        let mut next = Deadline::earlier(self.access.next_wait(), self.node.timers.next());
+        let mut next = Deadline::earlier(self.node.access.next_wait(), self.node.timers.next());
         for timers in &self.node.dynamic_timers {
             next = Deadline::earlier(next, timers.next());
         }

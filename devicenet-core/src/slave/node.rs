@@ -1,13 +1,12 @@
 //! The Connection object instances of a slave, who owns them, and the one door through which each changes its state.
 
-use core::marker::PhantomData;
-
 use cip_core::connection::{
     ExplicitCause, ExplicitConnection, ExplicitState, IoCause, IoConnection, IoState, PredefinedConnection,
     Settings, TimeoutMultiplier, TimerResolution, Watchdog,
 };
+use cip_core::identity::IdentityStatus;
 use cip_core::message::AllocationChoice;
-use cip_core::object::{AcknowledgeSettings, Failure, FailureOptions};
+use cip_core::object::{AcknowledgeSettings, Failure, FailureOptions, Identity};
 use link_core::timers::TimerSet;
 use link_core::{Instant, Timers};
 
@@ -15,12 +14,14 @@ use super::application::{Application, IoKind, IoMode, Parts};
 use super::config::{Choices, Config, Options};
 use super::connection_object::{Which, has_optional_attributes};
 use super::departure::Departure;
+use super::devicenet_object::{Diagnostics, Port};
 use super::dynamic::Dynamic;
 use super::event::{Events, Ignored, SlaveEvent, count};
 use super::io::{LongMessages, Slots};
 use super::lines::Lines;
 use super::machine::changes;
 use super::timer::Timer;
+use crate::access::Access;
 use crate::id::{Identifier, MacId};
 
 /// Everything in a slave that its objects look at and change.
@@ -56,8 +57,9 @@ pub(super) struct Node<A: Application, const DYNAMIC: usize> {
     /// Instances 6 and up.
     pub(super) dynamic: [Dynamic; DYNAMIC],
     pub(super) dynamic_timers: [Timers<Timer, 3>; DYNAMIC],
-    /// It decides what there can be at all.
-    pub(super) application: PhantomData<A>,
+    pub(super) access: Access,
+    pub(super) port: Port,
+    pub(super) application: A,
 }
 
 type SlotsOf<A> = <<A as Application>::Long as LongMessages>::Slots;
@@ -89,9 +91,15 @@ bitflags::bitflags! {
 }
 
 impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
-    pub(super) fn new(config: &Config) -> Self {
+    pub(super) fn new(config: Config, application: A) -> Self {
+        let device = application.identity().device;
+        let (vendor, serial) = (device.vendor, device.serial);
+        let options = Choices::new(&config);
+        let mut access = config.access;
+        access.offline_set &= A::PARTS.contains(Parts::OFFLINE_SET);
+        access.device = crate::message::DeviceIdentity { vendor, serial };
         Self {
-            options: Choices::new(config),
+            options,
             failures: config.failures,
             resolution: config.resolution,
             explicit: ExplicitConnection::NON_EXISTENT,
@@ -110,8 +118,27 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             timers: Default::default(),
             dynamic_timers: [const { Timers::new() }; DYNAMIC],
             events: Events::default(),
-            application: PhantomData,
+            access: Access::new(access),
+            port: Port {
+                stored: config.bit_rate.rate,
+                active: config.bit_rate.rate,
+                rate_from_switches: config.bit_rate.from_switches,
+                switches: None,
+                diagnostics: Diagnostics::default(),
+            },
+            application,
         }
+    }
+
+    /// The Identity object: what the application says, and what the slave knows.
+    #[inline(always)]
+    pub(super) fn identity(&self) -> Identity<'_> {
+        let mut identity = self.application.identity();
+        if self.master.is_some() {
+            identity.status.insert(IdentityStatus::OWNED);
+        }
+        identity.heartbeat_interval = self.heartbeat_interval;
+        identity
     }
 
     /// How some errors are answered. Without [`Parts::CHOICES`] that is a constant.

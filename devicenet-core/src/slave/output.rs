@@ -39,7 +39,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if self.errand == Errand::None
             && self.answers.is_empty()
             && self.node.lines.is_free(Line::EXPLICIT)
-            && let Some(frame) = self.explicit.take_whole(Identifier::explicit_response(self.access.mac_id()))
+            && let Some(frame) =
+                self.explicit.take_whole(Identifier::explicit_response(self.node.access.mac_id()))
         {
             return Some(self.explicit_action(Sent::Piece(Piece::Response), frame));
         }
@@ -71,7 +72,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         {
             return Some(action);
         }
-        if let Some(action) = self.access.transmit::<Needed<A>, _>() {
+        if let Some(action) = self.node.access.transmit::<Needed<A>, _>() {
             return Some(action);
         }
         if DYNAMIC > 0
@@ -91,7 +92,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         self.node.lines.must_withdraw()
             || self.must_set_mode()
             || self.must_set_filter()
-            || self.access.has_output_except_transmit::<Needed<A>>()
+            || self.node.access.has_output_except_transmit::<Needed<A>>()
     }
 
     /// What the controller must be told, and what network access tells.
@@ -103,24 +104,24 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             self.errand = Errand::Perhaps;
             let listen_only = self.detection.listens();
             return Some(Action::Link(LinkCommand::SetMode(Mode {
-                bit_rate: self.port.active,
+                bit_rate: self.node.port.active,
                 listen_only,
             })));
         }
-        if let Some(action) = self.access.command() {
+        if let Some(action) = self.node.access.command() {
             return Some(action);
         }
-        if self.access.take_filter_change::<Needed<A>>() || self.must_set_filter() {
+        if self.node.access.take_filter_change::<Needed<A>>() || self.must_set_filter() {
             self.node.changed.remove(Changed::FILTER);
             // On line the filter is the slave's; what network access alone would hear is not enough.
-            let filter = if self.access.is_online() {
+            let filter = if self.node.access.is_online() {
                 self.filter()
             } else {
-                self.access.filter_within::<Needed<A>>()
+                self.node.access.filter_within::<Needed<A>>()
             };
             return Some(Action::Link(LinkCommand::SetFilter(filter)));
         }
-        self.access.news::<Needed<A>>().map(|told| Action::Event(Event::Access(told)))
+        self.node.access.news::<Needed<A>>().map(|told| Action::Event(Event::Access(told)))
     }
 
     /// Whether there is something to fetch. What does without [`Parts::FAST_WAYS`] does not ask each that could have
@@ -132,7 +133,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let lines = &self.node.lines;
         lines.ready::<A>().is_some()
             || (self.errand != Errand::None && self.has_errand())
-            || self.access.wants_to_transmit::<Needed<A>>()
+            || self.node.access.wants_to_transmit::<Needed<A>>()
             || !self.node.events.is_empty::<A>()
             || (A::PARTS.contains(Parts::INDICATOR_EVENTS)
                 && (self.shown != self.network_status() || self.module != self.module_status()))
@@ -143,7 +144,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     fn send_io(&mut self, kind: IoKind) -> Option<Action<Event>> {
         self.node.lines.begin::<A>(kind);
         let line = lines::of(kind);
-        let id = lines::identifier::<A>(line, self.access.mac_id());
+        let id = lines::identifier::<A>(line, self.node.access.mac_id());
         Some(Action::Transmit(lines::token(line), self.produce(kind, id)?))
     }
 
@@ -169,7 +170,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// What the slave needs to hear on line.
     pub(crate) fn filter(&self) -> link_core::FilterSet {
-        let mac = self.access.mac_id();
+        let mac = self.node.access.mac_id();
         let held = self.node.held.intersection(A::IO);
         let strobe = self.node.master.filter(|_| held.contains(AllocationChoice::BIT_STROBE));
         let group = held.contains(AllocationChoice::MULTICAST_POLL).then_some(self.node.group);
@@ -204,8 +205,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// What the network status indicator shows.
     #[must_use]
     pub fn network_status(&self) -> NetworkStatus {
-        if !self.access.is_online() {
-            return self.access.network_status();
+        if !self.node.access.is_online() {
+            return self.node.access.network_status();
         }
         if self.node.is_io_timed_out() {
             return NetworkStatus::FlashingRed;
@@ -219,7 +220,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     /// What the module status indicator shows. A device without the state attribute is operational.
     #[must_use]
     pub fn module_status(&self) -> ModuleStatus {
-        let identity = self.application.identity();
+        let identity = self.node.application.identity();
         let state = identity.state.unwrap_or(cip_core::identity::DeviceState::OPERATIONAL);
         ModuleStatus::of(state, identity.status)
     }
@@ -234,7 +235,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// The line that carries the explicit connection, the unconnected port, and without the UCMM the broadcasts.
     fn send_explicit(&mut self) -> Option<Action<Event>> {
-        let mut frame = Identifier::explicit_response(self.access.mac_id()).empty_frame();
+        let mut frame = Identifier::explicit_response(self.node.access.mac_id()).empty_frame();
         let sent = self.write_explicit(&mut frame)?;
         Some(self.explicit_action(sent, frame))
     }

@@ -37,7 +37,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> PlainObject
             ClassId::CONNECTION => ConnectionObject { server: self }.get(call, attribute, out),
             ClassId::DEVICENET => DeviceNetObject(self).get(attribute, out),
             _ => {
-                let identity = self.identity();
+                let identity = self.node.identity();
                 if identity.has(attribute) { identity.emit_attribute(attribute, out) } else { Err(ABSENT) }
             }
         }
@@ -63,7 +63,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> PlainObject
             ClassId::CONNECTION => ConnectionObject { server: self }.service(call, out),
             ClassId::DEVICENET => DeviceNetObject(self).service(call, out),
             _ if call.service == ServiceCode::RESET && !call.instance.is_class() => {
-                let effects = self.identity().reset(call)?;
+                let effects = self.node.identity().reset(call)?;
                 self.carry_out(effects);
                 Ok(())
             }

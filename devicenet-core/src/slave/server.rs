@@ -3,31 +3,25 @@
 use cip_core::code::{ClassId, GeneralStatus, InstanceId, ServiceCode};
 use cip_core::codec::Writer;
 use cip_core::fragment::IO_UNFRAGMENTED_LEN;
-use cip_core::identity::IdentityStatus;
 use cip_core::message::{AllocationChoice, BodyFormat, Request};
 use cip_core::object::{
-    AcknowledgeHandler, Call, Effect, Effects, Failure, Identity, ObjectSet, respond_with, serve, serve_plain,
+    AcknowledgeHandler, Call, Effect, Effects, Failure, ObjectSet, respond_with, serve, serve_plain,
 };
 
 use super::allocation::{Door, Requester};
 use super::application::{Application, IoKind, Parts};
 use super::config::Options;
 use super::departure::Departure;
-use super::devicenet_object::Port;
 use super::event::{Ignored, SlaveEvent, count};
 use super::machine::{DynamicTransfer, Slave};
 use super::node::{BOTH, Changed, Node};
 use super::transfer::Transfer;
 use super::unconnected;
-use crate::access::Access;
 use cip_core::connection::IoState;
 
 /// All objects of a slave, put together for one request.
 pub(super) struct Server<'a, A: Application, const MESSAGE: usize, const DYNAMIC: usize> {
-    pub(super) access: &'a mut Access,
     pub(super) node: &'a mut Node<A, DYNAMIC>,
-    pub(super) port: &'a mut Port,
-    pub(super) application: &'a mut A,
     pub(super) requester: Requester,
 }
 
@@ -38,13 +32,7 @@ pub(super) type Serving<'a, A, const MESSAGE: usize, const DYNAMIC: usize> =
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
     /// The objects for a request, and beside them the buffers of the explicit connections.
     pub(super) const fn serving(&mut self, requester: Requester) -> Serving<'_, A, MESSAGE, DYNAMIC> {
-        let server = Server {
-            access: &mut self.access,
-            node: &mut self.node,
-            port: &mut self.port,
-            application: &mut self.application,
-            requester,
-        };
+        let server = Server { node: &mut self.node, requester };
         (server, &mut self.explicit, &mut self.transfers)
     }
 }
@@ -89,7 +77,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
         let has_more_of_identity = A::PARTS.intersects(Parts::OPTIONAL_SERVICES.union(Parts::HEARTBEAT));
         match call.class {
             ClassId::IDENTITY if has_more_of_identity => {
-                let mut identity = self.identity();
+                let mut identity = self.node.identity();
                 let effects = serve(&mut identity, call, out)?;
                 self.node.heartbeat_interval = identity.heartbeat_interval;
                 self.carry_out(effects);
@@ -119,7 +107,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
 
     /// The connections that can be allocated.
     pub(super) fn offer(&self) -> AllocationChoice {
-        let device = self.application.offered().union(AllocationChoice::EXPLICIT);
+        let device = self.node.application.offered().union(AllocationChoice::EXPLICIT);
         offered::<A>().intersection(device)
     }
 
@@ -153,15 +141,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
         }
     }
 
-    #[inline(always)]
-    pub(super) fn identity(&self) -> Identity<'_> {
-        identity(self.application, self.node)
-    }
-
     /// Attribute 8 of the instance of the Connection object that is asked, if it is for I/O.
     pub(super) fn consumed_size(&mut self, call: &Call<'_>) -> usize {
         match IoKind::of_instance(call.instance).and_then(IoKind::offered::<A>) {
-            Some(kind @ (IoKind::Poll | IoKind::MulticastPoll)) => self.application.consumed(kind).len(),
+            Some(kind @ (IoKind::Poll | IoKind::MulticastPoll)) => self.node.application.consumed(kind).len(),
             Some(IoKind::BitStrobe) => IO_UNFRAGMENTED_LEN,
             Some(IoKind::ChangeOfState) | None => 0,
         }
@@ -175,26 +158,12 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Server<'_, A, M
             handler.established = established;
             Some(serve(&mut handler, call, out))
         } else {
-            self.application.objects().serve(call, out)
+            self.node.application.objects().serve(call, out)
         };
         let effects = served.unwrap_or(Err(GeneralStatus::OBJECT_DOES_NOT_EXIST.into()))?;
         self.carry_out(effects);
         Ok(())
     }
-}
-
-/// The Identity object: what the application says, and what the slave knows.
-#[inline(always)]
-pub(super) fn identity<'a, A: Application, const DYNAMIC: usize>(
-    application: &'a A,
-    node: &Node<A, DYNAMIC>,
-) -> Identity<'a> {
-    let mut identity = application.identity();
-    if node.master.is_some() {
-        identity.status.insert(IdentityStatus::OWNED);
-    }
-    identity.heartbeat_interval = node.heartbeat_interval;
-    identity
 }
 
 /// What can be allocated: what the application offers, and the explicit connection.

@@ -43,7 +43,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     fn dynamic_of(&self, id: Identifier) -> Option<u8> {
-        let own = self.access.mac_id();
+        let own = self.node.access.mac_id();
         let at = self.node.dynamic.iter().position(|one| one.is_open() && one.consumed(own) == Some(id))?;
         u8::try_from(at).ok()
     }
@@ -54,7 +54,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         let result = match self.dynamic_of(id) {
             Some(index) => self.dynamic_message(index, field),
             None if id.group() == MessageGroup::Group3 && id.message_id() == REQUESTS => {
-                let own = self.access.mac_id();
+                let own = self.node.access.mac_id();
                 match (field.first(), id.mac_id()) {
                     (Some(&byte), Some(client)) if ExplicitHeader::from(byte).mac == own => {
                         self.ucmm_request(client, field)
@@ -70,7 +70,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     fn dynamic_message(&mut self, index: u8, field: &[u8]) -> Result<(), Ignored> {
-        let own = self.access.mac_id();
+        let own = self.node.access.mac_id();
         let dynamic = self.node.dynamic.get(usize::from(index)).ok_or(Ignored::NoConnection)?;
         let (client, expected) = (dynamic.client, dynamic.expected_header(own));
         let header = field.first().map(|&byte| ExplicitHeader::from(byte)).ok_or(Ignored::TooShort)?;
@@ -135,7 +135,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         };
         let mut opened = Dynamic { client, format, group, request: source, ..Dynamic::CLOSED };
         if group != Group::Two {
-            let own = self.access.mac_id();
+            let own = self.node.access.mac_id();
             let forgotten = opened.consumed(own).and_then(|id| self.dynamic_of(id));
             if let Some(index) = forgotten {
                 let _ = self.node.dynamic_step(index, ExplicitCause::Released);
@@ -241,7 +241,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if !self.node.lines.is_free(Line::UCMM) {
             return None;
         }
-        let id = Identifier::unconnected_response(self.access.mac_id());
+        let id = Identifier::unconnected_response(self.node.access.mac_id());
         let (sent, frame) = match self.take_answer(UnconnectedPort::Ucmm) {
             Some(answer) => (Sent::Unconnected, id.frame(answer.field())?),
             None => {
@@ -262,7 +262,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// The next frame of the connections in a group.
     pub(super) fn send_dynamic(&mut self, group: MessageGroup) -> Option<Action<Event>> {
-        let own = self.access.mac_id();
+        let own = self.node.access.mac_id();
         let due = |(index, (dynamic, transfer)): (u8, (&Dynamic, &DynamicTransfer<MESSAGE>))| {
             let id = dynamic.produced(own).filter(|id| id.group() == group)?;
             (!transfer.in_flight && transfer.transfer.is_due()).then_some((id, index))
@@ -284,8 +284,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if let Some(piece) = dynamic.piece.take() {
             dynamic.transfer.handed(self.node.dynamic_timers.get_mut(at)?, piece);
         }
-        if matches!(outcome, TxOutcome::Dropped | TxOutcome::Unknown) && self.access.is_online() {
-            let own = self.access.mac_id();
+        if matches!(outcome, TxOutcome::Dropped | TxOutcome::Unknown) && self.node.access.is_online() {
+            let own = self.node.access.mac_id();
             if let Some(id) = self.node.dynamic.get(usize::from(index)).and_then(|one| one.produced(own)) {
                 self.not_sent(id, outcome);
             }

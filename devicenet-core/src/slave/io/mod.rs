@@ -42,7 +42,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     pub(super) fn strobe(&mut self, id: Identifier, field: &[u8]) {
         let bit = match field.len() {
             0 => None,
-            8 => Some(bit_of(field, self.access.mac_id())),
+            8 => Some(bit_of(field, self.node.access.mac_id())),
             _ => return self.node.ignored(id, Ignored::Length),
         };
         if self.node.io(IoKind::BitStrobe).state() != IoState::Established {
@@ -63,7 +63,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             self.node.io_message(kind);
             return Err(Ignored::NoConnection);
         }
-        let size = self.application.consumed(kind).len();
+        let size = self.node.application.consumed(kind).len();
         if size <= IO_UNFRAGMENTED_LEN {
             return self.message(kind, size, field).map(|()| true);
         }
@@ -82,7 +82,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         match message.len() {
             0 => self.node.set_mode(kind, IoMode::Idle),
             len if len == size || (shorter && len < size) => {
-                copy(self.application.consumed(kind), message);
+                copy(self.node.application.consumed(kind), message);
                 self.ran(kind);
             }
             _ => return Err(Ignored::Length),
@@ -116,7 +116,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     }
 
     fn run(&mut self, kind: IoKind, data: &[u8]) {
-        copy(self.application.consumed(kind), data);
+        copy(self.node.application.consumed(kind), data);
         self.ran(kind);
     }
 
@@ -155,9 +155,9 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             // It only acknowledges messages of the master.
             return id.frame(&[]);
         }
-        let data = self.application.produced(kind);
+        let data = self.node.application.produced(kind);
         if A::Long::CAPACITY <= IO_UNFRAGMENTED_LEN
-            || usize::from(self.application.produced_size(kind)) <= IO_UNFRAGMENTED_LEN
+            || usize::from(self.node.application.produced_size(kind)) <= IO_UNFRAGMENTED_LEN
         {
             return id.frame(data);
         }
@@ -194,7 +194,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             }
             let mode = self.node.mode(kind);
             match mode {
-                IoMode::Idle | IoMode::Fault => self.application.rest(kind, mode),
+                IoMode::Idle | IoMode::Fault => self.node.application.rest(kind, mode),
                 IoMode::Inactive | IoMode::Run => {}
             }
             if mode == IoMode::Fault || self.node.io(kind).state() != IoState::Established {

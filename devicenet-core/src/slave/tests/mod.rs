@@ -17,7 +17,7 @@ mod worked_trace;
 impl<A: super::Application, const MESSAGE: usize, const DYNAMIC: usize> super::Slave<A, MESSAGE, DYNAMIC> {
     /// For explorations: machines that differ only in what they counted are the same.
     pub(crate) fn forget_counts(&mut self) {
-        self.access.forget_counts();
+        self.node.access.forget_counts();
         self.node.events.counters = super::Counters::default();
     }
 }

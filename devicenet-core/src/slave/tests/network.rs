@@ -170,7 +170,7 @@ fn reset_types() {
         bus.hears(0x42C, &[4, 0x05, 1, 1, kind.0]);
         bus.tells(SlaveEvent::Reset(kind));
         assert_eq!(bus.slave.access().mac_id().number(), mac, "{kind}");
-        assert_eq!(bus.slave.port.active, rate, "{kind}");
+        assert_eq!(bus.slave.node.port.active, rate, "{kind}");
         assert_eq!(bus.slave.node.heartbeat_interval, Some(interval), "{kind}");
         assert_eq!(bus.slave.access().quick_connect(), kind != ResetType::OUT_OF_BOX, "{kind}");
     }
