@@ -1,20 +1,26 @@
 //! Making a slave.
 
-use cip_core::connection::TimerResolution;
+use cip_core::connection::{ExplicitConnection, TimerResolution};
 use cip_core::fragment::{IO_MESSAGE_MAX, IO_UNFRAGMENTED_LEN};
 use cip_core::identity::DeviceState;
-use cip_core::object::FailureOptions;
-use link_core::Queue;
+use cip_core::message::AllocationChoice;
+use cip_core::object::{AcknowledgeSettings, FailureOptions};
+use link_core::{Queue, Timers};
 
 use super::application::{Application, IoKind, Parts};
-use super::config::{Config, Options, RECEIVE_TIME_OUT_MILLIS};
+use super::config::{Choices, Config, Options, RECEIVE_TIME_OUT_MILLIS};
 use super::detection::Detection;
+use super::devicenet_object::{Diagnostics, Port};
+use super::dynamic::Dynamic;
+use super::event::Events;
 use super::indicator::ModuleStatus;
 use super::io::{LongMessages, Slots};
+use super::lines::Lines;
 use super::machine::{DynamicTransfer, Errand, Slave};
-use super::node::{Node, bits_of};
+use super::node::{Changed, Node, Parent, bits_of};
 use super::transfer::Transfer;
-use crate::access::{BusOffWhileChecking, CounterSetMode, NetworkStatus};
+use crate::access::{Access, BusOffWhileChecking, CounterSetMode, NetworkStatus};
+use crate::id::MacId;
 
 /// Why a slave cannot be made.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, thiserror::Error)]
@@ -104,6 +110,47 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             shown: NetworkStatus::Off,
             module,
             receive_time_out,
+        }
+    }
+}
+
+impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
+    pub(super) fn new(config: Config, application: A) -> Self {
+        let device = application.identity().device;
+        let (vendor, serial) = (device.vendor, device.serial);
+        let options = Choices::new(&config);
+        let mut access = config.access;
+        access.offline_set &= A::PARTS.contains(Parts::OFFLINE_SET);
+        access.device = crate::message::DeviceIdentity { vendor, serial };
+        Self {
+            options,
+            failures: config.failures,
+            resolution: config.resolution,
+            explicit: ExplicitConnection::NON_EXISTENT,
+            slots: Slots::EMPTY,
+            dynamic: [Dynamic::CLOSED; DYNAMIC],
+            held: AllocationChoice::empty(),
+            master: None,
+            parent: Parent::Predefined,
+            group: MacId::MIN,
+            foreign_group: config.multicast_group,
+            acknowledge: AcknowledgeSettings::default(),
+            heartbeat_interval: config.heartbeat_interval,
+            departure: None,
+            changed: Changed::empty(),
+            lines: Lines::default(),
+            timers: Default::default(),
+            dynamic_timers: [const { Timers::new() }; DYNAMIC],
+            events: Events::default(),
+            access: Access::new(access),
+            port: Port {
+                stored: config.bit_rate.rate,
+                active: config.bit_rate.rate,
+                rate_from_switches: config.bit_rate.from_switches,
+                switches: None,
+                diagnostics: Diagnostics::default(),
+            },
+            application,
         }
     }
 }

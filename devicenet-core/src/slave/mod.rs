@@ -161,6 +161,7 @@ mod timer;
 mod transfer;
 mod ucmm;
 mod unconnected;
+mod watchdog;
 
 pub use application::{Application, End, IoKind, IoMode, Parts};
 pub use bit_rate::{BIT_RATES, BitRateConfig};

@@ -1,8 +1,9 @@
-//! The Connection object instances of a slave, who owns them, and the one door through which each changes its state.
+//! What the objects of a slave look at and change: the instances of the Connection object, each with the one door through which it
+//! changes its state, who owns them, network access, the application.
 
 use cip_core::connection::{
     ExplicitCause, ExplicitConnection, ExplicitState, IoCause, IoConnection, IoState, PredefinedConnection,
-    Settings, TimeoutMultiplier, TimerResolution, Watchdog,
+    Settings, TimerResolution,
 };
 use cip_core::identity::IdentityStatus;
 use cip_core::message::AllocationChoice;
@@ -11,10 +12,10 @@ use link_core::timers::TimerSet;
 use link_core::{Instant, Timers};
 
 use super::application::{Application, IoKind, IoMode, Parts};
-use super::config::{Choices, Config, Options};
-use super::connection_object::{Which, has_optional_attributes};
+use super::config::{Choices, Options};
+use super::connection_object::Which;
 use super::departure::Departure;
-use super::devicenet_object::{Diagnostics, Port};
+use super::devicenet_object::Port;
 use super::dynamic::Dynamic;
 use super::event::{Events, Ignored, SlaveEvent, count};
 use super::io::{LongMessages, Slots};
@@ -41,7 +42,7 @@ pub(super) struct Node<A: Application, const DYNAMIC: usize> {
     pub(super) explicit: ExplicitConnection,
     /// Instances 2 to 5, as many as there is room for.
     pub(super) slots: SlotsOf<A>,
-    resolution: TimerResolution,
+    pub(super) resolution: TimerResolution,
     /// Through which explicit connection the I/O connections are configured.
     pub(super) parent: Parent,
     /// Whose multicast poll is consumed.
@@ -50,7 +51,7 @@ pub(super) struct Node<A: Application, const DYNAMIC: usize> {
     pub(super) foreign_group: Option<MacId>,
     pub(super) heartbeat_interval: Option<u8>,
     pub(super) acknowledge: AcknowledgeSettings,
-    failures: FailureOptions,
+    pub(super) failures: FailureOptions,
     pub(super) events: Events<<SlotsOf<A> as Slots>::Events>,
     pub(super) options: Choices<A>,
     pub(super) timers: <SlotsOf<A> as Slots>::Timers,
@@ -91,45 +92,6 @@ bitflags::bitflags! {
 }
 
 impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
-    pub(super) fn new(config: Config, application: A) -> Self {
-        let device = application.identity().device;
-        let (vendor, serial) = (device.vendor, device.serial);
-        let options = Choices::new(&config);
-        let mut access = config.access;
-        access.offline_set &= A::PARTS.contains(Parts::OFFLINE_SET);
-        access.device = crate::message::DeviceIdentity { vendor, serial };
-        Self {
-            options,
-            failures: config.failures,
-            resolution: config.resolution,
-            explicit: ExplicitConnection::NON_EXISTENT,
-            slots: Slots::EMPTY,
-            dynamic: [Dynamic::CLOSED; DYNAMIC],
-            held: AllocationChoice::empty(),
-            master: None,
-            parent: Parent::Predefined,
-            group: MacId::MIN,
-            foreign_group: config.multicast_group,
-            acknowledge: AcknowledgeSettings::default(),
-            heartbeat_interval: config.heartbeat_interval,
-            departure: None,
-            changed: Changed::empty(),
-            lines: Lines::default(),
-            timers: Default::default(),
-            dynamic_timers: [const { Timers::new() }; DYNAMIC],
-            events: Events::default(),
-            access: Access::new(access),
-            port: Port {
-                stored: config.bit_rate.rate,
-                active: config.bit_rate.rate,
-                rate_from_switches: config.bit_rate.from_switches,
-                switches: None,
-                diagnostics: Diagnostics::default(),
-            },
-            application,
-        }
-    }
-
     /// The Identity object: what the application says, and what the slave knows.
     #[inline(always)]
     pub(super) fn identity(&self) -> Identity<'_> {
@@ -197,18 +159,6 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         Ok(())
     }
 
-    /// A valid message on an I/O connection. It changes no state, but the time-out.
-    #[inline]
-    pub(super) fn io_message(&mut self, kind: IoKind) {
-        #[cfg(test)]
-        {
-            let state = self.io(kind).state();
-            super::tests::edges::record_io(state, IoCause::Message, state);
-        }
-        let watchdog = self.io_mut(kind).message();
-        self.feed(Timer::Io(kind), watchdog);
-    }
-
     /// What a client has set on an instance.
     pub(super) fn settings_mut(&mut self, which: Which) -> Result<&mut Settings, Failure> {
         match which {
@@ -234,56 +184,6 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             self.start_trigger();
         }
         Ok(used)
-    }
-
-    /// A valid message on the predefined explicit connection while it is established. It changes no state, but the time-out.
-    #[inline]
-    pub(super) fn explicit_message(&mut self) {
-        #[cfg(test)]
-        super::tests::edges::record_explicit(
-            ExplicitState::Established,
-            ExplicitCause::Message,
-            ExplicitState::Established,
-        );
-        let watchdog = self.explicit.message();
-        self.feed(Timer::Explicit, watchdog);
-    }
-
-    /// Does with a timer what a connection says.
-    #[inline(never)]
-    fn apply(&mut self, timer: Timer, watchdog: Watchdog) {
-        if watchdog != Watchdog::Keep {
-            match self.time_out(timer, watchdog) {
-                Some(millis) => self.timers.set_after_millis(timer, millis),
-                None => self.timers.clear(timer),
-            }
-        }
-    }
-
-    /// The same, where messages come so often that a call counts.
-    #[inline]
-    fn feed(&mut self, timer: Timer, watchdog: Watchdog) {
-        if !A::PARTS.contains(Parts::FAST_WAYS) {
-            return self.apply(timer, watchdog);
-        }
-        if watchdog != Watchdog::Keep {
-            match self.time_out(timer, watchdog) {
-                Some(millis) => self.timers.set_after_millis_inline(timer, millis),
-                None => self.timers.clear(timer),
-            }
-        }
-    }
-
-    /// After how many milliseconds the connection of a timer is over.
-    #[inline]
-    fn time_out(&self, timer: Timer, watchdog: Watchdog) -> Option<u32> {
-        let settings = match timer {
-            Timer::Io(kind) => self.io(kind).settings(),
-            _ => self.explicit.settings(),
-        };
-        let multiplier =
-            if has_optional_attributes::<A>() { settings.multiplier() } else { TimeoutMultiplier::default() };
-        watchdog.millis(settings.expected_packet_rate(), multiplier)
     }
 
     /// The one door of the predefined explicit connection.
@@ -367,20 +267,6 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             self.report(SlaveEvent::Explicit { instance: 1, from, to, cause });
             self.changed.insert(Changed::CONNECTIONS);
         }
-    }
-
-    /// The watchdog of an I/O connection has run out.
-    pub(super) fn io_timed_out(&mut self, kind: IoKind) {
-        count::<A>(&mut self.events.counters.timed_out);
-        // A watchdog that runs belongs to an established connection.
-        let _ = self.io_step(kind, IoCause::WatchdogExpired);
-    }
-
-    /// The watchdog of the predefined explicit connection has run out.
-    pub(super) fn explicit_timed_out(&mut self) {
-        count::<A>(&mut self.events.counters.timed_out);
-        let io_established = self.is_io_established();
-        let _ = self.explicit_step(ExplicitCause::WatchdogExpired { io_established });
     }
 
     /// Tells what nothing has to be done about, if the slave has [`Parts::REPORTS`].
