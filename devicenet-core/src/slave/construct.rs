@@ -12,7 +12,7 @@ use super::config::{Choices, Config, Options, RECEIVE_TIME_OUT_MILLIS};
 use super::detection::Detection;
 use super::devicenet_object::{Diagnostics, Port};
 use super::dynamic::Dynamic;
-use super::event::Events;
+use super::event::{Events, Received};
 use super::indicator::ModuleStatus;
 use super::io::{LongMessages, Slots};
 use super::lines::Lines;
@@ -141,6 +141,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             lines: Lines::default(),
             timers: Default::default(),
             dynamic_timers: [const { Timers::new() }; DYNAMIC],
+            received: Received::default(),
             events: Events::default(),
             access: Access::new(access),
             port: Port {

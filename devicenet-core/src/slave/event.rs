@@ -201,8 +201,6 @@ impl<const N: usize> EventQueue for Queue<SlaveEvent, N> {
 #[derive(Clone, PartialEq, Eq, Hash, Debug, Default)]
 pub(super) struct Events<Q> {
     queue: Q,
-    /// One bit for each connection that has consumed data.
-    received: u8,
     pub(super) counters: Counters,
 }
 
@@ -214,25 +212,35 @@ impl<Q: EventQueue> Events<Q> {
         }
     }
 
-    pub(super) const fn received<A: Application>(&mut self, connection: IoKind) {
-        if A::PARTS.contains(Parts::EVENTS) {
-            self.received |= received_bit(connection);
-        }
-    }
-
-    pub(super) fn pop<A: Application>(&mut self) -> Option<SlaveEvent> {
+    /// The oldest; before all others, what was received.
+    pub(super) fn pop<A: Application>(&mut self, received: &mut Received) -> Option<SlaveEvent> {
         if !A::PARTS.contains(Parts::EVENTS) {
             return None;
         }
-        if let Some(kind) = IoKind::find::<A>(|kind| self.received & received_bit(kind) != 0) {
-            self.received &= !received_bit(kind);
-            return Some(SlaveEvent::Received(kind));
-        }
-        self.queue.pop()
+        received.pop::<A>().map(SlaveEvent::Received).or_else(|| self.queue.pop())
     }
 
-    pub(super) fn is_empty<A: Application>(&self) -> bool {
-        !A::PARTS.contains(Parts::EVENTS) || (self.queue.is_empty() && self.received == 0)
+    pub(super) fn is_empty<A: Application>(&self, received: Received) -> bool {
+        !A::PARTS.contains(Parts::EVENTS) || (self.queue.is_empty() && received.0 == 0)
+    }
+}
+
+/// The connections that have consumed data, and of which that is to be told: one bit for each. Beside the other events it would
+/// take four bytes.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub(super) struct Received(u8);
+
+impl Received {
+    pub(super) const fn insert<A: Application>(&mut self, connection: IoKind) {
+        if A::PARTS.contains(Parts::EVENTS) {
+            self.0 |= bit(connection);
+        }
+    }
+
+    fn pop<A: Application>(&mut self) -> Option<IoKind> {
+        let kind = IoKind::find::<A>(|kind| self.0 & bit(kind) != 0)?;
+        self.0 &= !bit(kind);
+        Some(kind)
     }
 }
 
@@ -252,7 +260,7 @@ pub(super) const fn count_wide<A: Application>(counter: &mut u32) {
     }
 }
 
-const fn received_bit(connection: IoKind) -> u8 {
+const fn bit(connection: IoKind) -> u8 {
     match connection {
         IoKind::Poll => 1,
         IoKind::BitStrobe => 2,

@@ -17,7 +17,7 @@ use super::connection_object::Which;
 use super::departure::Departure;
 use super::devicenet_object::Port;
 use super::dynamic::Dynamic;
-use super::event::{Events, Ignored, SlaveEvent, count};
+use super::event::{Events, Ignored, Received, SlaveEvent, count};
 use super::io::{LongMessages, Slots};
 use super::lines::Lines;
 use super::machine::changes;
@@ -50,17 +50,19 @@ pub(super) struct Node<A: Application, const DYNAMIC: usize> {
     /// Whose it is after an allocation, if not the master's.
     pub(super) foreign_group: Option<MacId>,
     pub(super) heartbeat_interval: Option<u8>,
+    /// What was received since that was told.
+    pub(super) received: Received,
     pub(super) acknowledge: AcknowledgeSettings,
     pub(super) failures: FailureOptions,
     pub(super) events: Events<<SlotsOf<A> as Slots>::Events>,
     pub(super) options: Choices<A>,
+    pub(super) application: A,
     pub(super) timers: <SlotsOf<A> as Slots>::Timers,
     /// Instances 6 and up.
     pub(super) dynamic: [Dynamic; DYNAMIC],
     pub(super) dynamic_timers: [Timers<Timer, 3>; DYNAMIC],
     pub(super) access: Access,
     pub(super) port: Port,
-    pub(super) application: A,
 }
 
 type SlotsOf<A> = <<A as Application>::Long as LongMessages>::Slots;

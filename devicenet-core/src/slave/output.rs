@@ -134,7 +134,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         lines.ready::<A>().is_some()
             || (self.errand != Errand::None && self.has_errand())
             || self.node.access.wants_to_transmit::<Needed<A>>()
-            || !self.node.events.is_empty::<A>()
+            || !self.node.events.is_empty::<A>(self.node.received)
             || (A::PARTS.contains(Parts::INDICATOR_EVENTS)
                 && (self.shown != self.network_status() || self.module != self.module_status()))
             || self.is_explicit_ready()
@@ -188,7 +188,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     /// The next event: what was raised, then indicators that show something else.
     fn tell(&mut self) -> Option<SlaveEvent> {
-        if let Some(event) = self.node.events.pop::<A>() {
+        if let Some(event) = self.node.events.pop::<A>(&mut self.node.received) {
             return Some(event);
         }
         if !A::PARTS.contains(Parts::INDICATOR_EVENTS) {

@@ -122,7 +122,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     fn ran(&mut self, kind: IoKind) {
         self.node.set_mode(kind, IoMode::Run);
-        self.node.events.received::<A>(kind);
+        self.node.received.insert::<A>(kind);
     }
 
     /// A message was consumed: the watchdog runs anew.

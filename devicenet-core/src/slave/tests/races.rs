@@ -274,7 +274,7 @@ fn noise() {
 #[cfg(target_pointer_width = "64")]
 fn the_size_of_the_machine() {
     let application = size_of::<super::bus::Block>();
-    assert_eq!(size_of::<crate::slave::Group2OnlyServer<super::bus::Block>>() - application, 680);
+    assert_eq!(size_of::<crate::slave::Group2OnlyServer<super::bus::Block>>() - application, 672);
 }
 
 /// Attribute 5 is told whenever it changes, also when a connection that timed out is reset.
