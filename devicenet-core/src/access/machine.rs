@@ -173,6 +173,12 @@ impl Access {
         self.expire::<P>(now);
     }
 
+    /// The same for no input but the time.
+    pub(crate) fn serve_waits<P: Extent>(&mut self, now: Instant) {
+        let now = self.timers.advance(now);
+        self.expire::<P>(now);
+    }
+
     /// When it must be called next if there is nothing to send or tell.
     pub(crate) fn next_wait(&self) -> Option<Deadline> {
         self.timers.next()

@@ -157,13 +157,13 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         while DYNAMIC > 0
             && let Some((index, timer)) = self.node.take_expired_dynamic(until)
         {
-            let at = usize::from(index);
-            let pair = (self.transfers.get_mut(at), self.node.dynamic_timers.get_mut(at));
-            let (Some(DynamicTransfer { transfer, .. }), Some(timers)) = pair else { return };
+            let Some(DynamicTransfer { transfer, .. }) = self.transfers.get_mut(usize::from(index)) else {
+                return;
+            };
             match timer {
                 Timer::Explicit => self.node.dynamic_timed_out(index),
                 Timer::FragmentAcknowledge => {
-                    if transfer.not_acknowledged(timers) {
+                    if transfer.not_acknowledged() {
                         let instance = instance(index);
                         self.node.report(SlaveEvent::ResponseAbandoned { instance });
                     }

@@ -19,16 +19,10 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
 
     #[inline(never)]
     fn follow_changes(&mut self) {
+        self.follow_departure();
         if self.online != self.node.access.is_online() {
             self.online = self.node.access.is_online();
             if self.online { self.go_online() } else { self.go_offline() }
-        }
-        if self.node.departure.is_some() {
-            self.follow_departure();
-            if self.online && !self.node.access.is_online() {
-                self.online = false;
-                self.go_offline();
-            }
         }
         if self.node.changed.is_empty() {
             return;

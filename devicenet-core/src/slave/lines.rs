@@ -211,7 +211,7 @@ pub(super) fn token(line: Line) -> TxToken {
 
 /// The line of a token.
 pub(super) fn line_of(token: TxToken) -> Option<Line> {
-    let line = Line::from_bits(u8::try_from(token.0).ok()?)?;
+    let line = Line::from_bits_retain(u8::try_from(token.0).ok()?);
     line.bits().is_power_of_two().then_some(line)
 }
 

@@ -234,7 +234,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     #[inline(never)]
     fn expire(&mut self, until: Instant) {
         if self.node.access.may_be_due(until) {
-            self.tell_access(until, &Input::Tick);
+            self.look_for_errands();
+            self.node.access.serve_waits::<Needed<A>>(until);
         }
         while let Some(timer) = self.node.timers.take_expired(until) {
             self.wait_over(timer);
@@ -246,17 +247,13 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
     fn wait_over(&mut self, timer: Timer) {
         match timer {
             Timer::Explicit => self.node.explicit_timed_out(),
-            Timer::Io(kind) => {
-                if let Some(kind) = kind.offered::<A>() {
-                    self.node.io_timed_out(kind);
-                }
-            }
+            Timer::Io(kind) => self.node.io_timed_out(kind.known::<A>()),
             Timer::Trigger if changes::<A>() => self.node.triggered(),
             Timer::Inhibit if changes::<A>() => self.node.inhibit_over(),
             Timer::Acknowledge if changes::<A>() => self.not_acknowledged(),
             Timer::Heartbeat if A::PARTS.contains(Parts::HEARTBEAT) => self.heartbeat_over(),
             Timer::FragmentAcknowledge => {
-                if self.explicit.not_acknowledged(&mut self.node.timers) {
+                if self.explicit.not_acknowledged() {
                     self.node.report(SlaveEvent::ResponseAbandoned { instance: 1 });
                 }
             }

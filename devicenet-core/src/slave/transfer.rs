@@ -276,13 +276,16 @@ impl<const MESSAGE: usize> Transfer<MESSAGE> {
     }
 
     /// The acknowledge of a fragment has not come in time; true if the response was given up.
-    pub(super) fn not_acknowledged(&mut self, timers: &mut impl TimerSet<Timer>) -> bool {
-        let outcome = self.transmit.time_out();
-        self.go_on(timers, outcome);
-        if self.stage == Stage::Due {
-            self.stage = Stage::Again;
+    pub(super) fn not_acknowledged(&mut self) -> bool {
+        match self.transmit.time_out() {
+            TransmitOutcome::Send => self.stage = Stage::Again,
+            TransmitOutcome::Abandoned => {
+                self.stage = Stage::Idle;
+                return true;
+            }
+            TransmitOutcome::Complete | TransmitOutcome::Refused(_) | TransmitOutcome::Ignored => {}
         }
-        outcome == TransmitOutcome::Abandoned
+        false
     }
 
     /// The connection is gone. A response in one frame, and the acknowledge before it, still go out: they may belong to the
