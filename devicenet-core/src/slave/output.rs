@@ -56,9 +56,13 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             }
             self.errand = Errand::None;
         }
-        if self.node.lines.is_free(Line::EXPLICIT)
-            && let Some(action) = self.send_explicit()
-        {
+        // Where code counts, whether there is something to send is not asked before it is looked for.
+        let may_send = if A::PARTS.contains(Parts::FAST_WAYS) {
+            self.is_explicit_ready()
+        } else {
+            self.node.lines.is_free(Line::EXPLICIT)
+        };
+        if may_send && let Some(action) = self.send_explicit() {
             return Some(action);
         }
         self.other_output()

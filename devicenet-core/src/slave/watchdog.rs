@@ -40,11 +40,10 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     /// Does with a timer what its connection says.
     #[inline(never)]
     pub(super) fn apply(&mut self, timer: Timer, watchdog: Watchdog) {
-        if watchdog != Watchdog::Keep {
-            match self.time_out(timer, watchdog) {
-                Some(millis) => self.timers.set_after_millis(timer, millis),
-                None => self.timers.clear(timer),
-            }
+        match self.time_out(timer, watchdog) {
+            Some(millis) => self.timers.set_after_millis(timer, millis),
+            None if watchdog != Watchdog::Keep => self.timers.clear(timer),
+            None => {}
         }
     }
 
@@ -54,11 +53,10 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         if !A::PARTS.contains(Parts::FAST_WAYS) {
             return self.apply(timer, watchdog);
         }
-        if watchdog != Watchdog::Keep {
-            match self.time_out(timer, watchdog) {
-                Some(millis) => self.timers.set_after_millis_inline(timer, millis),
-                None => self.timers.clear(timer),
-            }
+        match self.time_out(timer, watchdog) {
+            Some(millis) => self.timers.set_after_millis_inline(timer, millis),
+            None if watchdog != Watchdog::Keep => self.timers.clear(timer),
+            None => {}
         }
     }
 
