@@ -85,6 +85,8 @@ impl ExplicitReceive {
     }
 
     /// Takes a fragment: the transaction ID of its header, the fragmentation byte, and the bytes after it.
+    // It is called from one place: in line, what becomes of a fragment is not put together and taken apart again.
+    #[inline]
     pub fn fragment<'b>(
         &mut self,
         buffer: &'b mut [u8],

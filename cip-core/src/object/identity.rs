@@ -130,6 +130,8 @@ impl<'a> Identity<'a> {
     }
 
     /// Whether instance 1 has the attribute.
+    // Where a device is compiled it is known which it has, and what it has not is no code.
+    #[inline]
     pub const fn has(&self, attribute: AttributeId) -> bool {
         match attribute.0 {
             1..=7 => true,

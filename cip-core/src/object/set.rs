@@ -78,7 +78,9 @@ pub fn respond_with<T>(
 }
 
 /// Writes an error response in the place of what was written from `start` on.
+// In line it is longer, cold or not.
 #[cold]
+#[inline(never)]
 fn refuse(failure: Failure, start: usize, out: &mut Writer<'_>) -> Failure {
     out.truncate(start);
     // A refusal that has no room is none: the owner sees the failure and an empty `out`.
