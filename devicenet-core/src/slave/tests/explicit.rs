@@ -1,9 +1,11 @@
 //! Requests and responses on the explicit connection: every defect, fragments in both directions.
 
-use cip_core::connection::ExplicitState;
-use link_core::TxOutcome;
+use core::time::Duration;
 
-use super::bus::{Bus, G2o, MASTER, REQUEST, RESPONSE, block, config};
+use cip_core::connection::ExplicitState;
+use link_core::{Input, Machine, TxOutcome};
+
+use super::bus::{Bus, G2o, MASTER, REQUEST, RESPONSE, UNCONNECTED, block, config};
 use crate::Identifier;
 use crate::slave::{Ignored, Options, SlaveEvent};
 
@@ -290,6 +292,42 @@ fn an_acknowledge_before_its_fragment_is_reported_as_sent() {
     bus.sends_nothing();
     bus.done(TxOutcome::Sent);
     bus.sends(RESPONSE, &[0x84, 0x41, b'p', b'l', b'e', b' ', b'B', b'l']);
+}
+
+/// The time for an acknowledge is over, and it comes before the second copy was fetched: there is no second copy.
+#[test]
+fn a_late_acknowledge_of_the_first_copy() {
+    let mut bus = G2o::g2o().allocated(0x01);
+    bus.hears(REQUEST, &[4, 0x0E, 1, 1, 7]);
+    bus.sends(RESPONSE, &[0x84, 0x00, 0x8E, 18, b'E', b'x', b'a', b'm']);
+    bus.now += Duration::from_millis(1000);
+    bus.slave.input(bus.now, Input::Tick);
+    bus.hears(REQUEST, &[0x84, 0xC0, 0]);
+    bus.sends(RESPONSE, &[0x84, 0x41, b'p', b'l', b'e', b' ', b'B', b'l']);
+    bus.sends_nothing();
+}
+
+/// They share a line, on which a response is still with the controller when both come.
+#[test]
+fn an_acknowledge_goes_before_an_unconnected_answer() {
+    fn check<const DYNAMIC: usize>() {
+        let mut bus = Bus::<_, DYNAMIC>::online(config(), block()).allocated(0x01);
+        bus.acknowledging = false;
+        bus.hears(REQUEST, &[4, 0x0E, 1, 1, 1]);
+        bus.sends(RESPONSE, &[4, 0x8E, 0xE7, 0x03]);
+        bus.hears(UNCONNECTED, &[5, 0x4B, 3, 1, 1, 5]);
+        bus.hears(REQUEST, &[0x84, 0x00, 0x0E]);
+        bus.sends_nothing();
+        bus.done(TxOutcome::Sent);
+        bus.sends(RESPONSE, &[0x84, 0xC0, 0]);
+        bus.sends_nothing();
+        bus.done(TxOutcome::Sent);
+        bus.sends(RESPONSE, &[5, 0x94, 0x0C, 0x01]);
+        bus.done(TxOutcome::Sent);
+        bus.sends_nothing();
+    }
+    check::<0>();
+    check::<3>();
 }
 
 /// The response to the first is still with the controller when the second comes: it goes out, and then the other.

@@ -3,8 +3,10 @@
 mod allocation;
 mod bus;
 pub(super) mod edges;
+mod effects;
 mod explicit;
 mod fast_get;
+mod leaving;
 mod network;
 mod objects;
 mod other_io;

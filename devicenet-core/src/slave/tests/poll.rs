@@ -1,10 +1,11 @@
 //! Poll: every command is answered once, run and idle, lengths, time-outs (CIP Vol. 3, I/O messaging).
 
-use link_core::TxOutcome;
+use link_core::frame::standard_id;
+use link_core::{Action, Frame, Input, Machine, TxOutcome};
 
 use super::bus::{Bus, Full, G2o, MASTER, POLL, POLL_RESPONSE, REQUEST, block, config, everything};
 use crate::Identifier;
-use crate::slave::{Ignored, IoKind, IoMode, Options, SlaveEvent};
+use crate::slave::{Event, Ignored, IoKind, IoMode, Options, SlaveEvent};
 
 const ANSWER: [u8; 2] = [0x34, 0x12];
 
@@ -211,6 +212,23 @@ fn a_slow_controller() {
         id: Identifier::new(POLL_RESPONSE).unwrap(),
         outcome: TxOutcome::Dropped,
     });
+}
+
+/// The second command finds its response still in flight: there is nothing to send, and one event to be fetched at once.
+#[test]
+fn what_was_received_alone_is_fetched_at_once() {
+    let mut bus = G2o::g2o().established(0x03, &[2]);
+    bus.acknowledging = false;
+    bus.hears(POLL, &[1]);
+    bus.sends(POLL_RESPONSE, &ANSWER);
+    let poll = Frame::new(standard_id(POLL), &[2]).unwrap();
+    bus.slave.input(bus.now, Input::Frame(poll));
+    let is_due = |bus: &G2o| bus.slave.deadline().is_some_and(|deadline| deadline.at <= bus.now);
+    assert!(is_due(&bus));
+    let received = Event::Slave(SlaveEvent::Received(IoKind::Poll));
+    assert_eq!(bus.slave.poll(bus.now), Some(Action::Event(received)));
+    assert!(!is_due(&bus));
+    assert_eq!(bus.slave.poll(bus.now), None);
 }
 
 /// Ten bytes each way: the example of CIP Vol. 3, `00` and `81`.

@@ -194,6 +194,21 @@ fn connections_time_out_one_by_one() {
     assert!(bus.slave.node.is_open(1));
 }
 
+/// Attribute 18 counts there as well: 2500 ms times 8.
+#[test]
+fn a_timeout_multiplier() {
+    let mut bus = Ucmm::ucmm_server();
+    bus.ucmm(&[0x4B, 0x00, 0x31], &[0xCB, 0x00, 0x00, 0x06, 0x00]);
+    bus.hears(0x642, &[0x3F, 0x10, 0x05, 0x06, 18, 1]);
+    bus.sends(0x63F, &[0x02, 0x90]);
+    bus.hears(0x642, &[0x3F, 0x0E, 0x01, 0x01, 0x01]);
+    bus.sends(0x63F, &[0x02, 0x8E, 0xE7, 0x03]);
+    bus.wait(19_999);
+    assert!(bus.slave.node.is_any_open());
+    bus.wait(1);
+    assert!(!bus.slave.node.is_any_open());
+}
+
 /// A client that has restarted opens with the Message ID that it has used before.
 #[test]
 fn a_forgotten_connection_makes_way() {
