@@ -50,13 +50,15 @@ impl fmt::Display for Table {
             })
             .collect();
         let rows = || core::iter::once(&heading).chain(&self.rows);
-        let width = |column: usize| {
-            rows().filter_map(|row| row.get(column)).map(|cell: &Cell| cell.text.chars().count()).max()
-        };
+        let mut widths = vec![0; rows().map(Vec::len).max().unwrap_or(0)];
+        for row in rows() {
+            for (width, cell) in widths.iter_mut().zip(row) {
+                *width = cell.text.chars().count().max(*width);
+            }
+        }
         for row in rows() {
             let mut line = String::new();
-            for (column, Cell { text, is_left }) in row.iter().enumerate() {
-                let width = width(column).unwrap_or(0);
+            for (Cell { text, is_left }, &width) in row.iter().zip(&widths) {
                 line += &if *is_left { format!("{text:<width$}  ") } else { format!("{text:>width$}  ") };
             }
             writeln!(f, "{}", line.trim_end())?;
