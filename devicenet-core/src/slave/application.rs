@@ -46,7 +46,7 @@ pub trait Application: Clone + Eq + Hash + Debug {
     /// The objects besides Identity, DeviceNet, Connection and Acknowledge Handler. By default none.
     fn objects(&mut self) -> impl ObjectSet {}
 
-    /// What the connection sends. An empty slice says that there are no valid data.
+    /// What the connection sends. An empty slice says that there are no valid data; more than there is room for goes out as that.
     ///
     /// For a connection whose data are not sampled by then, they are what was last written to the application.
     fn produced(&self, connection: IoKind) -> &[u8];

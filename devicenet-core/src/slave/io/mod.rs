@@ -159,6 +159,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         if A::Long::CAPACITY <= IO_UNFRAGMENTED_LEN
             || usize::from(self.node.application.produced_size(kind)) <= IO_UNFRAGMENTED_LEN
         {
+            // What has no room goes out empty, as in fragments: there are no valid data.
+            let data = if data.len() > IO_UNFRAGMENTED_LEN { &[] } else { data };
             return id.frame(data);
         }
         let empty = if self.node.options.contains(Options::EMPTY_AS_3F) {

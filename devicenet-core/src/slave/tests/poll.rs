@@ -1,11 +1,15 @@
 //! Poll: every command is answered once, run and idle, lengths, time-outs (CIP Vol. 3, I/O messaging).
 
+use cip_core::message::AllocationChoice;
+use cip_core::object::Identity;
 use link_core::frame::standard_id;
 use link_core::{Action, Frame, Input, Machine, TxOutcome};
 
-use super::bus::{Bus, Full, G2o, MASTER, POLL, POLL_RESPONSE, REQUEST, block, config, everything};
+use super::bus::{
+    Bus, Everything, Full, G2o, MASTER, POLL, POLL_RESPONSE, REQUEST, block, config, everything,
+};
 use crate::Identifier;
-use crate::slave::{Event, Ignored, IoKind, IoMode, Options, SlaveEvent};
+use crate::slave::{Application, Event, Ignored, IoKind, IoMode, Options, SlaveEvent};
 
 const ANSWER: [u8; 2] = [0x34, 0x12];
 
@@ -317,5 +321,45 @@ fn no_valid_data() {
         bus.hears(POLL, &[1]);
         bus.sends(POLL_RESPONSE, empty);
         bus.sends_nothing();
+    }
+}
+
+/// Everything, without room for more than a frame.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+struct Short(Everything);
+
+impl Application for Short {
+    const IO: AllocationChoice = AllocationChoice::POLL;
+    type Long = ();
+
+    fn identity(&self) -> Identity<'_> {
+        self.0.identity()
+    }
+
+    fn produced(&self, connection: IoKind) -> &[u8] {
+        self.0.produced(connection)
+    }
+
+    fn consumed(&mut self, connection: IoKind) -> &mut [u8] {
+        self.0.consumed(connection)
+    }
+}
+
+/// Sizes must stay as they are. Where they do not, what has no room goes out as no valid data, and the connection lives.
+#[test]
+fn inputs_that_have_grown() {
+    let mut short = Bus::<Short, 0>::online(config(), Short(everything())).established(0x03, &[2]);
+    let mut long = Full::online(config(), everything()).established(0x03, &[2]);
+    for (inputs, sent) in
+        [(std::vec![5; 40], &[][..]), (std::vec![6; 4], &[6; 4]), (std::vec![7; 2], &[7; 2])]
+    {
+        short.slave.application_mut().0.inputs.clone_from(&inputs);
+        short.hears(POLL, &[1]);
+        short.sends(POLL_RESPONSE, sent);
+        short.sends_nothing();
+        long.slave.application_mut().inputs = inputs;
+        long.hears(POLL, &[1]);
+        long.sends(POLL_RESPONSE, sent);
+        long.sends_nothing();
     }
 }
