@@ -135,11 +135,14 @@ impl Machine for Access {
     }
 
     fn max_in_flight(&self) -> usize {
-        1
+        Self::MAX_IN_FLIGHT
     }
 }
 
 impl Access {
+    /// What [`max_in_flight`](link_core::Machine::max_in_flight) returns, for the size of a port.
+    pub const MAX_IN_FLIGHT: usize = 1;
+
     /// The token of every frame that it sends. A machine that contains it uses others for its own.
     pub const TOKEN: TxToken = TxToken(0);
 

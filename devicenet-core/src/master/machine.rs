@@ -137,11 +137,14 @@ impl<const SLAVES: usize, const MESSAGE: usize> Machine for Master<SLAVES, MESSA
     }
 
     fn max_in_flight(&self) -> usize {
-        self.node.max_in_flight().saturating_add(Lanes::COUNT)
+        Self::MAX_IN_FLIGHT
     }
 }
 
 impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
+    /// What [`max_in_flight`](link_core::Machine::max_in_flight) returns, for the size of a port.
+    pub const MAX_IN_FLIGHT: usize = OwnNode::MAX_IN_FLIGHT.saturating_add(Lanes::COUNT);
+
     /// A master without power and with an empty scan list: the first [`LinkEvent::Up`] starts it. It is idle until
     /// [`set_run`](Self::set_run).
     #[must_use]

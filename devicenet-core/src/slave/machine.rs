@@ -71,6 +71,10 @@ pub(super) enum Errand {
 }
 
 impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAGE, DYNAMIC> {
+    /// What [`max_in_flight`](link_core::Machine::max_in_flight) returns, for the size of a port.
+    // Network access, four I/O connections, the explicit line, that of the UCMM, and the dynamic ones.
+    pub const MAX_IN_FLIGHT: usize = if DYNAMIC == 0 { 6 } else { DYNAMIC.saturating_add(7) };
+
     /// Its network access.
     #[must_use]
     pub const fn access(&self) -> &Access {
@@ -338,8 +342,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Machine for Sla
     }
 
     fn max_in_flight(&self) -> usize {
-        // Network access, four I/O connections, the explicit line, that of the UCMM, and the dynamic ones.
-        if DYNAMIC == 0 { 6 } else { DYNAMIC.saturating_add(7) }
+        Self::MAX_IN_FLIGHT
     }
 }
 

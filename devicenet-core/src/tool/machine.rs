@@ -109,11 +109,14 @@ impl Machine for OfflineTool {
     }
 
     fn max_in_flight(&self) -> usize {
-        self.access.max_in_flight().saturating_add(1)
+        Self::MAX_IN_FLIGHT
     }
 }
 
 impl OfflineTool {
+    /// What [`max_in_flight`](link_core::Machine::max_in_flight) returns, for the size of a port.
+    pub const MAX_IN_FLIGHT: usize = Access::MAX_IN_FLIGHT.saturating_add(1);
+
     /// A tool without power: the first [`LinkEvent::Up`](link_core::LinkEvent::Up) starts it.
     #[must_use]
     pub fn new(config: Config) -> Self {

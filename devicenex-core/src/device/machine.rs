@@ -55,6 +55,10 @@ pub(super) struct Settings {
 }
 
 impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Device<A, MESSAGE, CONNECTIONS> {
+    /// What [`max_in_flight`](link_core::Machine::max_in_flight) returns, for the size of a port.
+    // The connections, network access, answers, the connectionless port.
+    pub const MAX_IN_FLIGHT: usize = CONNECTIONS.saturating_add(3);
+
     pub(super) fn frame(&mut self, now: Instant, frame: &Frame) {
         if !self.online || frame.is_remote() {
             return self.access.input(now, Input::Frame(*frame));
@@ -209,8 +213,7 @@ impl<A: Application, const MESSAGE: usize, const CONNECTIONS: usize> Machine
     }
 
     fn max_in_flight(&self) -> usize {
-        // Network access, answers, the connectionless port.
-        CONNECTIONS.saturating_add(3)
+        Self::MAX_IN_FLIGHT
     }
 }
 

@@ -113,11 +113,14 @@ impl<const DEVICES: usize, const CONNECTIONS: usize> Machine for Manager<DEVICES
     }
 
     fn max_in_flight(&self) -> usize {
-        self.node.max_in_flight().saturating_add(Lanes::COUNT)
+        Self::MAX_IN_FLIGHT
     }
 }
 
 impl<const DEVICES: usize, const CONNECTIONS: usize> Manager<DEVICES, CONNECTIONS> {
+    /// What [`max_in_flight`](link_core::Machine::max_in_flight) returns, for the size of a port.
+    pub const MAX_IN_FLIGHT: usize = OwnNode::MAX_IN_FLIGHT.saturating_add(Lanes::COUNT);
+
     /// A manager without power and with an empty database: the first [`LinkEvent::Up`](link_core::LinkEvent::Up) starts
     /// it.
     #[must_use]
