@@ -31,12 +31,17 @@ pub trait Driver: Can {
     /// [`sent`](Self::sent) will tell.
     fn abort(&mut self, frame: &Frame) -> bool;
 
-    /// The next thing that happened below the frame. When it tells of [`LinkEvent::BusOff`] or [`LinkEvent::Down`], the
-    /// mailboxes are empty.
+    /// The next thing that happened below the frame. The first is [`LinkEvent::Up`], once the peripheral takes part in the
+    /// bus, though nobody has asked for it: a machine is without power until then. When it tells of
+    /// [`LinkEvent::BusOff`] or [`LinkEvent::Down`], the mailboxes are empty.
     fn event(&mut self) -> Option<LinkEvent>;
 
     /// Carries out a command; its answer comes by [`event`](Self::event). [`LinkCommand::Reset`] and
     /// [`LinkCommand::SetMode`] empty the mailboxes. `false` where the peripheral cannot; then nothing has changed.
+    ///
+    /// A [`LinkCommand::SetFilter`] may repeat the filters that are in force. A driver for which setting them is dear, or
+    /// loses frames, keeps the last [`FilterSet`](crate::FilterSet) and compares; [`LinkEvent::FilterSet`] is the answer
+    /// all the same.
     fn command(&mut self, command: &LinkCommand) -> bool;
 
     /// Whether an error of [`Can::receive`] is an event of the bus, such as a receive overrun, and which. `None` ends
