@@ -10,12 +10,12 @@
 
 use embedded_can_types::nb::Can;
 use embedded_can_types::{Frame as _, Id};
-use heapless::{Deque, Vec};
 
 use crate::drive::Port;
 use crate::frame::Frame;
 use crate::link::{LinkCommand, LinkCommandKind, LinkEvent};
 use crate::machine::{Deadline, Input, TxOutcome, TxToken};
+use crate::queue::Queue;
 use crate::time::Instant;
 
 /// A CAN peripheral: `embedded_can`'s trait, and what it leaves out.
@@ -55,19 +55,38 @@ pub trait Driver: Can {
     fn idle(&mut self, until: Option<Instant>);
 }
 
-/// A [`Port`] with room for `N` frames in flight: at least the machine's
-/// [`max_in_flight`](crate::Machine::max_in_flight).
+/// A [`Port`] with room for `N` frames in flight, at most 127: at least the machine's
+/// [`max_in_flight`](crate::Machine::max_in_flight), which each machine has as a constant too.
+///
+/// | machine | `MAX_IN_FLIGHT` |
+/// |---|---|
+/// | network access, of DeviceNet and of DeviceNeX | 1 |
+/// | the offline recovery tool | 2 |
+/// | a Group 2 Only server | 6 |
+/// | a slave with the UCMM and `DYNAMIC` connections | 7 + `DYNAMIC` |
+/// | a DeviceNet master | 12 |
+/// | a DeviceNeX device with `CONNECTIONS` | 3 + `CONNECTIONS` |
+/// | a DeviceNeX manager | 7 |
+///
+/// ```
+/// use link_core::embedded::{Driver, EmbeddedPort};
+/// # struct Slave;
+/// # impl Slave { const MAX_IN_FLIGHT: usize = 6; }
+///
+/// fn port<D: Driver>(driver: D) -> EmbeddedPort<D, { Slave::MAX_IN_FLIGHT }> {
+///     EmbeddedPort::new(driver)
+/// }
+/// ```
 #[derive(Debug)]
 pub struct EmbeddedPort<D, const N: usize> {
     driver: D,
-    /// Waiting for a mailbox, the most urgent last.
-    waiting: Vec<Pending, N>,
-    /// In a mailbox.
-    mailboxes: Vec<Pending, N>,
+    /// In a mailbox or waiting for one, in the order in which they came: so frames of one identifier keep theirs, and a
+    /// displaced one goes before the younger ones.
+    frames: Queue<Pending, N>,
     /// Answers that the machine has not got yet; until then they count as in flight.
-    answers: Deque<(TxToken, TxOutcome), N>,
+    answers: Queue<(TxToken, TxOutcome), N>,
     /// Commands that the driver cannot carry out, of which the machine has not heard yet.
-    refused: Deque<LinkCommandKind, MAX_REFUSED>,
+    refused: Queue<LinkCommandKind, MAX_REFUSED>,
 }
 
 /// Why an [`EmbeddedPort`] gave up.
@@ -91,18 +110,14 @@ pub enum EmbeddedError<E> {
 struct Pending {
     token: TxToken,
     frame: Frame,
+    in_mailbox: bool,
 }
 
 impl<D: Driver, const N: usize> EmbeddedPort<D, N> {
-    /// A port on a driver that takes part in the bus already, or will say so by [`LinkEvent::Up`].
+    /// A port on a driver whose first [`event`](Driver::event) will be [`LinkEvent::Up`], also if it takes part in the bus
+    /// already. Without it no machine ever starts.
     pub const fn new(driver: D) -> Self {
-        Self {
-            driver,
-            waiting: Vec::new(),
-            mailboxes: Vec::new(),
-            answers: Deque::new(),
-            refused: Deque::new(),
-        }
+        Self { driver, frames: Queue::new(), answers: Queue::new(), refused: Queue::new() }
     }
 
     /// The driver, for what is not the port's business.
@@ -111,7 +126,7 @@ impl<D: Driver, const N: usize> EmbeddedPort<D, N> {
     }
 
     fn in_flight(&self) -> usize {
-        self.waiting.len().saturating_add(self.mailboxes.len()).saturating_add(self.answers.len())
+        self.frames.len().saturating_add(self.answers.len())
     }
 
     /// Puts waiting frames into mailboxes while there are any to be had.
@@ -119,24 +134,19 @@ impl<D: Driver, const N: usize> EmbeddedPort<D, N> {
         // A frame goes in once, and comes out again at most once. The bound is for a driver that displaces a frame for
         // a less urgent one, which would never end.
         for _ in 0..N.saturating_mul(2) {
-            let Some(place) = self.waiting.iter().rposition(|pending| !self.is_in_mailbox(&pending.frame))
-            else {
-                break;
-            };
-            let Some(&pending) = self.waiting.get(place) else { break };
+            let Some(pending) = self.most_urgent() else { break };
             let Some(frame) = pending.frame.to_can::<D::Frame>() else {
                 // The driver's frame type cannot hold it, so it will never be sent.
-                self.waiting.remove(place);
-                self.answer(pending.token, TxOutcome::Dropped)?;
+                self.settle(pending.token, TxOutcome::Dropped)?;
                 continue;
             };
             match self.driver.transmit(&frame) {
                 Ok(displaced) => {
-                    self.waiting.remove(place);
                     if let Some(displaced) = displaced {
-                        self.queue_again(&displaced)?;
+                        let displaced = self.in_mailbox_as(displaced.id(), displaced.is_remote_frame());
+                        self.mark(displaced, false);
                     }
-                    self.mailboxes.push(pending).map_err(|_| EmbeddedError::TooManyInFlight)?;
+                    self.mark(Some(pending.token), true);
                 }
                 Err(nb::Error::WouldBlock) => break,
                 Err(nb::Error::Other(error)) => return Err(EmbeddedError::Driver(error)),
@@ -145,45 +155,52 @@ impl<D: Driver, const N: usize> EmbeddedPort<D, N> {
         Ok(())
     }
 
+    /// The frame to go into a mailbox next; of equals, the oldest.
+    fn most_urgent(&self) -> Option<Pending> {
+        self.frames
+            .iter()
+            .filter(|pending| !pending.in_mailbox && !self.is_in_mailbox(&pending.frame))
+            .min_by_key(|pending| pending.frame.arbitration_key())
+            .copied()
+    }
+
     /// Whether a frame of this identifier and kind is in a mailbox.
     fn is_in_mailbox(&self, frame: &Frame) -> bool {
-        self.mailboxes.iter().any(|other| other.frame.arbitration_key() == frame.arbitration_key())
-    }
-
-    fn take_from_mailbox(&mut self, id: Id, remote: bool) -> Option<Pending> {
-        let place = self
-            .mailboxes
+        self.frames
             .iter()
-            .position(|Pending { frame, .. }| (frame.id(), frame.is_remote()) == (id, remote))?;
-        Some(self.mailboxes.swap_remove(place))
+            .any(|other| other.in_mailbox && other.frame.arbitration_key() == frame.arbitration_key())
     }
 
-    fn queue_again(&mut self, displaced: &D::Frame) -> Result<(), EmbeddedError<D::Error>> {
-        let Some(pending) = self.take_from_mailbox(displaced.id(), displaced.is_remote_frame()) else {
-            return Ok(());
-        };
-        let key = pending.frame.arbitration_key();
-        // Before those of equal urgency, which are younger.
-        let place = self.waiting.iter().take_while(|other| other.frame.arbitration_key() >= key).count();
-        self.waiting.insert(place, pending).map_err(|_| EmbeddedError::TooManyInFlight)
+    /// Which frame it is that a mailbox names so.
+    fn in_mailbox_as(&self, id: Id, remote: bool) -> Option<TxToken> {
+        let mut in_mailboxes = self.frames.iter().filter(|pending| pending.in_mailbox);
+        let is_it = |frame: &Frame| (frame.id(), frame.is_remote()) == (id, remote);
+        in_mailboxes.find(|pending| is_it(&pending.frame)).map(|pending| pending.token)
     }
 
-    fn enqueue(&mut self, pending: Pending) -> Result<(), EmbeddedError<D::Error>> {
-        let key = pending.frame.arbitration_key();
-        // Behind those of equal urgency, so that frames of one identifier keep their order.
-        let place = self.waiting.iter().take_while(|other| other.frame.arbitration_key() > key).count();
-        self.waiting.insert(place, pending).map_err(|_| EmbeddedError::TooManyInFlight)
+    fn mark(&mut self, token: Option<TxToken>, in_mailbox: bool) {
+        if let Some(pending) = self.frames.find_mut(|pending| Some(pending.token) == token) {
+            pending.in_mailbox = in_mailbox;
+        }
+    }
+
+    /// Takes a frame, and answers it. One that is not there has its answer on the way.
+    fn settle(&mut self, token: TxToken, outcome: TxOutcome) -> Result<(), EmbeddedError<D::Error>> {
+        match self.frames.pop_where(|pending| pending.token == token) {
+            Some(pending) => self.answer(pending.token, outcome),
+            None => Ok(()),
+        }
     }
 
     fn answer(&mut self, token: TxToken, outcome: TxOutcome) -> Result<(), EmbeddedError<D::Error>> {
-        self.answers.push_back((token, outcome)).map_err(|_| EmbeddedError::TooManyInFlight)
+        self.answers.push((token, outcome)).map_err(|_| EmbeddedError::TooManyInFlight)
     }
 
     /// Takes note of what the driver has sent.
     fn confirm_sent(&mut self) -> Result<(), EmbeddedError<D::Error>> {
         while let Some((id, remote)) = self.driver.sent() {
-            if let Some(pending) = self.take_from_mailbox(id, remote) {
-                self.answer(pending.token, TxOutcome::Sent)?;
+            if let Some(token) = self.in_mailbox_as(id, remote) {
+                self.settle(token, TxOutcome::Sent)?;
             }
         }
         Ok(())
@@ -191,7 +208,7 @@ impl<D: Driver, const N: usize> EmbeddedPort<D, N> {
 
     /// The controller went away, and with it whatever it had.
     fn drop_all(&mut self) -> Result<(), EmbeddedError<D::Error>> {
-        while let Some(pending) = self.mailboxes.pop().or_else(|| self.waiting.pop()) {
+        while let Some(pending) = self.frames.pop() {
             self.answer(pending.token, TxOutcome::Dropped)?;
         }
         Ok(())
@@ -200,13 +217,13 @@ impl<D: Driver, const N: usize> EmbeddedPort<D, N> {
     fn next_input(&mut self) -> Result<Option<Input>, EmbeddedError<D::Error>> {
         self.confirm_sent()?;
         if self.answers.is_empty() {
-            let refused = self.refused.pop_front().map(LinkEvent::Refused);
+            let refused = self.refused.pop().map(LinkEvent::Refused);
             if let Some(event) = refused.or_else(|| self.driver.event()) {
                 return self.link(event).map(Some);
             }
             self.fill_mailboxes()?;
         }
-        if let Some((token, outcome)) = self.answers.pop_front() {
+        if let Some((token, outcome)) = self.answers.pop() {
             return Ok(Some(Input::TxDone(token, outcome)));
         }
         loop {
@@ -244,32 +261,24 @@ impl<D: Driver, const N: usize> Port for EmbeddedPort<D, N> {
         if self.in_flight() >= N {
             return Err(EmbeddedError::TooManyInFlight);
         }
-        self.enqueue(Pending { token, frame })?;
+        let pending = Pending { token, frame, in_mailbox: false };
+        self.frames.push(pending).map_err(|_| EmbeddedError::TooManyInFlight)?;
         self.fill_mailboxes()
     }
 
     fn withdraw(&mut self, token: TxToken) -> Result<(), Self::Error> {
-        if let Some(place) = self.waiting.iter().position(|pending| pending.token == token) {
-            self.waiting.remove(place);
-            return self.answer(token, TxOutcome::Withdrawn);
-        }
-        let Some(place) = self.mailboxes.iter().position(|pending| pending.token == token) else {
-            // Its answer is on the way.
+        let pending = self.frames.iter().find(|pending| pending.token == token);
+        if pending.is_some_and(|pending| pending.in_mailbox && !self.driver.abort(&pending.frame)) {
             return Ok(());
-        };
-        let aborted = self.mailboxes.get(place).is_some_and(|pending| self.driver.abort(&pending.frame));
-        if aborted {
-            self.mailboxes.remove(place);
-            self.answer(token, TxOutcome::Withdrawn)?;
         }
-        Ok(())
+        self.settle(token, TxOutcome::Withdrawn)
     }
 
     fn command(&mut self, command: LinkCommand) -> Result<(), Self::Error> {
         // What was sent before the command was sent, whatever the command does.
         self.confirm_sent()?;
         if !self.driver.command(&command) {
-            return self.refused.push_back(command.kind()).map_err(|_| EmbeddedError::TooManyRefused);
+            return self.refused.push(command.kind()).map_err(|_| EmbeddedError::TooManyRefused);
         }
         if matches!(command, LinkCommand::Reset | LinkCommand::SetMode(_)) {
             self.drop_all()?;

@@ -89,6 +89,14 @@ impl<T, const N: usize> Queue<T, N> {
         found
     }
 
+    /// The first element that `is_wanted`, to change it where it is.
+    pub fn find_mut(&mut self, is_wanted: impl Fn(&T) -> bool) -> Option<&mut T> {
+        let is_wanted_at =
+            |place: &usize| self.slots.get(*place).and_then(Option::as_ref).is_some_and(&is_wanted);
+        let place = (0..self.len).map(|index| self.place(index)).find(is_wanted_at)?;
+        self.slots.get_mut(place)?.as_mut()
+    }
+
     /// The elements in their order.
     pub fn iter(&self) -> impl Iterator<Item = &T> {
         (0..self.len).filter_map(|index| self.slots.get(self.place(index))?.as_ref())
@@ -204,6 +212,13 @@ mod tests {
                         prop_assert_eq!(queue.push(element), Ok(()));
                     }
                     Some(element) => prop_assert_eq!(queue.push(element), Err(element)),
+                    None if model.len() == 3 => {
+                        let wanted = |element: &u8| *element > 100;
+                        let change = |element: &mut u8| { *element -= 100; *element };
+                        let found = model.iter_mut().find(|element| wanted(element)).map(change);
+                        prop_assert_eq!(queue.find_mut(wanted).map(change), found);
+                        prop_assert_eq!(queue.pop(), model.pop_front());
+                    }
                     None if model.len() == 2 => {
                         queue.drop_first();
                         model.pop_front();
