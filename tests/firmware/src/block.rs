@@ -7,12 +7,17 @@ use cip_core::identity::{DeviceIdentity, ProductName, Revision};
 use cip_core::message::AllocationChoice;
 use cip_core::object::Identity;
 use devicenet_core::MacId;
-use devicenet_core::slave::{Application, Config, Group2OnlyServer, IoKind, Parts, PollOnly};
+use devicenet_core::slave::{Application, Config, Group2OnlyServer, InvalidSlave, IoKind, Parts, PollOnly};
+use link_core::embedded::EmbeddedPort;
 
+use crate::chip::{Chip, run_loop};
 use crate::drive;
 
 /// The slave with the parts that these bits stand for.
 pub type Server<const PARTS: u16> = Group2OnlyServer<Block<PARTS>, 32>;
+
+/// A port for it.
+pub type ServerPort = EmbeddedPort<Chip, { Server::<0>::MAX_IN_FLIGHT }>;
 
 /// Its application.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
@@ -42,10 +47,20 @@ impl<const PARTS: u16> Application for Block<PARTS> {
 
 /// Runs it for ever.
 pub fn run<const PARTS: u16>() -> ! {
-    let config = Config::new(black_box(&DEVICE), MacId::DEFAULT);
-    let block = Block { inputs: black_box([0; 2]), outputs: [0] };
-    let Ok(mut slave) = Server::<PARTS>::new(config, block) else { loop {} };
+    let Ok(mut slave) = server::<PARTS>() else { loop {} };
     drive(&mut slave)
+}
+
+/// The same by the run loop of `link_core`, on a port.
+pub fn run_on_port<const PARTS: u16>() -> ! {
+    let Ok(mut slave) = server::<PARTS>() else { loop {} };
+    run_loop(&mut slave, &mut ServerPort::new(Chip))
+}
+
+#[inline(always)]
+fn server<const PARTS: u16>() -> Result<Server<PARTS>, InvalidSlave> {
+    let config = Config::new(black_box(&DEVICE), MacId::DEFAULT);
+    Server::new(config, Block { inputs: black_box([0; 2]), outputs: [0] })
 }
 
 /// A fictitious device.
