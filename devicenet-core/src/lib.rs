@@ -95,6 +95,57 @@
 //! }
 //! ```
 //!
+//! # A loop of one's own
+//!
+//! While [`drive`](link_core::drive()) runs, only an event leads to the machine. A slave whose inputs are sampled, or one
+//! that tells no events, is driven by [`drain`](link_core::drain), which is what that loop does between two waits:
+//!
+//! ```
+//! use core::convert::Infallible;
+//! use core::ops::ControlFlow;
+//! use core::time::Duration;
+//! # use cip_core::message::AllocationChoice;
+//! # use cip_core::identity::DeviceIdentity;
+//! # use cip_core::object::Identity;
+//! # use devicenet_core::slave::{Application, IoKind, PollOnly};
+//! use devicenet_core::slave::{Event, Group2OnlyServer};
+//! use link_core::{Deadline, Machine, Port, drain};
+//!
+//! # #[derive(Clone, PartialEq, Eq, Hash, Debug)]
+//! # struct Block { device: DeviceIdentity, inputs: [u8; 1], outputs: [u8; 1] }
+//! # impl Application for Block {
+//! #     const IO: AllocationChoice = AllocationChoice::POLL;
+//! #     type Long = PollOnly;
+//! #     fn identity(&self) -> Identity<'_> { Identity::new(&self.device) }
+//! #     fn produced(&self, _: IoKind) -> &[u8] { &self.inputs }
+//! #     fn consumed(&mut self, _: IoKind) -> &mut [u8] { &mut self.outputs }
+//! # }
+//! # struct Pins;
+//! # impl Pins { fn read(&self) -> u8 { 0 } fn write(&mut self, _: u8) {} }
+//! # fn note(_: Event) {}
+//! type Slave = Group2OnlyServer<Block>; // `Block`: one byte in, one byte out, by poll
+//!
+//! /// Returns when the port fails for good.
+//! fn run<P: Port>(slave: &mut Slave, port: &mut P, pins: &mut Pins) -> Result<Infallible, P::Error> {
+//!     let mut on_event = |_: &mut Slave, _now, event| {
+//!         note(event);
+//!         ControlFlow::<Infallible>::Continue(())
+//!     };
+//!     let mut now = port.now();
+//!     loop {
+//!         let ControlFlow::Continue(()) = drain(slave, port, now, &mut on_event)?;
+//!         // The bus may be silent. A tick that the slave has not asked for changes nothing.
+//!         let sample = Deadline { at: now + Duration::from_millis(10), why: "inputs to sample" };
+//!         let input;
+//!         (now, input) = port.wait(Deadline::earlier(slave.deadline(), Some(sample)))?;
+//!         slave.input(now, input);
+//!         pins.write(slave.application().outputs[0]);
+//!         // After the input: if that was a poll command, the response already has this sample.
+//!         slave.application_mut().inputs = [pins.read()];
+//!     }
+//! }
+//! ```
+//!
 //! # What the bus may do to it
 //!
 //! Any frame, in any state, at any time: nothing panics, nothing is allocated, and the work for one input is bounded. A

@@ -54,7 +54,8 @@ pub trait Port {
 /// Runs a machine on a port until `on_event` breaks or the port fails.
 ///
 /// `on_event` is called with the machine between two actions, so it may give commands; what they cause leaves with the
-/// next [`poll`](Machine::poll).
+/// next [`poll`](Machine::poll). Nothing else can reach the machine: a program that has something for it between two events,
+/// such as inputs that it samples, makes the loop itself, around [`drain`].
 ///
 /// # Errors
 /// The first error of the port.
@@ -81,10 +82,35 @@ where
 }
 
 /// Carries out everything that is pending in `machine`: what [`drive`](drive()) does between two waits, for a loop that
-/// has other things to wait for too.
+/// has other things to wait for or to do too.
+///
+/// `now` is the moment of the last input, and that of the port before the first.
 ///
 /// # Errors
 /// The first error of the port.
+///
+/// ```
+/// use core::convert::Infallible;
+/// use core::ops::ControlFlow;
+/// use link_core::{Machine, Port, drain};
+///
+/// /// Returns when the port fails for good.
+/// fn run<M: Machine, P: Port>(
+///     machine: &mut M,
+///     port: &mut P,
+///     mut work: impl FnMut(&mut M),
+/// ) -> Result<Infallible, P::Error> {
+///     let mut now = port.now();
+///     loop {
+///         let mut on_event = |_: &mut M, _, _| ControlFlow::<Infallible>::Continue(());
+///         let ControlFlow::Continue(()) = drain(machine, port, now, &mut on_event)?;
+///         let input;
+///         (now, input) = port.wait(machine.deadline())?;
+///         machine.input(now, input);
+///         work(machine);
+///     }
+/// }
+/// ```
 pub fn drain<M, P, B>(
     machine: &mut M,
     port: &mut P,

@@ -6,7 +6,8 @@
 //! A protocol core is a [`Machine`]: it takes frames, link events and ticks as [`Input`], and hands out
 //! [`Action`]s. It owns no socket, no clock, no queue of frames and no memory but its own fields. A transport is
 //! a [`Port`]: it sends what it is told to send, says when that was *on the bus*, and waits until the machine's
-//! deadline. [`drive`](drive()) joins the two, and is the only run loop.
+//! deadline. [`drive`](drive()) joins the two, and is the only run loop; [`drain`] is what it does between two waits, for a
+//! program that has other things to do then.
 //!
 //! | module | what |
 //! |---|---|
@@ -96,7 +97,7 @@ pub mod time;
 pub mod timers;
 pub mod wire;
 
-pub use drive::{Port, drive};
+pub use drive::{Port, drain, drive};
 pub use edge::{Edge, NumberedEdge};
 pub use embedded_can_types::{ExtendedId, Id, StandardId};
 pub use filter::{Filter, FilterSet};

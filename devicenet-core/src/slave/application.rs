@@ -130,7 +130,8 @@ bitflags::bitflags! {
         /// [rest](Application::rest) if nothing keeps them up to date, and at [`Slave`](super::Slave). A Reset, which is that of
         /// a power cycle, is then the slave's alone, and the effects of objects are nobody's. What has more to tell needs it:
         /// reports, the events of indicators, and what is to be stored, which are settings, the heartbeat, optional
-        /// attributes and a bit rate that was detected.
+        /// attributes and a bit rate that was detected. With or without it, a program looks between two waits of a
+        /// [loop of its own](crate#a-loop-of-ones-own).
         const EVENTS = 1 << 12;
     }
 }
