@@ -2,6 +2,8 @@
 
 use std::string::ToString;
 
+use cip_core::identity::Revision;
+
 use super::super::*;
 use super::bus::{Bus, config, mac, polled};
 
@@ -153,15 +155,20 @@ fn a_slave_that_does_not_match_the_key() {
         (3, "8E 08 00", "not as expected: device type 8, the scan list says 7", "electronic key mismatch"),
         (4, "8E 2B 00", "not as expected: product code 43, the scan list says 42", "electronic key mismatch"),
         (2, "8E E7", "not as expected: vendor not told, the scan list says 999", "electronic key mismatch"),
+        (5, "8E 02 02", "not as expected: revision 2.2, the scan list says 1.2", "electronic key mismatch"),
+        (5, "8E 01 01", "not as expected: revision 1.1, the scan list says 1.2", "electronic key mismatch"),
         (2, "94 14 FF", "refused: error 0x14 Attribute not supported", "refused"),
     ] {
-        let mut bus = Bus::online(config(), &[polled()]);
+        let revision = (steps == 5).then_some(Revision { major: 1, minor: 2 });
+        let key = ElectronicKey { revision, ..polled().key };
+        let mut bus = Bus::online(config(), &[ScanEntry { key, ..polled() }]);
         let script = [
             ("5FE: 04 4B 03 01 01 04", "CB 00"),
             ("5FC: 44 10 05 01 0C 03", "90"),
             ("5FC: 04 0E 01 01 01", "8E E7 03"),
             ("5FC: 44 0E 01 01 02", "8E 07 00"),
             ("5FC: 04 0E 01 01 03", "8E 2A 00"),
+            ("5FC: 44 0E 01 01 04", "8E 01 02"),
         ];
         for (place, (request, answer)) in script.iter().enumerate().take(steps + 1) {
             bus.sends(request);
@@ -170,6 +177,12 @@ fn a_slave_that_does_not_match_the_key() {
         }
         bus.tells(&std::format!("slave 63: {told}"));
         bus.tells(&std::format!("slave 63: Configuring -> Waiting: {cause}"));
+        let status = if cause == "refused" {
+            ScannerStatus::INITIALISATION_REFUSED
+        } else {
+            ScannerStatus::WRONG_DEVICE
+        };
+        bus.is(63, SlaveState::Waiting, status);
         let xid = if steps % 2 == 0 { "44" } else { "04" };
         bus.sends(&std::format!("5FE: {xid} 4C 03 01 01"));
         bus.hears(&std::format!("5FB: {xid} CC"));

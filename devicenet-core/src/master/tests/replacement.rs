@@ -104,6 +104,12 @@ fn two_devices_at_63_are_not_chosen_between() {
     bus.hears("5FF: 00 E7 03 45 33 22 11");
     answers(&mut bus, "8E 2A 00");
     bus.tells("replacement: several devices were heard at MAC ID 63");
+    bus.is(10, SlaveState::Waiting, ScannerStatus::REPLACEMENT_FAILED);
+    bus.sends("5FE: 44 4C 03 01 01");
+    bus.hears("5FB: 44 CC");
+    bus.sends_nothing();
+    bus.wait(4999);
+    bus.sends_nothing();
 }
 
 #[test]
