@@ -9,7 +9,7 @@ use link_core::Instant;
 
 use super::board::NotAdded;
 use super::event::{Counters, SlaveCounters};
-use super::machine::Master;
+use super::machine::{Master, Timer};
 use super::scan_list::{IoInstance, ScanEntry, ScanListError};
 use super::slot::{Output, Sending, Slot, SlotTimer, TalkStage};
 
@@ -317,6 +317,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
     /// | 92 | the link is down |
     /// | 79 | nobody acknowledges what it sends |
     /// | 84 | it checks its MAC ID |
+    /// | 74 | its controller has lost frames in the last ten seconds |
     /// | 75, 76 | the scan list is empty; with 76 other nodes were heard |
     /// | 80 | it is idle |
     #[must_use]
@@ -327,6 +328,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             None if self.access().state().kind() == StateKind::NonExistent => ScannerStatus::NO_NETWORK_POWER,
             None if self.unacknowledged => ScannerStatus::TRANSMIT_FAILED,
             None if !self.on_line => ScannerStatus::INITIALISING,
+            None if self.timers.at(Timer::Overrun).is_some() => ScannerStatus::DATA_OVERRUN,
             None if self.board.listed().is_empty() && self.counters.unrelated == 0 => {
                 ScannerStatus::NO_TRAFFIC
             }

@@ -41,7 +41,7 @@ pub struct Master<const SLAVES: usize, const MESSAGE: usize> {
     pub(super) candidate: Candidate<MESSAGE>,
     pub(super) cycle: Cycle,
     pub(super) lanes: Lanes,
-    pub(super) timers: Timers<Timer, 4>,
+    pub(super) timers: Timers<Timer, 5>,
     pub(super) counters: Counters,
     /// Missing responses of the scan that was completed.
     pub(super) scan_done: Option<u8>,
@@ -51,7 +51,7 @@ pub struct Master<const SLAVES: usize, const MESSAGE: usize> {
     pub(super) unacknowledged: bool,
 }
 
-/// The waits of the scan, and one of the explicit lane.
+/// The waits of the scan, one of the explicit lane, and one of the scanner status.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum Timer {
     Interscan,
@@ -59,12 +59,19 @@ pub(super) enum Timer {
     Quiet,
     /// Requests to unconnected ports wait after a collision.
     BackOff,
+    /// Frames were lost, and the status says so.
+    Overrun,
 }
 
-impl TimerKey<4> for Timer {
-    const ALL: [Self; 4] = [Self::Interscan, Self::ResponseWait, Self::Quiet, Self::BackOff];
-    const WHY: [&'static str; 4] =
-        ["interscan delay", "I/O responses", "frames of lower priority", "another master to go first"];
+impl TimerKey<5> for Timer {
+    const ALL: [Self; 5] = [Self::Interscan, Self::ResponseWait, Self::Quiet, Self::BackOff, Self::Overrun];
+    const WHY: [&'static str; 5] = [
+        "interscan delay",
+        "I/O responses",
+        "frames of lower priority",
+        "another master to go first",
+        "no more frames lost",
+    ];
 
     fn index(self) -> usize {
         match self {
@@ -72,6 +79,7 @@ impl TimerKey<4> for Timer {
             Self::ResponseWait => 1,
             Self::Quiet => 2,
             Self::BackOff => 3,
+            Self::Overrun => 4,
         }
     }
 }
@@ -201,7 +209,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
                 Timer::Interscan => self.cycle.delay_over = true,
                 Timer::ResponseWait => self.cycle.wait_over = true,
                 Timer::Quiet => self.cycle.quiet = true,
-                Timer::BackOff => {}
+                Timer::BackOff | Timer::Overrun => {}
             }
         }
         let own = self.access().mac_id();
@@ -264,12 +272,12 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
             LinkEvent::BusError(BusErrorKind::Ack) => self.unacknowledged = true,
             LinkEvent::Down | LinkEvent::BusOff => self.unacknowledged = false,
             LinkEvent::Refused(_) => count(&mut self.counters.refused),
+            LinkEvent::Overrun { .. } => self.timers.set_after(Timer::Overrun, OVERRUN_SHOWN),
             LinkEvent::ErrorWarning
             | LinkEvent::ErrorPassive
             | LinkEvent::ErrorActive
             | LinkEvent::BusError(_)
             | LinkEvent::Counters { .. }
-            | LinkEvent::Overrun { .. }
             | LinkEvent::ModeSet(_)
             | LinkEvent::FilterSet => {}
         }
@@ -335,3 +343,6 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         Some(MasterEvent::EventsLost { count })
     }
 }
+
+/// How long status 74 is shown after the last loss: no event says that all is well again.
+const OVERRUN_SHOWN: Duration = Duration::from_secs(10);

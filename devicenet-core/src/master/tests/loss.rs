@@ -272,6 +272,39 @@ fn the_scanners_own_status() {
     assert_eq!(bus.master.own_status(), ScannerStatus::BUS_OFF);
 }
 
+/// It is over ten seconds after the last loss, and goes before idle and normal.
+#[test]
+fn frames_that_the_controller_lost_are_a_status_for_a_while() {
+    let mut bus = Bus::checking(config(), &[polled()]);
+    let lost = Input::Link(LinkEvent::Overrun { lost: 3 });
+    bus.input(lost);
+    assert_eq!(bus.master.own_status(), ScannerStatus::INITIALISING);
+    let mut bus = Bus::running(config());
+    bus.input(lost);
+    assert_eq!(bus.master.own_status(), ScannerStatus::DATA_OVERRUN);
+    bus.is(63, SlaveState::Running, ScannerStatus::NORMAL);
+    assert_eq!(bus.master.access().counters().frames_lost, 3);
+    bus.command(|master, _| master.set_run(true));
+    bus.wait(6000);
+    bus.input(Input::Link(LinkEvent::Overrun { lost: 0 }));
+    bus.wait(9999);
+    assert_eq!(bus.master.own_status(), ScannerStatus::DATA_OVERRUN);
+    bus.wait(1);
+    assert_eq!(bus.master.own_status(), ScannerStatus::NORMAL);
+    bus.input(lost);
+    bus.input(Input::Link(LinkEvent::Down));
+    assert_eq!(bus.master.own_status(), ScannerStatus::NO_NETWORK_POWER);
+    bus.input(Input::Link(LinkEvent::Up));
+    assert_eq!(bus.master.own_status(), ScannerStatus::INITIALISING);
+    for _ in 0..2 {
+        while !bus.try_sends("427: 00 34 12 45 23 00 00") {
+            bus.takes();
+        }
+        bus.wait(1000);
+    }
+    assert_eq!(bus.master.own_status(), ScannerStatus::NORMAL);
+}
+
 /// A controller that gives everything back makes no storm, even of a scan without pauses.
 #[test]
 fn a_controller_that_gives_everything_back() {
