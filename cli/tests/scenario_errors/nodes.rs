@@ -290,3 +290,12 @@ identity = { vendor = 1, serial = 0xFFFF_FFFE }"#,
         r#"8:12: the serial numbers of 3 nodes rise beyond 0xFFFF_FFFF; expected a lower first"#,
     );
 }
+
+#[test]
+fn a_scan_list_without_its_master() {
+    refused(
+        BUS,
+        "[[node.scan]]\nmac = 1\n",
+        "2:3: `[[node.scan]]` belongs below a `[[node]]`, and there is none before it",
+    );
+}

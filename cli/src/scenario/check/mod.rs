@@ -82,6 +82,13 @@ pub(crate) fn toml_error(file: &str, text: &str, error: &toml::de::Error) -> Sce
 /// The words for a table where a list of tables is expected.
 fn one_of_a_list(text: &str, span: &Range<usize>) -> String {
     let found = text.get(span.start..).unwrap_or_default();
+    let before = text.get(..span.start).unwrap_or_default();
+    if let Some((list, _)) = found.split_once(']').and_then(|(header, _)| header.split_once('.'))
+        && before.ends_with("[[")
+    {
+        let header = found.split(']').next().unwrap_or_default();
+        return format!("`[[{header}]]` belongs below a `[[{list}]]`, and there is none before it");
+    }
     match found.strip_prefix('[').and_then(|header| header.split_once(']')) {
         Some((name, _)) => format!("`[{name}]` is one table; expected `[[{name}]]`, as many as there are"),
         None => "expected a list, such as [{ .. }]".to_owned(),
