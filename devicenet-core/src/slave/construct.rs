@@ -1,5 +1,7 @@
 //! Making a slave.
 
+use core::fmt;
+
 use cip_core::connection::{ExplicitConnection, TimerResolution};
 use cip_core::fragment::{IO_MESSAGE_MAX, IO_UNFRAGMENTED_LEN};
 use cip_core::identity::DeviceState;
@@ -27,9 +29,7 @@ use crate::id::MacId;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum InvalidSlave {
     /// See [`Application::Long`].
-    #[error(
-        "{connection} has {size} bytes, and there is room for {room}: let Application::Long be Fragmented<{size}>, at most 448"
-    )]
+    #[error(fmt = too_long)]
     TooLong {
         /// Which connection.
         connection: IoKind,
@@ -156,6 +156,15 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     }
 }
 
+fn too_long(connection: &IoKind, size: &usize, room: &usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    write!(f, "{connection} has {size} bytes, and ")?;
+    match connection {
+        IoKind::BitStrobe => f.write_str("a bit-strobe message never has more than 8"),
+        _ if *size > IO_MESSAGE_MAX => write!(f, "no I/O message is longer than {IO_MESSAGE_MAX}"),
+        _ => write!(f, "there is room for {room}: let Application::Long be Fragmented<{size}>"),
+    }
+}
+
 /// What the configuration asks for and has not by default.
 fn parts_of(config: &Config) -> Parts {
     let mut parts = Parts::empty();
@@ -207,3 +216,23 @@ const TELLING: Parts = Parts::SETTINGS
     .union(Parts::BIT_RATE_DETECTION)
     .union(Parts::INDICATOR_EVENTS)
     .union(Parts::REPORTS);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::string::ToString;
+
+    #[test]
+    fn what_is_too_long_is_told_with_what_helps() {
+        let told = |connection, size| InvalidSlave::TooLong { connection, size, room: 8 }.to_string();
+        assert_eq!(
+            told(IoKind::Poll, 9),
+            "poll has 9 bytes, and there is room for 8: let Application::Long be Fragmented<9>"
+        );
+        assert_eq!(
+            told(IoKind::BitStrobe, 9),
+            "bit-strobe has 9 bytes, and a bit-strobe message never has more than 8"
+        );
+        assert_eq!(told(IoKind::Poll, 500), "poll has 500 bytes, and no I/O message is longer than 448");
+    }
+}

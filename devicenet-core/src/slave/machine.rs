@@ -23,7 +23,8 @@ use crate::id::Identifier;
 
 /// A slave; see the [module](super) text.
 ///
-/// `MESSAGE` is the longest explicit message, from the service byte on. `DYNAMIC` is how many explicit connections
+/// `MESSAGE` is the longest explicit message, from the service byte on. The product name takes two bytes more than it has
+/// characters; an attribute that has no room is answered with error 0x11. `DYNAMIC` is how many explicit connections
 /// clients can open through the UCMM; with 0 it is a [`Group2OnlyServer`].
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 // In this order the code is shortest, as in `Node`.
