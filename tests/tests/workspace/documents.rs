@@ -127,3 +127,33 @@ fn the_scenario_of_the_readme_runs_and_its_expectation_holds() {
     let outcome = simulate::outcome(&scenario, simulate::Settings::default());
     assert!(outcome.verdict.failures.is_empty(), "{:?}", outcome.verdict);
 }
+
+/// What a machine takes on a microcontroller, as the table of results has it.
+#[test]
+fn the_readme_has_the_sizes_of_the_results() {
+    let (readme, results) = (read("README.md"), read("docs/results.md"));
+    let readme = readme.split_whitespace().collect::<Vec<_>>().join(" ");
+    for (machine, before) in [("bare", "network access takes "), ("small", "fragmented explicit messages ")] {
+        let row = results
+            .lines()
+            .find(|line| line.starts_with(&format!("| `{machine}` |")) && line.ends_with("bytes |"));
+        let row = row
+            .and_then(|row| row.split('|').nth(2).zip(row.split('|').nth(4)))
+            .expect("a row of the machine");
+        let [code, ram] = [row.0, row.1].map(|cell| {
+            cell.chars()
+                .filter(char::is_ascii_digit)
+                .collect::<String>()
+                .parse::<u32>()
+                .expect("a number of bytes")
+        });
+        let told = readme.split(before).nth(1).expect(before);
+        let kilobytes = format!("{:.1} KB", f64::from(code) / 1000.0);
+        assert!(told.starts_with(&kilobytes), "{machine}: {kilobytes}, but README has {told:.20}");
+        let ram = format!(" and {ram} bytes");
+        assert!(
+            told.split(';').next().is_some_and(|told| told.replace(" of flash", "").contains(&ram)),
+            "{machine}:{ram}"
+        );
+    }
+}
