@@ -21,6 +21,10 @@ trace!(
     a_tool_recovers,
     "offline-tool", "ownership, Who, Identify, Change_MAC_ID, and a rival that gives way"
 );
+trace!(
+    the_owner_of_an_offline_recovery_dies,
+    "offline-owner-lost", "two claims in the same bit, one owner, whose silence gives the set to the other"
+);
 trace!(a_scan_list_that_is_wrong, "wrong-devices", "scanner status 73, 77, 78 and 83");
 trace!(a_bit_rate_is_detected, "auto-bit-rate", "the slave listens, finds 500 kbit/s, and is brought up");
 

@@ -175,6 +175,7 @@ const OTHERS: &[(&str, &[Found])] = &[
     ("lone", &[(Rule::ErrorPassive, Some(10)), (Rule::NotAcknowledged, None)]),
     ("lone-until-another-comes", &[(Rule::ErrorPassive, Some(10))]),
     ("master-lost", &[(Rule::MasterSilent, Some(1)), (Rule::Restarted, Some(1))]),
+    ("offline-owner-lost", &[(Rule::DuplicateMacId, Some(10))]),
     ("offline-repair", &[(Rule::DuplicateMacId, Some(10)), (Rule::WaitingForRecovery, Some(10))]),
     ("offline-tool", &[(Rule::DuplicateMacId, Some(10)), (Rule::WaitingForRecovery, Some(10))]),
     ("quick-connect", &[]),
