@@ -95,8 +95,11 @@ bitflags::bitflags! {
         /// The shutdown message: [`SHUTDOWN_MESSAGE`](super::Options::SHUTDOWN_MESSAGE).
         const SHUTDOWN_MESSAGE = 1 << 3;
         /// Choices other than the defaults: [`options`](super::Config::options), [`failures`](super::Config::failures),
-        /// [`resolution`](super::Config::resolution) and [`receive_time_out`](super::Config::receive_time_out), and those of
-        /// [network access](crate::access::Config). Without it every millisecond is an expected packet rate: none is rounded.
+        /// [`resolution`](super::Config::resolution) and [`receive_time_out`](super::Config::receive_time_out); of network
+        /// access, [`accept_bad_dlc`](crate::access::Config::accept_bad_dlc),
+        /// [`bus_off_while_checking`](crate::access::Config::bus_off_while_checking),
+        /// [`same_mac_id_restarts`](crate::access::Config::same_mac_id_restarts) and
+        /// [`counter_set_mode`](crate::access::Config::counter_set_mode). Without it no expected packet rate is rounded.
         const CHOICES = 1 << 4;
         /// What a DeviceNet object need not have: the attributes 6 to 10 and 12, which are
         /// [switches](super::Slave::set_switches), [Quick Connect](crate::access::Config::quick_connect) and

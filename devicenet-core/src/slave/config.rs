@@ -34,12 +34,12 @@ use cip_core::identity::DeviceIdentity;
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Config {
-    /// Of network access. Its identity must be that of the application's Identity object.
+    /// Of network access. Its identity counts for nothing: that of the application's Identity object is used.
     pub access: access::Config,
     /// The bit rate: DeviceNet object, attribute 2.
     pub bit_rate: BitRateConfig,
     /// The steps in which connections count time. Default: 10 ms; without
-    /// [`Parts::CHOICES`](super::Parts::CHOICES) a slave counts each.
+    /// [`Parts::CHOICES`](super::Parts::CHOICES) it is 1 ms.
     pub resolution: TimerResolution,
     /// How some errors are answered.
     pub failures: FailureOptions,

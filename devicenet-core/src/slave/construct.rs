@@ -176,8 +176,9 @@ fn parts_of(config: &Config) -> Parts {
         || !config.access.same_mac_id_restarts
         || config.access.bus_off_while_checking != BusOffWhileChecking::default()
         || config.access.counter_set_mode != CounterSetMode::default();
-    let times =
-        config.resolution != TimerResolution::DEFAULT || config.receive_time_out != RECEIVE_TIME_OUT_MILLIS;
+    // A slave without that part has the finest, whichever of the two its configuration says.
+    let coarse = !matches!(config.resolution, TimerResolution::DEFAULT | TimerResolution::FINEST);
+    let times = coarse || config.receive_time_out != RECEIVE_TIME_OUT_MILLIS;
     let others = access_choices || times || config.failures != FailureOptions::default();
     parts.set(Parts::CHOICES, choices || others);
     parts.set(Parts::OPTIONAL_ATTRIBUTES, config.access.quick_connect);

@@ -1,5 +1,5 @@
-//! What the objects of a slave look at and change: the instances of the Connection object, each with the one door through which it
-//! changes its state, who owns them, network access, the application.
+//! What the objects of a slave look at and change, with the one door through which each instance of the Connection object changes
+//! its state.
 
 use cip_core::connection::{
     ExplicitCause, ExplicitConnection, ExplicitState, IoCause, IoConnection, IoState, PredefinedConnection,
@@ -25,9 +25,8 @@ use super::timer::Timer;
 use crate::access::Access;
 use crate::id::{Identifier, MacId};
 
-/// Everything in a slave that its objects look at and change.
-///
-/// What is asked most comes first: a Cortex-M0 reaches the first 32 bytes from a pointer in one short instruction.
+/// The connections, who owns them, network access, the application. What is asked most comes first: a Cortex-M0 reaches the first
+/// 32 bytes from a pointer in one short instruction.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 #[repr(C)]
 pub(super) struct Node<A: Application, const DYNAMIC: usize> {
@@ -110,7 +109,7 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         if A::PARTS.contains(Parts::CHOICES) { self.failures } else { FailureOptions::default() }
     }
 
-    /// The steps in which connections count time. Without [`Parts::CHOICES`] they are constants too.
+    /// The steps in which connections count time. Without [`Parts::CHOICES`], 1 ms.
     pub(super) fn resolution(&self) -> TimerResolution {
         if A::PARTS.contains(Parts::CHOICES) { self.resolution } else { TimerResolution::FINEST }
     }

@@ -48,13 +48,14 @@ fn what_is_left_out_cannot_be_configured() {
         Group2OnlyServer::<Small>::new(config, Small(block())).err()
     };
     assert_eq!(refused(|_| {}), None);
+    assert_eq!(refused(|config| config.resolution = TimerResolution::FINEST), None);
     let cases: [(Change, Parts); 12] = [
         (|config| config.bit_rate.detect = true, Parts::BIT_RATE_DETECTION),
         (|config| config.heartbeat_interval = Some(0), Parts::HEARTBEAT),
         (|config| config.options.insert(Options::SHUTDOWN_MESSAGE), Parts::SHUTDOWN_MESSAGE),
         (|config| config.options.insert(Options::ANSWER_SHORT_BODY), Parts::CHOICES),
         (|config| config.failures.group_2_only_failure = true, Parts::CHOICES),
-        (|config| config.resolution = TimerResolution::new(1).unwrap(), Parts::CHOICES),
+        (|config| config.resolution = TimerResolution::new(2).unwrap(), Parts::CHOICES),
         (|config| config.receive_time_out = 100, Parts::CHOICES),
         (|config| config.access.accept_bad_dlc = false, Parts::CHOICES),
         (|config| config.access.same_mac_id_restarts = false, Parts::CHOICES),
