@@ -13,6 +13,8 @@
 
 use core::num::NonZeroU16;
 
+use link_core::timers::TimerSet;
+
 use super::TimeoutMultiplier;
 
 /// What is to be done with the inactivity timer (watchdog) of a connection.
@@ -24,15 +26,31 @@ pub enum Watchdog {
     Keep,
     /// Let it run no longer.
     Stop,
-    /// Start it anew, for T.
+    /// Start it anew, for T; with a rate of 0 it does not run.
     Start,
     /// Start it for the first message: for T, but at least 10 s.
     StartFirst,
 }
 
 impl Watchdog {
+    /// Does with a timer what it says, for a connection with this expected packet rate and multiplier.
+    #[inline]
+    pub fn apply<K>(
+        self,
+        timers: &mut impl TimerSet<K>,
+        timer: K,
+        expected_packet_rate: u16,
+        multiplier: TimeoutMultiplier,
+    ) {
+        match self.millis(expected_packet_rate, multiplier) {
+            Some(millis) => timers.set_after_millis(timer, millis),
+            None if self != Self::Keep => timers.clear(timer),
+            None => {}
+        }
+    }
+
     /// When it expires, from now on, under the expected packet rate and the multiplier of the connection; `None`: it does not run.
-    /// Without a meaning for [`Keep`](Self::Keep).
+    /// `None` for [`Keep`](Self::Keep) too, which leaves the timer as it is.
     #[inline]
     pub const fn millis(self, expected_packet_rate: u16, multiplier: TimeoutMultiplier) -> Option<u32> {
         match self {
@@ -53,6 +71,9 @@ impl TimerResolution {
     /// 10 ms, the most common one.
     pub const DEFAULT: Self = Self::new(10).unwrap();
 
+    /// 1 ms, with which no rate is rounded.
+    pub const FINEST: Self = Self(NonZeroU16::MIN);
+
     /// A resolution of so many milliseconds; `None` for 0. Products have 2, 8, 10, 50 and 100 ms.
     pub const fn new(millis: u16) -> Option<Self> {
         match NonZeroU16::new(millis) {
@@ -60,9 +81,6 @@ impl TimerResolution {
             None => None,
         }
     }
-
-    /// 1 ms, with which no rate is rounded.
-    pub const FINEST: Self = Self(NonZeroU16::MIN);
 
     /// In milliseconds.
     pub const fn millis(self) -> u16 {
@@ -72,6 +90,7 @@ impl TimerResolution {
     /// The rate that the device uses when it is asked for `requested` milliseconds: the next multiple, 0 for 0; `None` if
     /// that does not fit into 16 bits.
     pub const fn round_up(self, requested: u16) -> Option<u16> {
+        // Where it is constant, that leaves no code for the rest; from the loop the compiler would not find out.
         if self.millis() == 1 {
             return Some(requested);
         }

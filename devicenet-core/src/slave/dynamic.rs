@@ -1,6 +1,6 @@
 //! Explicit connections that clients open through the UCMM: instances 6 and up of the Connection object.
 
-use cip_core::connection::{ExplicitCause, ExplicitConnection, ExplicitState, Settings, Watchdog};
+use cip_core::connection::{ExplicitCause, ExplicitConnection, ExplicitState, Settings};
 use cip_core::message::BodyFormat;
 use cip_core::object::Failure;
 use link_core::Instant;
@@ -108,12 +108,8 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
             self.changed.insert(Changed::CONNECTIONS);
         }
         if let Some(timers) = self.dynamic_timers.get_mut(usize::from(index)) {
-            let watchdog = result?;
-            match watchdog.millis(settings.expected_packet_rate(), settings.multiplier()) {
-                Some(millis) => timers.set_after_millis(Timer::Explicit, millis),
-                None if watchdog != Watchdog::Keep => timers.clear(Timer::Explicit),
-                None => {}
-            }
+            let (rate, multiplier) = (settings.expected_packet_rate(), settings.multiplier());
+            result?.apply(timers, Timer::Explicit, rate, multiplier);
         }
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! The inactivity timers of the connections: what starts them, and what happens when they run out.
+//! The inactivity timers of the connections of the predefined set: what starts them, and what happens when they run out.
 
 #[cfg(test)]
 use cip_core::connection::ExplicitState;
@@ -40,11 +40,8 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
     /// Does with a timer what its connection says.
     #[inline(never)]
     pub(super) fn apply(&mut self, timer: Timer, watchdog: Watchdog) {
-        match self.time_out(timer, watchdog) {
-            Some(millis) => self.timers.set_after_millis(timer, millis),
-            None if watchdog != Watchdog::Keep => self.timers.clear(timer),
-            None => {}
-        }
+        let (rate, multiplier) = self.timing(timer);
+        watchdog.apply(&mut self.timers, timer, rate, multiplier);
     }
 
     /// The same, where messages come so often that a call counts.
@@ -53,23 +50,24 @@ impl<A: Application, const DYNAMIC: usize> Node<A, DYNAMIC> {
         if !A::PARTS.contains(Parts::FAST_WAYS) {
             return self.apply(timer, watchdog);
         }
-        match self.time_out(timer, watchdog) {
+        let (rate, multiplier) = self.timing(timer);
+        match watchdog.millis(rate, multiplier) {
             Some(millis) => self.timers.set_after_millis_inline(timer, millis),
             None if watchdog != Watchdog::Keep => self.timers.clear(timer),
             None => {}
         }
     }
 
-    /// After how many milliseconds the connection of a timer is over.
+    /// What the time-out of the connection of a timer follows from.
     #[inline]
-    fn time_out(&self, timer: Timer, watchdog: Watchdog) -> Option<u32> {
+    fn timing(&self, timer: Timer) -> (u16, TimeoutMultiplier) {
         let settings = match timer {
             Timer::Io(kind) => self.io(kind).settings(),
             _ => self.explicit.settings(),
         };
         let multiplier =
             if has_optional_attributes::<A>() { settings.multiplier() } else { TimeoutMultiplier::default() };
-        watchdog.millis(settings.expected_packet_rate(), multiplier)
+        (settings.expected_packet_rate(), multiplier)
     }
 
     /// The watchdog of an I/O connection has run out.

@@ -65,11 +65,5 @@ impl From<ProductionTimer> for Timer {
 
 /// Does with the inactivity timer what a connection with these settings says.
 pub(super) fn apply(timers: &mut Waits, settings: &Settings, watchdog: Watchdog) {
-    if watchdog == Watchdog::Keep {
-        return;
-    }
-    match watchdog.millis(settings.expected_packet_rate(), settings.multiplier()) {
-        Some(millis) => timers.set_after_millis(Timer::Watchdog, millis),
-        None => timers.clear(Timer::Watchdog),
-    }
+    watchdog.apply(timers, Timer::Watchdog, settings.expected_packet_rate(), settings.multiplier());
 }
