@@ -195,7 +195,8 @@ mod tests {
     }
 
     proptest! {
-        /// Against the queue of the standard library: numbers are pushed, `None` takes or drops the first, multiples of 50 are looked for.
+        /// Against the queue of the standard library: `None` takes the first, one more than a multiple of 5 drops it, multiples of
+        /// 50 are looked for, and all other numbers are pushed.
         #[test]
         fn it_is_a_queue(steps in prop::collection::vec(prop::option::of(0..200_u8), 0..40)) {
             let mut queue = Queue::<u8, 3>::new();
@@ -206,6 +207,10 @@ mod tests {
                         let found = model.iter().position(|element| *element > wanted);
                         let found = found.and_then(|index| model.remove(index));
                         prop_assert_eq!(queue.pop_where(|element| *element > wanted), found);
+                    }
+                    Some(drop) if drop % 5 == 1 => {
+                        queue.drop_first();
+                        model.pop_front();
                     }
                     Some(element) if model.len() < 3 => {
                         model.push_back(element);
@@ -218,10 +223,6 @@ mod tests {
                         let found = model.iter_mut().find(|element| wanted(element)).map(change);
                         prop_assert_eq!(queue.find_mut(wanted).map(change), found);
                         prop_assert_eq!(queue.pop(), model.pop_front());
-                    }
-                    None if model.len() == 2 => {
-                        queue.drop_first();
-                        model.pop_front();
                     }
                     None => prop_assert_eq!(queue.pop(), model.pop_front()),
                 }
