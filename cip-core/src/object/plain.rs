@@ -28,7 +28,8 @@ pub trait PlainObject {
         out: &mut Writer<'_>,
     ) -> Result<(), Failure>;
 
-    /// Carries out any other service, as [`Object::service`](super::Object::service) does.
+    /// Carries out any other service, as [`Object::service`](super::Object::service) does, but returns no effects: what is left
+    /// to do it notes itself.
     fn service(&mut self, call: &Call<'_>, out: &mut Writer<'_>) -> Result<(), Failure>;
 }
 

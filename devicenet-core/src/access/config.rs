@@ -19,7 +19,8 @@ use crate::message::{DeviceIdentity, PortNumber};
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Config {
-    /// Vendor ID and serial number, which tell this device from every other one.
+    /// Vendor ID and serial number, which tell this device from every other one. A [slave](crate::slave) takes them from its
+    /// Identity object instead.
     pub device: DeviceIdentity,
     /// The number of this DeviceNet port of the device.
     pub port: PortNumber,
@@ -31,7 +32,8 @@ pub struct Config {
     pub bus_off_interrupt: bool,
     /// The Quick Connect attribute (DeviceNet object, attribute 10) as stored. Default: off.
     pub quick_connect: bool,
-    /// Whether the node takes part in the offline connection set while a duplicate keeps it off line. Default: on.
+    /// Whether the node takes part in the offline connection set while a duplicate keeps it off line. Default: on. A slave
+    /// without [`Parts::OFFLINE_SET`](crate::slave::Parts::OFFLINE_SET) has it off.
     pub offline_set: bool,
     /// Whether a check message of a wrong length counts as a sign that somebody else uses the MAC ID. Default: yes, for
     /// whoever sends on that identifier does.

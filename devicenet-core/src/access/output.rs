@@ -47,7 +47,7 @@ impl Access {
         self.news::<P>().map(|told| Action::Event(event(told)))
     }
 
-    /// What its frame and the controller are told.
+    /// Withdraws its frame, or restarts the controller.
     pub(crate) fn command<E>(&mut self) -> Option<Action<E>> {
         if self.must_withdraw() {
             self.in_flight.as_mut()?.fate = Fate::Abandoned;

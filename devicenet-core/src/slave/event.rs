@@ -225,8 +225,8 @@ impl<Q: EventQueue> Events<Q> {
     }
 }
 
-/// The connections that have consumed data, and of which that is to be told: one bit for each. Beside the other events it would
-/// take four bytes.
+/// The connections whose received data are still to be told, one bit each. Apart from the [`Events`], where they
+/// would take four bytes of RAM instead of one.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
 pub(super) struct Received(u8);
 

@@ -61,7 +61,8 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
         }
         self.answers.clear();
         self.stop_heartbeat();
-        // Network access has its own, and that of the slave is set anew on line.
+        // Network access has its own, and that of the slave is set anew on line. `must_set_filter` relies on it that off line
+        // nobody asks for one.
         self.node.changed.remove(Changed::FILTER);
         // Whoever wanted to leave has left by other means; what was accepted is carried out all the same.
         self.leave();

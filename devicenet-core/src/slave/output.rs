@@ -56,7 +56,7 @@ impl<A: Application, const MESSAGE: usize, const DYNAMIC: usize> Slave<A, MESSAG
             }
             self.errand = Errand::None;
         }
-        // Where code counts, whether there is something to send is not asked before it is looked for.
+        // Without fast ways it is not asked beforehand whether there is something to send: less code.
         let may_send = if A::PARTS.contains(Parts::FAST_WAYS) {
             self.is_explicit_ready()
         } else {
