@@ -245,6 +245,7 @@ impl<const SLAVES: usize, const MESSAGE: usize> Master<SLAVES, MESSAGE> {
         if started.is_err() {
             // It is no response either.
             slot.talk.data.clear();
+            slot.close(&self.config, own);
         }
         started.map_err(CommandError::Request)
     }

@@ -210,7 +210,9 @@ impl<const N: usize> Slot<N> {
             Stage::Configuring(_) => {}
             Stage::Running => {
                 count(&mut self.counters.timeouts);
+                let opened = self.opened;
                 self.abandon_talk();
+                self.opened = opened;
             }
         }
         self.retreat(config, Cause::OwnedByAnother, ScannerStatus::INITIALISATION_REFUSED);

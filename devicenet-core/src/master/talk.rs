@@ -4,7 +4,7 @@
 //! allocated anew, which the owner may. With a UCMM-capable slave a connection is opened for the request and closed after
 //! it.
 
-use cip_core::code::GeneralStatus;
+use cip_core::code::{AttributeId, ClassId, GeneralStatus, InstanceId};
 use cip_core::codec::{Wire, Writer};
 use cip_core::message::{AllocationChoice, AttributeRequest, Request, Response};
 use heapless::Vec;
@@ -22,12 +22,12 @@ use crate::id::MacId;
 impl<const N: usize> Slot<N> {
     /// Asks what [`Slot::talk`] holds.
     pub(super) fn begin_talk(&mut self, config: &Config, own: MacId) -> Result<(), StartError> {
-        if self.ucmm {
+        if self.ucmm && self.opened.is_none() {
             self.connect(config, own);
             return Ok(());
         }
         self.ask_for_application()?;
-        self.talk.stage = TalkStage::Asking { reconnect: true };
+        self.talk.stage = TalkStage::Asking { reconnect: self.opened.is_none() };
         Ok(())
     }
 
@@ -86,6 +86,7 @@ impl<const N: usize> Slot<N> {
                 self.close(config, own);
             }
             TalkStage::Closing => self.talk.stage = TalkStage::Idle,
+            TalkStage::Verifying if self.ucmm => self.told_owner(config, own, response),
             TalkStage::Verifying => {
                 self.end_verification(config, own);
                 if refusal(response) == Cause::OwnedByAnother {
@@ -97,22 +98,54 @@ impl<const N: usize> Slot<N> {
     }
 
     /// Somebody else polls the slave. Either it is another master's, which this one has not heard, or that one has not heard
-    /// that it lost the slave: an Allocate of the explicit connection tells which. An application that asks something
-    /// meanwhile comes first; the next poll of the other is soon enough.
+    /// that it lost the slave: an Allocate of the explicit connection tells which, or the allocation information of a slave
+    /// that may have no unconnected port. An application that asks something meanwhile comes first; the next poll of the
+    /// other is soon enough.
     pub(super) fn verify_owner(&mut self, config: &Config, own: MacId) {
         let is_free = self.talk.stage == TalkStage::Idle && !self.conversation.is_busy();
-        if self.is_running() && !self.ucmm && is_free {
+        if self.is_running() && is_free {
+            self.connect(config, own);
             self.talk.stage = TalkStage::Verifying;
-            self.ask_port(config, own, &door::allocate_explicit(own), config.tries);
         }
     }
 
-    /// Back to the explicit connection, whatever the slave would have said.
+    /// With the UCMM: the connection is there, over which the slave is asked, or its answer.
+    fn told_owner(&mut self, config: &Config, own: MacId, response: &Response<'_>) {
+        if self.opened.is_none() {
+            let owner = AttributeRequest::get(ClassId::DEVICENET, InstanceId(1), ALLOCATION_INFORMATION);
+            let asked = self.reconnected(config, own, response)
+                && self.conversation.start_attribute(&owner, config.tries).is_ok();
+            self.keep_time();
+            if !asked {
+                self.leave_verification(config, own);
+            }
+            return;
+        }
+        match response {
+            // A slave that is nobody's answers no poll: its watchdog judges.
+            &Response::Success { data: &[_, owner], .. } if owner != own.number() && owner != NOBODY => {
+                self.taken_over(config, own);
+            }
+            Response::Success { .. } | Response::Error { .. } => self.leave_verification(config, own),
+        }
+    }
+
+    fn leave_verification(&mut self, config: &Config, own: MacId) {
+        self.end_verification(config, own);
+        self.close(config, own);
+    }
+
+    /// Back to the explicit connection, whatever the slave would have said. One that the UCMM opened for the question is left
+    /// to who asks next.
     pub(super) fn end_verification(&mut self, config: &Config, own: MacId) {
         if self.talk.stage == TalkStage::Verifying {
             self.talk.stage = TalkStage::Idle;
-            let route = Route::predefined(own, self.entry.mac_id, self.format);
-            self.conversation.reroute(route, config.connected);
+            if self.ucmm {
+                self.conversation.cancel();
+            } else {
+                let route = Route::predefined(own, self.entry.mac_id, self.format);
+                self.conversation.reroute(route, config.connected);
+            }
             self.keep_time();
         }
     }
@@ -154,7 +187,7 @@ impl<const N: usize> Slot<N> {
                 self.close(config, own);
             }
             (TalkStage::Closing, _) => self.talk.stage = TalkStage::Idle,
-            (TalkStage::Verifying, _) => self.end_verification(config, own),
+            (TalkStage::Verifying, _) => self.leave_verification(config, own),
             (TalkStage::Idle, _) => {}
         }
     }
@@ -177,7 +210,8 @@ impl<const N: usize> Slot<N> {
         self.raise(result.map_or_else(SlaveEvent::RequestFailed, |()| SlaveEvent::Response));
     }
 
-    fn close(&mut self, config: &Config, own: MacId) {
+    /// Closes what the UCMM opened for a request, or for one that could not be sent.
+    pub(super) fn close(&mut self, config: &Config, own: MacId) {
         if self.opened.is_some() {
             self.let_go(config, own, AllocationChoice::EXPLICIT);
             self.opened = None;
@@ -185,3 +219,8 @@ impl<const N: usize> Slot<N> {
         }
     }
 }
+
+/// BYTE allocation choice, USINT MAC ID of the master.
+const ALLOCATION_INFORMATION: AttributeId = AttributeId(5);
+/// The MAC ID of the master in it while there is none.
+const NOBODY: u8 = 255;

@@ -110,6 +110,123 @@ fn the_application_goes_before_the_question_whose_a_slave_is() {
     bus.tells("slave 63: Running -> Waiting: timed out");
 }
 
+/// Slave 63 was reached through the UCMM and runs; somebody else polls it.
+#[track_caller]
+fn verifying_by_ucmm() -> Bus {
+    let config = Config {
+        first_contact: FirstContact::Ucmm,
+        interscan_delay: core::time::Duration::from_secs(60),
+        ..config()
+    };
+    let mut bus = Bus::online(config, &[super::bus::polled()]);
+    for (request, response) in [
+        ("784: 3F 4B 02 34", "77F: 04 CB 00 04 06 00"),
+        ("704: 7F 0E 01 01 01", "73F: 44 8E E7 03"),
+        ("704: 3F 0E 01 01 02", "73F: 04 8E 07 00"),
+        ("704: 7F 0E 01 01 03", "73F: 44 8E 2A 00"),
+        ("704: 3F 4B 03 01 02 04", "73F: 04 CB 00"),
+        ("704: 7F 0E 05 02 07", "73F: 44 8E 02 00"),
+        ("704: 3F 0E 05 02 08", "73F: 04 8E 01 00"),
+        ("704: 7F 10 05 02 09 4B 00", "73F: 44 90 50 00"),
+        ("784: 3F 4C 06 00", "77F: 04 CC"),
+    ] {
+        bus.sends(request);
+        bus.hears(response);
+    }
+    bus.is(63, SlaveState::Running, ScannerStatus::NORMAL);
+    bus.events.clear();
+    bus.sends("5FD:");
+    bus.hears("3FF: 34 12");
+    bus.hears("5FD: 77");
+    bus.sends("784: 7F 4B 02 34");
+    bus
+}
+
+/// It may have no unconnected port; and the allocation of another over its connection was not heard.
+#[test]
+fn a_slave_behind_the_ucmm_that_another_polls_is_asked_whose_it_is() {
+    let mut bus = verifying_by_ucmm();
+    bus.hears("77F: 44 CB 00 04 07 00");
+    bus.sends("704: 3F 0E 03 01 05");
+    bus.hears("73F: 04 8E 02 05");
+    bus.tells("slave 63: Running -> Waiting: owned by another master");
+    bus.is(63, SlaveState::Waiting, ScannerStatus::INITIALISATION_REFUSED);
+    bus.sends("784: 7F 4C 07 00");
+    bus.hears("77F: 44 CC");
+    bus.wait(900);
+    bus.sends_nothing();
+    bus.wait(100);
+    bus.sends("784: 3F 4B 02 34");
+}
+
+/// Nobody's is left to the watchdog. What the slave does not tell is no reason to give it up.
+#[test]
+fn a_slave_behind_the_ucmm_that_is_this_masters_runs_on() {
+    for answer in ["8E 02 04", "8E 00 FF", "8E 05", "94 14 FF"] {
+        let mut bus = verifying_by_ucmm();
+        bus.hears("77F: 44 CB 00 04 07 00");
+        bus.sends("704: 3F 0E 03 01 05");
+        bus.hears(&std::format!("73F: 04 {answer}"));
+        bus.sends("784: 7F 4C 07 00");
+        bus.hears("77F: 44 CC");
+        bus.is(63, SlaveState::Running, ScannerStatus::NORMAL);
+        // The next poll of the other is another reason to ask.
+        bus.hears("5FD: 77");
+        bus.sends("784: 3F 4B 02 34");
+        // It has no connection left.
+        bus.hears("77F: 04 94 02 FF");
+        bus.is(63, SlaveState::Running, ScannerStatus::NORMAL);
+        bus.sends_nothing();
+    }
+}
+
+/// The connection that was opened for the question is that of the application's request, and closed after it, even if the
+/// request cannot be sent.
+#[test]
+fn the_application_goes_before_the_question_whose_a_slave_behind_the_ucmm_is() {
+    let vendor = AttributeRequest::get(ClassId::IDENTITY, InstanceId(1), AttributeId(1));
+    let mut bus = verifying_by_ucmm();
+    bus.hears("77F: 44 CB 00 04 07 00");
+    bus.sends("704: 3F 0E 03 01 05");
+    bus.command(|master, now| master.request_attribute(now, mac(63), &vendor, 1)).unwrap();
+    bus.sends("704: 7F 0E 01 01 01");
+    bus.hears("73F: 04 8E 02 05");
+    bus.is(63, SlaveState::Running, ScannerStatus::NORMAL);
+    bus.hears("73F: 44 8E E7 03");
+    bus.tells("slave 63: response");
+    bus.sends("784: 3F 4C 07 00");
+
+    let mut bus = verifying_by_ucmm();
+    bus.hears("77F: 44 CB 00 04 07 00");
+    bus.sends("704: 3F 0E 03 01 05");
+    let long = AttributeRequest::set(ClassId::IDENTITY, InstanceId(1), AttributeId(1), &[0; 40]);
+    bus.command(|master, now| master.request_attribute(now, mac(63), &long, 1)).unwrap_err();
+    bus.sends("784: 7F 4C 07 00");
+
+    // Before it is open, the request has one of its own.
+    let mut bus = verifying_by_ucmm();
+    bus.command(|master, now| master.request_attribute(now, mac(63), &vendor, 1)).unwrap();
+    bus.sends("784: 3F 4B 02 34");
+}
+
+/// Without an answer the watchdog judges, and the connection is closed.
+#[test]
+fn a_slave_behind_the_ucmm_that_does_not_say_whose_it_is() {
+    let mut bus = verifying_by_ucmm();
+    bus.hears("77F: 44 CB 00 04 07 00");
+    for _ in 0..2 {
+        bus.sends("704: 3F 0E 03 01 05");
+        for _ in 0..25 {
+            bus.hears("3FF: 34 12");
+            bus.wait(100);
+        }
+    }
+    bus.sends("784: 7F 4C 07 00");
+    bus.is(63, SlaveState::Running, ScannerStatus::NORMAL);
+    bus.wait(320);
+    bus.tells("slave 63: Running -> Waiting: timed out");
+}
+
 /// Two masters ask the same slave in the same bit: their requests would destroy each other until both are off the bus.
 #[test]
 fn a_request_that_collides_with_another_masters_is_sent_later() {
