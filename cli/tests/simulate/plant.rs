@@ -51,7 +51,7 @@ fn the_plant_is_printed_and_standard_input_is_read() {
         .expect("the program runs");
     // Only the built-in plant ends with its figures.
     let figures = stdout(&devicenet(&["simulate", "--summary"])).to_owned();
-    let trace = stdout(&read).split("\n\n34 of ").next().unwrap_or_default();
+    let trace = stdout(&read).split("\n\n35 of ").next().unwrap_or_default();
     let built_in = devicenet(&["simulate"]);
     assert!(stdout(&built_in).starts_with(trace) && stdout(&built_in).ends_with(&figures));
 }
