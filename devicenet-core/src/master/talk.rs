@@ -187,6 +187,13 @@ impl<const N: usize> Slot<N> {
                 self.close(config, own);
             }
             (TalkStage::Closing, _) => self.talk.stage = TalkStage::Idle,
+            // Nobody is at the door through which the slave was brought up, while another polls it: it may be another device. Bringing
+            // it up anew tries both doors.
+            (TalkStage::Verifying, Failure::NoResponse | Failure::NotAcknowledged)
+                if self.opened.is_none() =>
+            {
+                self.lost(Cause::TimedOut);
+            }
             (TalkStage::Verifying, _) => self.leave_verification(config, own),
             (TalkStage::Idle, _) => {}
         }

@@ -227,6 +227,23 @@ fn a_slave_behind_the_ucmm_that_does_not_say_whose_it_is() {
     bus.tells("slave 63: Running -> Waiting: timed out");
 }
 
+/// Its polls are answered, and nobody is at the door through which it was brought up: it may be another device, with another door.
+#[test]
+fn a_slave_whose_door_stays_closed_is_brought_up_anew() {
+    let mut bus = verifying_by_ucmm();
+    for tries in 1..=2 {
+        for _ in 0..10 {
+            bus.hears("3FF: 34 12");
+            bus.is(63, SlaveState::Running, ScannerStatus::NORMAL);
+            bus.wait(100);
+        }
+        if tries == 1 {
+            bus.sends("784: 7F 4B 02 34");
+        }
+    }
+    bus.tells("slave 63: Running -> Waiting: timed out");
+}
+
 /// Two masters ask the same slave in the same bit: their requests would destroy each other until both are off the bus.
 #[test]
 fn a_request_that_collides_with_another_masters_is_sent_later() {
